@@ -118,6 +118,7 @@ class GraphBuilder {
     }
     if (file_.template_pose) CheckPose(file_, *file_.template_pose, "the template");
     graph_.template_pose = file_.template_pose ? file_.template_pose->text : file_.poses[0].name;
+    CheckTemplateIsScanned();
     graph_.name_given = file_.name.has_value();
     graph_.name = file_.name ? file_.name->text : places_.project.filename().string();
     graph_.poses = PoseOrder(file_, graph_.template_pose);
@@ -127,6 +128,16 @@ class GraphBuilder {
     CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
+  }
+
+  void CheckTemplateIsScanned() const {
+    const PoseRule& pose = *file_.FindPose(graph_.template_pose);
+    if (pose.FoundBy() == Method::kScan) return;
+    Fail(pose.method->where,
+         fmt::format("pose '{}' is the template, the mesh that other poses are fitted with, so it "
+                     "needs a scan from photographs all round; delete `method: fit` there, or make "
+                     "another pose the template",
+                     pose.name));
   }
 
   void CheckPhotographs() const {
@@ -170,6 +181,15 @@ class GraphBuilder {
     rule_of_.push_back(&rule);
   }
 
+  /// Unless the step is only for poses that are found in another way.
+  void AddPoseInstance(const StepRule& rule, const std::string& pose,
+                       const std::string& source_pose) {
+    const Method found_by = file_.FindPose(pose)->FoundBy();
+    if (rule.method == StepMethod::kScan && found_by != Method::kScan) return;
+    if (rule.method == StepMethod::kFit && found_by != Method::kFit) return;
+    AddInstance(rule, pose, source_pose);
+  }
+
   void MakeInstances() {
     for (const StepRule& rule : file_.steps) {
       if (!rule.enabled) continue;
@@ -179,14 +199,14 @@ class GraphBuilder {
                          rule.name));
       switch (*rule.fan_out) {
         case FanOut::kPose:
-          for (const std::string& pose : graph_.poses) AddInstance(rule, pose, "");
+          for (const std::string& pose : graph_.poses) AddPoseInstance(rule, pose, "");
           break;
         case FanOut::kTemplate:
           AddInstance(rule, graph_.template_pose, "");
           break;
         case FanOut::kPair:
           for (std::size_t i = 1; i < graph_.poses.size(); ++i)
-            AddInstance(rule, graph_.poses[i], graph_.template_pose);
+            AddPoseInstance(rule, graph_.poses[i], graph_.template_pose);
           break;
         case FanOut::kAnimation:
           if (graph_.poses.size() > 1) AddInstance(rule, "", "");

@@ -27,6 +27,7 @@ struct InitOptions {
   std::string folder;
   std::vector<std::string> poses;  ///< NAME=PHOTO_DIR
   std::string template_pose;
+  std::vector<std::string> few, scan;  ///< names of poses: how they are found
 };
 ExitCode InitCommand(const InitOptions& options);
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "core/io/photograph_files.h"
+#include "core/size_of.h"
 #include "pipeline/commands.h"
 #include "pipeline/new_project.h"
 #include "pipeline/pipeline_file.h"
@@ -17,12 +19,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool IsMask(const fs::path& file) {
+  return file.has_parent_path() && file.parent_path().filename() == "masks";
+}
+
 struct NewPose {
   std::string name;
   fs::path photos;
   /// files to copy: photographs, and masks beside them; relative to `photos`
   std::vector<fs::path> files;
   std::vector<fs::path> ignored;  ///< files that are no photographs
+
+  /// RAW and JPEG of one shot count once, masks not at all.
+  int PhotographCount() const {
+    std::set<fs::path> shots;
+    for (const fs::path& file : files)
+      if (!IsMask(file)) shots.insert(file.parent_path() / file.stem());
+    return SizeOf(shots);
+  }
 };
 
 NewPose ParsePose(const std::string& text) {
@@ -40,10 +54,6 @@ NewPose ParsePose(const std::string& text) {
         fmt::format("--pose {}: {} is not a folder; name the folder of this pose's photographs",
                     text, pose.photos.string()));
   return pose;
-}
-
-bool IsMask(const fs::path& file) {
-  return file.has_parent_path() && file.parent_path().filename() == "masks";
 }
 
 /// Decides which files to copy.
@@ -78,10 +88,42 @@ void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
     throw UsageError("--pose: " + fault);
 }
 
-}  // namespace
+void RequirePoses(const std::vector<NewPose>& poses, const std::vector<std::string>& names,
+                  const char* flag) {
+  for (const std::string& name : names)
+    if (std::none_of(poses.begin(), poses.end(),
+                     [&](const NewPose& pose) { return pose.name == Composed(name); }))
+      throw UsageError(fmt::format("{} {}: there is no pose of that name", flag, name));
+}
 
-ExitCode InitCommand(const InitOptions& options) {
-  const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();
+/// The poses that the template is fitted to.
+/// @throws UsageError  the template is asked to be one of them, or a pose is asked to be both
+std::set<std::string> FewPhotographPoses(const std::vector<NewPose>& poses,
+                                         const std::string& template_pose,
+                                         const InitOptions& options) {
+  const auto names = [](const std::vector<std::string>& list) {
+    std::set<std::string> set;
+    for (const std::string& name : list) set.insert(Composed(name));
+    return set;
+  };
+  std::set<std::string> few = names(options.few);
+  const std::set<std::string> scan = names(options.scan);
+  if (few.contains(template_pose))
+    throw UsageError(fmt::format(
+        "--few {0}: '{0}' is the template, the mesh that other poses are fitted with, so it needs "
+        "photographs all round; name another pose with --template",
+        template_pose));
+  for (const std::string& name : few)
+    if (scan.contains(name))
+      throw UsageError(fmt::format("--few {0} and --scan {0}: a pose is found in one way", name));
+  for (const NewPose& pose : poses)
+    if (pose.name != template_pose && !scan.contains(pose.name) &&
+        pose.PhotographCount() < kLeastScanPhotographs)
+      few.insert(pose.name);
+  return few;
+}
+
+std::vector<NewPose> ParsePoses(const InitOptions& options) {
   if (options.poses.empty()) throw UsageError("init needs at least one --pose NAME=PHOTO_DIR");
   std::vector<NewPose> poses;
   for (const std::string& text : options.poses) {
@@ -91,34 +133,58 @@ ExitCode InitCommand(const InitOptions& options) {
         throw UsageError(fmt::format("--pose {}: there are two poses of that name", text));
     }
   }
+  return poses;
+}
+
+void RequireNoProject(const fs::path& folder) {
+  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
+  throw UsageError(
+      fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
+                  "its pipeline.yaml",
+                  folder.string()));
+}
+
+void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
+  for (const fs::path& file : pose.files) disk.Copy(pose.photos / file, to / file);
+  fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(),
+             pose.files.size() == 1 ? "" : "s", to.string());
+  if (!pose.ignored.empty())
+    fmt::print("  not copied, because these are no photographs that can be read: {}\n",
+               KindsOf(pose.ignored));
+}
+
+void TellThatItIsFitted(const NewPose& pose, const std::string& template_pose) {
+  const int count = pose.PhotographCount();
+  fmt::print(
+      "  {} photograph{}: '{}' will be bent into {}, instead of a scan of '{}' from {} or more "
+      "(`method: fit` in pipeline.yaml)\n",
+      count, count == 1 ? "" : "s", template_pose, count == 1 ? "it" : "them", pose.name,
+      kLeastScanPhotographs);
+}
+
+}  // namespace
+
+ExitCode InitCommand(const InitOptions& options) {
+  const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();
+  std::vector<NewPose> poses = ParsePoses(options);
   const std::string template_pose =
       options.template_pose.empty() ? poses[0].name : Composed(options.template_pose);
-  if (std::none_of(poses.begin(), poses.end(),
-                   [&](const NewPose& pose) { return pose.name == template_pose; })) {
-    throw UsageError(fmt::format("--template {}: there is no pose of that name", template_pose));
-  }
-  if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
-    throw UsageError(
-        fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
-                    "its pipeline.yaml",
-                    folder.string()));
-  }
+  RequirePoses(poses, {template_pose}, "--template");
+  RequirePoses(poses, options.few, "--few");
+  RequirePoses(poses, options.scan, "--scan");
+  RequireNoProject(folder);
   RequireFoldersOfTheirOwn(poses);
   RealDisk disk;
   for (NewPose& pose : poses) Sort(disk, &pose);
+  const std::set<std::string> few = FewPhotographPoses(poses, template_pose, options);
+  std::vector<std::string> names;
   for (const NewPose& pose : poses) {
-    for (const fs::path& file : pose.files)
-      disk.Copy(pose.photos / file, folder / "photos" / pose.name / file);
-    fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(),
-               pose.files.size() == 1 ? "" : "s", (folder / "photos" / pose.name).string());
-    if (!pose.ignored.empty())
-      fmt::print("  not copied, because these are no photographs that can be read: {}\n",
-                 KindsOf(pose.ignored));
+    CopyPhotographs(disk, pose, folder / "photos" / pose.name);
+    if (few.contains(pose.name)) TellThatItIsFitted(pose, template_pose);
+    names.push_back(pose.name);
   }
   // Written last, so that a folder with a pipeline.yaml is a complete project.
-  std::vector<std::string> names;
-  for (const NewPose& pose : poses) names.push_back(pose.name);
-  disk.Write(folder / "pipeline.yaml", NewPipelineText(folder, names, template_pose));
+  disk.Write(folder / "pipeline.yaml", NewPipelineText(folder, names, template_pose, few));
   fmt::print("your original photographs were not changed\nnext: keypose run -C {}\n",
              ShellWord(options.folder));
   return ExitCode::kOk;

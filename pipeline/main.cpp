@@ -143,6 +143,13 @@ class CommandLine {
         ->required();
     init->add_option("--template", init_.template_pose,
                      "the pose whose mesh and UVs all others take; default: the first");
+    init->add_option("--few", init_.few,
+                     "NAME: this pose has few photographs, which the template is fitted to; "
+                     "default: poses with fewer than 16, other than the template")
+        ->allow_extra_args(false);
+    init->add_option("--scan", init_.scan,
+                     "NAME: this pose is scanned from its own photographs all round, however few")
+        ->allow_extra_args(false);
   }
 
   void AddRun() {

@@ -19,12 +19,14 @@ std::string SafeName(const fs::path& folder) {
 }  // namespace
 
 std::string NewPipelineText(const fs::path& folder, const std::vector<std::string>& poses,
-                            const std::string& template_pose) {
+                            const std::string& template_pose, const std::set<std::string>& few) {
   std::string text =
       "# The poses and settings of this project. What is not set here is as in the default "
       "pipeline; see docs/pipeline.md.\n";
   text += fmt::format("name: \"{}\"\nposes:\n", SafeName(folder));
-  for (const std::string& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose);
+  for (const std::string& pose : poses)
+    text += few.contains(pose) ? fmt::format("  {0}: {{photos: photos/{0}, method: fit}}\n", pose)
+                               : fmt::format("  {0}: photos/{0}\n", pose);
   text += fmt::format("template: {}\n", template_pose);
   if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
   return text;

@@ -2,15 +2,22 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace keypose::pipeline {
 
+/// With fewer photographs, a pose other than the template is not scanned: the template is fitted to
+/// them (`method: fit`). Decided once, when a pose is added, so that more photographs later never
+/// change the way by themselves.
+inline constexpr int kLeastScanPhotographs = 16;
+
 /// Names the project after its folder. Each pose's photographs are in photos/POSE; with two poses
 /// or more, the timeline shows them in this order.
+/// @param few  those of the poses that are found with `method: fit`
 std::string NewPipelineText(const std::filesystem::path& folder,
-                            const std::vector<std::string>& poses,
-                            const std::string& template_pose);
+                            const std::vector<std::string>& poses, const std::string& template_pose,
+                            const std::set<std::string>& few = {});
 
 }  // namespace keypose::pipeline

@@ -62,6 +62,16 @@ class Reader {
     return setting;
   }
 
+  /// One of a few words.
+  Setting Choice(const YAML::Node& node, const std::string& what,
+                 const std::vector<std::string>& words) const {
+    Setting setting = Text(node, what);
+    if (std::find(words.begin(), words.end(), setting.text) == words.end())
+      Fail(node, fmt::format("`{}: {}` is not known{}", what, setting.text,
+                             Suggestion(setting.text, words)));
+    return setting;
+  }
+
   void Unknown(const YAML::Node& key, const std::string& what,
                const std::vector<std::string>& known) const {
     Fail(key,
@@ -112,11 +122,13 @@ class Reader {
             pose.landmarks = PathText(value, field);
           else if (field == "cameras")
             pose.cameras = PathText(value, field);
+          else if (field == "method")
+            pose.method = Choice(value, field, {"scan", "fit"});
           else if (field == "options")
             pose.options = StepOptions(value, what + ".options");
           else
             Unknown(field_key, what,
-                    {"photos", "masks", "background", "landmarks", "cameras", "options"});
+                    {"photos", "masks", "background", "landmarks", "cameras", "method", "options"});
         });
     return pose;
   }
@@ -228,8 +240,10 @@ class Reader {
         rule.for_template = References(value, what);
       else if (field == "others")
         rule.for_others = References(value, what);
+      else if (field == "fit")
+        rule.for_fit = References(value, what);
       else
-        Unknown(key, what, {"template", "others"});
+        Unknown(key, what, {"template", "others", "fit"});
     });
     return rule;
   }
@@ -240,14 +254,13 @@ class Reader {
                                                          {"pair", FanOut::kPair},
                                                          {"animation", FanOut::kAnimation},
                                                          {"project", FanOut::kProject}};
-    const Setting setting = Text(node, "for");
-    const auto it = kKinds.find(setting.text);
-    if (it == kKinds.end()) {
-      Fail(node, fmt::format("`for: {}` is not known{}", setting.text,
-                             Suggestion(setting.text,
-                                        {"pose", "template", "pair", "animation", "project"})));
-    }
-    return it->second;
+    return kKinds.at(
+        Choice(node, "for", {"pose", "template", "pair", "animation", "project"}).text);
+  }
+
+  StepMethod MethodOf(const YAML::Node& node) const {
+    const std::string text = Choice(node, "method", {"any", "scan", "fit"}).text;
+    return text == "scan" ? StepMethod::kScan : text == "fit" ? StepMethod::kFit : StepMethod::kAny;
   }
 
   bool Bool(const YAML::Node& node, const std::string& what) const {
@@ -294,6 +307,8 @@ class Reader {
             step.program = PathText(value, field);
           else if (field == "for")
             step.fan_out = Fan(value);
+          else if (field == "method")
+            step.method = MethodOf(value);
           else if (field == "enabled")
             step.enabled = Bool(value, what + ".enabled");
           else if (field == "options")
@@ -310,9 +325,9 @@ class Reader {
           else if (field == "cost")
             step.cost = CostOf(value, what + ".cost");
           else
-            Unknown(
-                field_key, what,
-                {"stage", "program", "for", "enabled", "inputs", "options", "out", "show", "cost"});
+            Unknown(field_key, what,
+                    {"stage", "program", "for", "method", "enabled", "inputs", "options", "out",
+                     "show", "cost"});
         });
     return step;
   }
@@ -365,6 +380,7 @@ void OverlayStep(const StepRule& over, StepRule* step) {
     step->program = over.program;
   }
   if (over.fan_out) step->fan_out = over.fan_out;
+  if (over.method) step->method = over.method;
   for (const auto& [port, rule] : over.inputs) step->inputs[port] = rule;
   for (const auto& [name, value] : over.options) step->options[name] = value;
   for (const auto& [port, path] : over.out) step->out[port] = path;

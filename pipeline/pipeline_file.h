@@ -40,12 +40,22 @@ enum class FanOut {
   kProject     ///< one
 };
 
+/// How a pose's shape is found.
+enum class Method {
+  kScan,  ///< from photographs all round: 16 or more
+  kFit    ///< by bending the template until it agrees with a few photographs
+};
+
+/// Which poses a step of poses or pairs has instances for.
+enum class StepMethod { kAny, kScan, kFit };
+
 /// The references for an input port, in order. The template may have other references than the
-/// other poses (a split rule). A step that is not of a single pose applies a split rule once per
-/// key of the timeline.
+/// other poses, and those of few photographs again others (a split rule). A step that is not of a
+/// single pose applies a split rule once per key of the timeline.
 struct InputRule {
-  bool split = false;  ///< written as {template: ..., others: ...}
+  bool split = false;  ///< written as {template: ..., others: ..., fit: ...}
   std::vector<Setting> for_template, for_others;
+  std::optional<std::vector<Setting>> for_fit;  ///< none: as for_others
   Where where;
 };
 
@@ -71,6 +81,7 @@ struct StepRule {
   /// an executable of the user, relative to the project
   std::optional<Setting> program;
   std::optional<FanOut> fan_out;
+  std::optional<StepMethod> method;  ///< none: any
   std::map<std::string, InputRule> inputs;
   OptionSettings options;
   std::map<std::string, Setting> out;  ///< output port, or PORT/FILE of a folder -> path below out/
@@ -82,7 +93,10 @@ struct PoseRule {
   std::string name;
   Where where;
   std::optional<Setting> photos, masks, background, landmarks, cameras;
+  std::optional<Setting> method;  ///< "scan" or "fit"
   StepOptionSettings options;
+
+  Method FoundBy() const { return method && method->text == "fit" ? Method::kFit : Method::kScan; }
 };
 
 struct TimelineKey {

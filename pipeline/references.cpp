@@ -87,8 +87,7 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
 std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
   std::vector<Flow> flows;
   const auto add = [&](const Step& of) {
-    for (const Setting& reference :
-         of.pose == graph_.template_pose ? rule.for_template : rule.for_others) {
+    for (const Setting& reference : ReferencesFor(rule, of.pose)) {
       for (Flow& flow : Resolve(reference, of)) flows.push_back(std::move(flow));
     }
   };
@@ -102,6 +101,14 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
     add(of);
   }
   return flows;
+}
+
+const std::vector<Setting>& References::ReferencesFor(const InputRule& rule,
+                                                      const std::string& pose_name) const {
+  if (pose_name == graph_.template_pose) return rule.for_template;
+  const PoseRule* pose = file_.FindPose(pose_name);
+  const bool fitted = pose && pose->FoundBy() == Method::kFit;
+  return fitted && rule.for_fit ? *rule.for_fit : rule.for_others;
 }
 
 void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
@@ -143,11 +150,10 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
-    Refuse(reference.where,
-           fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                       Suggestion(word, {"$photos", "$masks", "$background", "$cameras",
-                                         "$landmarks", "$stiffness", "$regions", "$timeline",
-                                         "$run"})));
+    Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
+                                        Suggestion(word, {"$photos", "$masks", "$background",
+                                                          "$cameras", "$landmarks", "$stiffness",
+                                                          "$regions", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose)
@@ -228,9 +234,18 @@ std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
   return warnings;
 }
 
+/// Those of the poses that have an instance of the step.
+std::vector<std::string> References::WithStep(const std::string& step,
+                                              std::vector<std::string> poses) const {
+  std::erase_if(poses,
+                [&](const std::string& pose) { return !index_.contains(step + "/" + pose); });
+  return poses;
+}
+
 std::vector<std::string> References::SelectedPoses(const Setting& reference,
-                                                   const std::string& selector, FanOut fan_out,
-                                                   const Step& step) const {
+                                                   const std::string& selector,
+                                                   const StepRule& rule, const Step& step) const {
+  const FanOut fan_out = *rule.fan_out;
   const auto others = std::vector<std::string>(graph_.poses.begin() + 1, graph_.poses.end());
   if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
     if (!selector.empty())
@@ -239,8 +254,8 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference,
     return {""};
   }
   if (selector == "template") return {graph_.template_pose};
-  if (selector == "others") return others;
-  if (selector == "all") return graph_.poses;
+  if (selector == "others") return WithStep(rule.name, others);
+  if (selector == "all") return WithStep(rule.name, graph_.poses);
   if (!selector.empty() && selector != "pose") {
     Refuse(reference.where,
            fmt::format("'{}': '@{}' is not known{}", reference.text, selector,
@@ -252,6 +267,19 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference,
            fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'",
                        step.rule, reference.text));
   return {step.pose};
+}
+
+/// What to do about a step that a pose does not have; empty when nothing is known.
+std::string References::WhyNoStep(const StepRule& rule, const std::string& pose_name) const {
+  const PoseRule* pose = file_.FindPose(pose_name);
+  if (!pose || rule.method.value_or(StepMethod::kAny) == StepMethod::kAny) return "";
+  if (pose->FoundBy() == Method::kFit)
+    return fmt::format(
+        ", because pose '{}' comes from few photographs (`method: fit`); give the input a "
+        "reference for such poses, as in {{template: ..., others: ..., fit: fit.fitted}}, or the "
+        "step `method: scan`",
+        pose_name);
+  return fmt::format(", because pose '{}' is scanned; give the step `method: fit`", pose_name);
 }
 
 std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step& step) const {
@@ -274,12 +302,12 @@ std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step
     Refuse(reference.where, fmt::format("step '{}' takes '{}', but that step is switched off at {}",
                                         step.rule, reference.text, rule->where.Text()));
   std::vector<Flow> flows;
-  for (const std::string& pose : SelectedPoses(reference, selector, *rule->fan_out, step)) {
+  for (const std::string& pose : SelectedPoses(reference, selector, *rule, step)) {
     const std::string id = pose.empty() ? name : name + "/" + pose;
     const auto it = index_.find(id);
     if (it == index_.end())
-      Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id,
-                                          reference.text, id));
+      Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}{}",
+                                          step.id, reference.text, id, WhyNoStep(*rule, pose)));
     const StageInfo& info = *graph_.steps[it->second].info;
     if (!info.FindOutput(port)) {
       std::vector<std::string> outputs;

@@ -30,7 +30,11 @@ class References {
   std::vector<Flow> ResolveWord(const Setting& reference, const Step& step) const;
   std::vector<Flow> ResolveOutput(const Setting& reference, const Step& step) const;
   std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector,
-                                         FanOut fan_out, const Step& step) const;
+                                         const StepRule& rule, const Step& step) const;
+  const std::vector<Setting>& ReferencesFor(const InputRule& rule,
+                                            const std::string& pose_name) const;
+  std::vector<std::string> WithStep(const std::string& step, std::vector<std::string> poses) const;
+  std::string WhyNoStep(const StepRule& rule, const std::string& pose_name) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
   std::vector<std::string> LandmarkWarnings(const Step& step) const;

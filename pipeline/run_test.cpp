@@ -217,6 +217,64 @@ TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
               HasSubstr("pipeline.yaml:1: the poses 'rest' and 'bent' have the same photographs"));
 }
 
+/// The line of a pose in a new project's file.
+std::string PoseLine(const fs::path& project, const std::string& pose) {
+  const std::string text = ReadFile(project / "pipeline.yaml");
+  const auto at = text.find("\n  " + pose + ":") + 1;
+  return text.substr(at, text.find('\n', at) - at);
+}
+
+TEST_F(RunTest, InitFitsPosesOfFewPhotographsAndSaysSo) {
+  fs::create_directories(root_ / "many/masks");
+  for (int i = 0; i < 16; ++i) {
+    WriteFile(root_ / "many" / ("IMG_" + std::to_string(i) + ".jpg"), "picture");
+    WriteFile(root_ / "many/masks" / ("IMG_" + std::to_string(i) + ".jpg.png"), "mask");
+  }
+  const std::string photos = (root_ / "hero/photos").string();
+  const std::vector<std::string> poses = {"--pose", "rest=" + photos + "/rest",
+                                          "--pose", "bent=" + photos + "/bent",
+                                          "--pose", "many=" + (root_ / "many").string()};
+  const auto init = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"init", (root_ / name).string()};
+    all.insert(all.end(), poses.begin(), poses.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return Keypose(all);
+  };
+  const Ended by_itself = init("a", {});
+  ASSERT_EQ(by_itself.code, 0) << by_itself.text;
+  EXPECT_THAT(by_itself.text, HasSubstr("4 photographs: 'rest' will be bent into them, instead of "
+                                        "a scan of 'bent' from 16 or more (`method: fit`"));
+  EXPECT_EQ(PoseLine(root_ / "a", "rest"), "  rest: photos/rest") << "the template is scanned";
+  EXPECT_EQ(PoseLine(root_ / "a", "bent"), "  bent: {photos: photos/bent, method: fit}");
+  EXPECT_EQ(PoseLine(root_ / "a", "many"), "  many: photos/many") << "masks are no photographs";
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "a").string()}).code, 0);
+  ASSERT_EQ(init("b", {"--few", "many", "--scan", "bent"}).code, 0);
+  EXPECT_EQ(PoseLine(root_ / "b", "bent"), "  bent: photos/bent");
+  EXPECT_EQ(PoseLine(root_ / "b", "many"), "  many: {photos: photos/many, method: fit}");
+}
+
+TEST_F(RunTest, InitRefusesFewPhotographsOfTheTemplate) {
+  const std::string photos = (root_ / "hero/photos").string(), fresh = (root_ / "new").string();
+  const auto init = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {
+        "init", fresh, "--pose", "rest=" + photos + "/rest", "--pose", "bent=" + photos + "/bent"};
+    all.insert(all.end(), more.begin(), more.end());
+    return Keypose(all);
+  };
+  const Ended same = init({"--few", "rest"});
+  EXPECT_EQ(same.code, 2);
+  EXPECT_THAT(same.text, HasSubstr("--few rest: 'rest' is the template"));
+  EXPECT_THAT(same.text, HasSubstr("name another pose with --template"));
+  EXPECT_EQ(init({"--few", "rest", "--template", "bent"}).code, 0);
+  fs::remove_all(fresh);
+  const Ended unknown = init({"--few", "wave"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.text, HasSubstr("--few wave: there is no pose of that name"));
+  const Ended both = init({"--few", "bent", "--scan", "bent"});
+  EXPECT_EQ(both.code, 2);
+  EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
+}
+
 TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   WriteFile(root_ / "hero/photos/rest/IMG_0.mov", "film");
   WriteFile(root_ / "hero/photos/rest/.DS_Store", "x");

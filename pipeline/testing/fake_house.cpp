@@ -176,6 +176,14 @@ FakeHouse::FakeHouse() {
       [](const FakeCall& call, MemoryDisk& d) {
         return Concatenate(call, d, "matched", {"source", "target", "landmarks", "stiffness"});
       });
+  add("bend",
+      list(Port("template", "file"), Port("images", "folder"), Optional(Port("rig", "file")),
+           Many(Optional(Port("landmarks", "file")))),
+      list(Port("bent", "file", "bent.txt"), Port("model", "file", "model.txt")), list(depth),
+      [](const FakeCall& call, MemoryDisk& d) {
+        d.Write(call.Flag("model"), "found");
+        return Concatenate(call, d, "bent", {"template", "images", "rig"});
+      });
   add("blend", list(Many(Port("keys", "file")), Optional(Port("timeline", "file"))),
       list(Port("frames", "folder", "frames")), json::array(),
       [](const FakeCall& call, MemoryDisk& d) {
