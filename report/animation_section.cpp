@@ -9,9 +9,9 @@
 namespace keypose::report {
 namespace {
 
-const char* const kOurs = "#2563ab";    // blue, like ARAP in the paper's figure
-const char* const kLinear = "#c2362b";  // red, like linear in the paper's figure
-const char* const kPath = "#6b7280";    // grey
+const char* const kOurs = "var(--ours)";      // blue, like ARAP in the paper's figure
+const char* const kLinear = "var(--linear)";  // red, like linear in the paper's figure
+const char* const kPath = "var(--path)";      // grey
 
 std::string Signed(double value) {
   if (value == 0) return "0";

@@ -66,8 +66,8 @@ std::string Grid(const Frame& frame, const ChartLabels& labels) {
   for (const double v : frame.y.Ticks()) {
     const double y = frame.Y(v);
     svg +=
-        fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>",
-                    kLeft, width - kRight, y, y, std::abs(v) < 1e-12 ? "#9aa5b1" : "#e7eaee");
+        fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>",
+                    kLeft, width - kRight, y, y, std::abs(v) < 1e-12 ? "zero" : "grid");
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", kLeft - 7,
                        y + 4, Tick(v, frame.y.step, labels.percent));
   }

@@ -7,6 +7,9 @@
 
 namespace keypose::report {
 
+/// The style sheet of the page, report/style.css.
+const char* PageStyle();
+
 std::string Escape(const std::string& text);
 
 /// A number for reading: about four digits, thousands grouped, powers of ten for very large or

@@ -122,7 +122,7 @@ std::string CameraChart(const PosePart& pose) {
   std::vector<ChartMark> marks;
   for (const CameraPlace& place : pose.places) {
     const std::string stem = place.name.substr(0, place.name.rfind('.'));
-    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "#d97706" : "#2f5d8a",
+    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "var(--look-edge)" : "var(--ours)",
                      place.azimuth_deg, place.height_deg});
   }
   return "<h3>Cameras</h3>" +

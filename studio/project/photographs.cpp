@@ -144,6 +144,7 @@ fs::path PhotographSource(Snapshot& snapshot, const std::string& pose, const std
 }
 
 fs::path PictureFile(const fs::path& folder, const fs::path& photograph, int width) {
+  if (!fs::exists(photograph)) throw NotFound(photograph.filename().string() + " is gone");
   const bool raw = IsRawName(photograph);
   const std::string format = raw ? "raw" : ReadImageInfo(photograph).format;
   if (width <= 0 && (format == "jpeg" || format == "png")) return photograph;

@@ -1,5 +1,6 @@
 // Draws a photograph and its mask, zoomed and moved. Two canvases lie on each other: the photograph
 // is drawn when the view moves, the mask over it in the part that a stroke has touched.
+import { cssColor } from '../../css_color'
 import type { MaskModel, Point, Rect } from './mask_model'
 import { union } from './mask_model'
 
@@ -265,7 +266,7 @@ export class MaskCanvas {
   /** Colour over the photograph, cut out where the figure is. */
   private drawVeil(context: CanvasRenderingContext2D, part: Rect): void {
     const ratio = this.ratio()
-    const paper = getComputedStyle(this.above).getPropertyValue('--sunk')
+    const paper = cssColor('--sunk')
     context.fillStyle = this.look === 'tint' ? kTint : paper
     context.fillRect(
       this.corner.x * ratio,

@@ -97,10 +97,9 @@ export function Desk({ session }: { session: Session }) {
           {chosen ? (
             <LandedView one={chosen} live={() => choose('')} />
           ) : (
-            <>
-              <LiveView session={session} onion={onion} />
+            <LiveView session={session} onion={onion}>
               <OnionSlider session={session} share={onion} setShare={setOnion} />
-            </>
+            </LiveView>
           )}
         </div>
         <div class="shoot-foot">

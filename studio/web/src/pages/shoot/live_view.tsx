@@ -1,4 +1,5 @@
 // What the camera sees, with the last pose over it; or a photograph that has landed.
+import type { ComponentChildren, JSX } from 'preact'
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
@@ -7,8 +8,24 @@ import type { Landed, Session } from './session'
 
 const kLarge_px = 1920
 
+/** Width by height of a picture that is not there yet. */
+const kUsualShape = 3 / 2
+
+const shapeOf = (picture: HTMLImageElement): number =>
+  picture.naturalWidth / picture.naturalHeight || kUsualShape
+
+/** The picture's own box, as large as the screen lets it be: what lies on it is never beside it. */
+function Frame({ shape, children }: { shape: number; children: ComponentChildren }) {
+  const style = { '--shape': shape } as JSX.CSSProperties
+  return (
+    <div class="shoot-picture" style={style}>
+      <div class="frame">{children}</div>
+    </div>
+  )
+}
+
 /** Draws each live picture when all of it is there; those that come meanwhile are left out. */
-function useLive(frame: number) {
+function useLive(frame: number, setShape: (shape: number) => void) {
   const canvas = useRef<HTMLCanvasElement>(null)
   const wanted = useRef(0)
   const busy = useRef(false)
@@ -28,6 +45,7 @@ function useLive(frame: number) {
           target.width = image.naturalWidth
           target.height = image.naturalHeight
           target.getContext('2d')!.drawImage(image, 0, 0)
+          setShape(shapeOf(image))
           setShown(true)
         }
       } catch {
@@ -56,7 +74,7 @@ function Onion({ session, share }: { session: Session; share: number }) {
 }
 
 /** What is seen while no live picture comes. */
-function Still({ session }: { session: Session }) {
+function Still({ session, setShape }: { session: Session; setShape: (shape: number) => void }) {
   // Nothing is known yet: neither a picture nor that there will be none.
   if (session.doing === 'begins') return <p class="soft">The camera gets ready …</p>
   const last = session.photographs[session.landed[session.landed.length - 1]]
@@ -65,41 +83,54 @@ function Still({ session }: { session: Session }) {
       <img
         src={api.landedUrl(last.path, last.version, kLarge_px)}
         alt={`The last photograph, ${last.name}`}
+        onLoad={(event) => setShape(shapeOf(event.currentTarget))}
       />
     )
   return <p class="soft">This camera gives no live picture. Photographs show here as they land.</p>
 }
 
-export function LiveView({ session, onion }: { session: Session; onion: number }) {
-  const { canvas, shown } = useLive(session.frame)
+export function LiveView(props: {
+  session: Session
+  onion: number
+  children?: ComponentChildren
+}) {
+  const { session, onion } = props
+  const [shape, setShape] = useState(kUsualShape)
+  const { canvas, shown } = useLive(session.frame, setShape)
   const next = aheadOf(session)
   const ahead = next && `Next: ${degrees(next.angle_deg)} of ${ringWords(session.plan, next.ring)}`
   return (
-    <div class="shoot-picture">
+    <Frame shape={shape}>
       <canvas
         ref={canvas}
         role="img"
         aria-label="What the camera sees"
         style={{ display: shown ? 'block' : 'none' }}
       />
-      {!shown && <Still session={session} />}
+      {!shown && <Still session={session} setShape={setShape} />}
       <Onion session={session} share={onion} />
       {ahead && <p class="caption-chip number">{ahead}</p>}
-    </div>
+      {props.children}
+    </Frame>
   )
 }
 
 export function LandedView({ one, live }: { one: Landed; live: () => void }) {
+  const [shape, setShape] = useState(kUsualShape)
   return (
-    <div class="shoot-picture">
-      <img src={api.landedUrl(one.path, one.version, kLarge_px)} alt={one.name} />
+    <Frame shape={shape}>
+      <img
+        src={api.landedUrl(one.path, one.version, kLarge_px)}
+        alt={one.name}
+        onLoad={(event) => setShape(shapeOf(event.currentTarget))}
+      />
       <p class="caption-chip number">
         {degrees(one.angle_deg)}, camera at {degrees(one.tilt_deg)} · {one.file}
       </p>
       <button class="back" onClick={live}>
         Back to live <kbd>Esc</kbd>
       </button>
-    </div>
+    </Frame>
   )
 }
 

@@ -162,7 +162,7 @@ function PlanFields({ draft, set, problems, fixed }: FieldProps & { fixed: boole
   return (
     <>
       <div class="shoot-two">
-        <Field id="shoot-rings" label="Rings, heights in degrees" problem={problems.rings}>
+        <Field id="shoot-rings" label="Rings, heights in °" problem={problems.rings}>
           <input
             id="shoot-rings"
             class="number"

@@ -69,9 +69,6 @@ export function useTheme(): number {
   return theme
 }
 
-export const cssColor = (name: string): string =>
-  getComputedStyle(document.documentElement).getPropertyValue(name).trim()
-
 /** A canvas of its box's size in the screen's own pixels, cleared; null while it has none. */
 export function clearedCanvas(canvas: HTMLCanvasElement): CanvasRenderingContext2D | null {
   const { clientWidth: width, clientHeight: height } = canvas

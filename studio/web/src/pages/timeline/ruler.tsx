@@ -1,7 +1,8 @@
 // The frame ruler: scrub on it, or double-click for a key.
 import { useEffect, useRef } from 'preact/hooks'
 
-import { clearedCanvas, cssColor, useFrame, useTheme } from './desk'
+import { cssColor } from '../../css_color'
+import { clearedCanvas, useFrame, useTheme } from './desk'
 import type { Desk } from './desk'
 import { keysOf, lengthOf, secondsOf } from './timeline_model'
 import { frameAt, labelStep, xOf } from './view_window'

@@ -1,7 +1,8 @@
 // The sound's waveform under the ruler.
 import { useEffect, useRef } from 'preact/hooks'
 
-import { clearedCanvas, cssColor, useTheme } from './desk'
+import { cssColor } from '../../css_color'
+import { clearedCanvas, useTheme } from './desk'
 import type { Desk } from './desk'
 import { Icon } from './icons'
 import type { Sound } from './sound'
