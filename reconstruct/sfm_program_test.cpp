@@ -67,6 +67,23 @@ class SfmProgram : public testing::Test {
                    .code == 0;
   }
 
+  /// A session of `keypose shoot` on the simulated set, imported as `images`.
+  /// @param flags  of shoot: rings, angles, flips
+  /// @param lost   names of photographs that are taken away before
+  void ShootSession(const std::string& flags, const std::vector<std::string>& lost) const {
+    const std::string project = (root / "fox").string();
+    const Outcome session = Run("", "keypose-shoot",
+                                "-C " + project + " --pose rest --turntable simulated --world " +
+                                    (root / "set").string() + " " + flags + " < /dev/null");
+    ASSERT_EQ(session.code, 0) << session.output;
+    const fs::path photos = root / "fox/photos/rest";
+    for (const std::string& name : lost) ASSERT_TRUE(fs::remove(photos / name)) << name;
+    const Outcome imported =
+        Run("", "keypose-capture",
+            "--photos " + photos.string() + " --images " + (root / "images").string());
+    ASSERT_EQ(imported.code, 0) << imported.output;
+  }
+
   /// Eight images of unrelated noise, with full masks.
   void WriteUnrelatedImages() const {
     std::mt19937 random(3);
@@ -124,6 +141,62 @@ TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
   // degrees sees the lower 3 mm of the rounded feet from above only.
   EXPECT_NEAR((align * Eigen::Vector3d::Zero()).z(), 0, 0.003);
   EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));
+}
+
+/// A photograph's number among those drawn, each `step_deg` of the table: r1_a036.jpg.
+int DrawnNumber(const std::string& name, double step_deg) {
+  return static_cast<int>(std::lround(std::stod(name.substr(4, 3)) / step_deg));
+}
+
+TEST_F(SfmProgram, AnglesOfASessionPlaceARingWithGapsThatNamesAloneDoNot) {
+  if (!CanShoot() || !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-shoot"))
+    GTEST_SKIP() << "keypose-synth, keypose-capture and keypose-shoot are not built here";
+  // So small that features alone do not do.
+  ASSERT_EQ(Run("", "keypose-synth",
+                "photos --output " + root.string() +
+                    " --poses rest --views 20 --elevations 25 --width 240 --spacing 0.004")
+                .code,
+            0);
+  ShootSession("--camera simulated:" + root.string() + " --rings 25 --angles 20",
+               {"r1_a036.jpg", "r1_a054.jpg", "r1_a180.jpg", "r1_a306.jpg"});
+  const fs::path report = root / "report.json";
+  const Outcome with = Sfm("", "with", "--report " + report.string());
+  ASSERT_EQ(with.code, 0) << with.output;
+  const nlohmann::json measured = nlohmann::json::parse(ReadFile(report))["measurements"];
+  EXPECT_EQ(measured["images_placed"], 16);
+  EXPECT_EQ(measured["method"], "ring");
+  EXPECT_EQ(measured["ring_layout"], "table angles of the shooting session");
+  const Scene found = ReadColmapModel(root / "with"),
+              truth = ReadColmapModel(root / "truth/rest/cameras");
+  PointsX3 centers(std::ssize(found.views), 3);
+  for (std::size_t v = 0; v < found.views.size(); ++v)
+    centers.row(v) = truth.views[DrawnNumber(found.views[v].name, 18)].Center().transpose();
+  const PointsX3 moved = Transformed(FitSimilarity(Centers(found), centers), Centers(found));
+  // Features are few in pictures of 240 pixels; a wrong layout is off by a third of the distance.
+  EXPECT_LT((moved - centers).rowwise().norm().mean(), 0.03 * centers.rowwise().norm().mean());
+
+  ImageSet set = ReadImageSet(root / "images");
+  for (CapturedImage& image : set.images) image.place.reset();
+  WriteImageSet(set);
+  const Outcome without = Sfm("", "without");
+  EXPECT_EQ(without.code, 3) << without.output;
+  EXPECT_THAT(without.output, HasSubstr("no cameras fit these photographs"));
+}
+
+TEST_F(SfmProgram, AnglesOfTwoPlacementsAreNotTakenForOneTurnOfTheTable) {
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_TRUE(ShootRing());
+  ImageSet set = ReadImageSet(root / "images");
+  // Each placement has a table frame of its own, so these angles are no layout of one ring.
+  for (int i = 0; i < std::ssize(set.images); ++i)
+    set.images[i].place = {.ring = 1, .angle_deg = 18.0 * ((7 * i) % 20), .flip = i % 2};
+  WriteImageSet(set);
+  const fs::path report = root / "report.json";
+  const Outcome outcome = Sfm("", "model", "--method ring --report " + report.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const nlohmann::json measured = nlohmann::json::parse(ReadFile(report))["measurements"];
+  EXPECT_EQ(measured["images_placed"], 20);
+  EXPECT_THAT(measured["ring_layout"].get<std::string>(), HasSubstr("1 ring of 20"));
 }
 
 TEST_F(SfmProgram, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
