@@ -9,7 +9,9 @@
 #include "core/io/files.h"
 #include "core/size_of.h"
 #include "synth/damage.h"
+#include "synth/motion_score.h"
 #include "synth/pair_command.h"
+#include "synth/performance_command.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
 
@@ -241,6 +243,45 @@ void AddDamage(CLI::App& app, DamageFlags& c) {
   damage->callback([&c] { DamagePhotos(c.photos, c.output, DamageKindNamed(c.kind), c.names); });
 }
 
+void AddPerformance(CLI::App& app, PerformanceCommand& c) {
+  CLI::App* performance = app.add_subcommand(
+      "performance", "film a moving actor with several cameras, with exact truth beside it");
+  performance->add_option("--output", c.output, "folder to write into")->required();
+  performance->add_option("--bvh", c.bvh, "the motion: a clip of the CMU database; default: our own");
+  performance->add_option("--first", c.first_frame, "first frame of the clip")->capture_default_str();
+  performance->add_option("--every", c.every, "so many frames of the clip are one of the film")
+      ->capture_default_str();
+  performance->add_option("--frames", c.frames, "frames to film")->capture_default_str();
+  performance->add_option("--cameras", c.cameras, "in a ring; one more is held out")
+      ->capture_default_str();
+  performance->add_option("--size", c.size_px, "side of the pictures [px]")->capture_default_str();
+  performance->add_option("--noise", c.noise_px, "standard deviation of the masks' outlines [px]")
+      ->capture_default_str();
+  performance->add_flag("!--masks-only", c.pictures, "no colour pictures");
+  performance->add_option("--seed", c.performer.seed, "proportions, girths, clothes, colours")
+      ->capture_default_str();
+  performance->add_option("--spacing", c.performer.spacing_m, "of the actor's vertices [m]")
+      ->capture_default_str();
+  performance->add_option("--cloth", c.performer.cloth_m, "height of the clothes' waves [m]")
+      ->capture_default_str();
+  performance->add_option("--hide-arm-from", c.hidden_from, "the left arm is missing in all masks from this frame")
+      ->capture_default_str();
+  performance->add_option("--hide-arm-to", c.hidden_to, "up to this frame")->capture_default_str();
+  performance->callback([&c] {
+    ConsoleProgress progress;
+    std::printf("%s\n", RunPerformance(c, &progress).c_str());
+  });
+}
+
+void AddMotionScore(CLI::App& app, MotionScoreCommand& c) {
+  CLI::App* score = app.add_subcommand("score-motion", "compare a tracked performance with its truth; prints JSON");
+  score->add_option("--performance", c.performance, "folder that `synth performance` wrote")->required();
+  score->add_option("--frames", c.frames, "frames of `track`")->required();
+  score->add_option("--motion", c.motion, "motion of `track` (.bvh)")->required();
+  score->add_option("--from", c.from, "first frame that counts")->capture_default_str();
+  score->callback([&c] { std::fputs(ToJson(ScoreMotion(c)).c_str(), stdout); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -252,12 +293,16 @@ int main(int argc, char** argv) {
   ScoreFlags score;
   HullCommand hull;
   DamageFlags damage;
+  PerformanceCommand performance;
+  MotionScoreCommand motion_score;
   AddPhotos(app, photos);
   AddPair(app, pair);
   AddPick(app, pick);
   AddScore(app, score);
   AddHull(app, hull);
   AddDamage(app, damage);
+  AddPerformance(app, performance);
+  AddMotionScore(app, motion_score);
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,0 +1,28 @@
+// What the stage `track` writes besides meshes: numbers of the poses, the actor, a picture.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "fit/tracking/tracker.h"
+
+namespace keypose::fit {
+
+/// Per frame: time, the 38 numbers and their variances. Positions in the calibration's unit, angles
+/// in radians; the root's turn as a rotation vector that does not jump.
+/// @param units_per_metre  of the calibration
+std::string AnglesCsv(const std::vector<TrackedFrame>& frames, double fps, double units_per_metre);
+
+/// Names of numbers whose standard deviation is more than `most_deg` in at least half of the frames.
+std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, double most_deg);
+
+/// Bone lengths and girths as JSON, in metres.
+std::string ActorText(const BodyShape& shape);
+/// @throws InputError  not what ActorText writes
+BodyShape ParseActor(const std::string& text, const std::string& name);
+
+/// The picture with the template's segments drawn over it, each in a colour, half transparent.
+Image8 Overlay(const Image8& rgb, const View& view, const PointsX3& points);
+
+}  // namespace keypose::fit

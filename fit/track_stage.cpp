@@ -1,0 +1,277 @@
+// keypose-track: a body's motion from what several cameras filmed of it.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/render.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+#include "fit/body/body_clip.h"
+#include "fit/track_input.h"
+#include "fit/track_output.h"
+#include "fit/tracking/actor_fit.h"
+#include "fit/tracking/tracker.h"
+
+namespace keypose::fit {
+namespace {
+
+constexpr int kBatch = 8;              // frames that are read at once
+constexpr double kUnseenDeg = 20;      // an angle less sure than this counts as not seen
+constexpr int kGoodCameras = 8, kFewCameras = 5;
+
+struct TrackOptions {
+  int actor_frame = 0;
+  int actor_frames = 10;
+  std::string cameras;
+  std::string up = "auto";
+  double height_m = 0;
+  double fps = 0;
+  int sync_frames = 10;
+
+  void Describe(OptionVisitor& visit) {
+    visit("actor_frame", actor_frame,
+          {"the frame that the actor's lengths and girths are fitted to first: one in which the "
+           "limbs are apart", "", 0, 1e6, {}});
+    visit("actor_frames", actor_frames,
+          {"frames over the whole performance that lengths and girths are fitted to then; 1: only "
+           "that one, as in the paper", "", 1, 60, {}});
+    visit("cameras", cameras,
+          {.help = "names of the cameras that are used, comma-separated; empty: all. The others are "
+                   "only compared with the result"});
+    visit("up", up,
+          {.help = "the calibration's axis that points up; auto: the one that is up in the pictures",
+           .choices = {"auto", "x", "y", "z", "-x", "-y", "-z"}});
+    visit("height_m", height_m,
+          {"the actor's height, where the calibration has no unit; 0: not known", "m", 0, 3, {}});
+    visit("fps", fps,
+          {"frames per second of numbered pictures; 0: the videos', else 25", "1/s", 0, 1000, {}});
+    visit("sync_frames", sync_frames,
+          {"largest offset between the cameras' clocks that is looked for; 0: they agree", "frames", 0, 1000, {}});
+  }
+  TrackInputOptions Input() const { return {cameras, up, height_m, sync_frames, actor_frame}; }
+};
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "track";
+  spec.version = "1";
+  spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
+  spec.inputs = {
+      {"video", "folder", "one folder of numbered pictures, or one video, for each camera; masks/ and background/ beside them", "", false, false},
+      {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices", "", false, false},
+      {"actor", "file", "actor.json of an earlier run with the same actor", "", true, false}};
+  spec.outputs = {
+      {"frames", "folder", "template poses frame_0000.ply ..., distortion.json, angles.csv, actor.json", "frames", false, false},
+      {"motion", "file", "the motion (.bvh), y up", "motion.bvh", false, false},
+      {"picture", "file", "the template over the film (.jpg)", "tracked.jpg", true, false}};
+  spec.memory_gib = 1;
+  spec.common = {"actor_frame", "cameras", "height_m", "fps"};
+  return spec;
+}
+
+/// All frames tracked, from `first` to both ends.
+std::vector<TrackedFrame> TrackAll(TrackInput& input, const BodyShape& shape, const BodyPose& start,
+                                   int first, Progress* progress) {
+  std::vector<TrackedFrame> frames(static_cast<std::size_t>(input.frames()));
+  int done = 0;
+  for (const int step : {1, -1}) {
+    Tracker tracker(shape, start);
+    const int begin = step > 0 ? first : first - 1, count = step > 0 ? input.frames() - first : first;
+    // Backwards, the tracker starts from the pose that was found, not from the rough one.
+    if (step < 0) tracker = Tracker(shape, frames[first].pose);
+    for (int f = 0; f < count; f += kBatch) {
+      if (progress && progress->cancelled()) throw Cancelled();
+      const int batch = std::min(kBatch, count - f);
+      const auto silhouettes = input.Read(begin + f * step, batch, step);
+      for (int i = 0; i < batch; ++i) frames[begin + (f + i) * step] = tracker.Next(silhouettes[i]);
+      done += batch;
+      ReportProgress(progress, static_cast<double>(done) / input.frames(), "tracking");
+    }
+  }
+  return frames;
+}
+
+struct Actor {
+  BodyShape shape;
+  BodyPose pose;  ///< at actor_frame
+};
+
+Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape* known, Progress* progress) {
+  const int frame = std::min(options.actor_frame, input.frames() - 1);
+  const std::vector<Silhouette> silhouettes = input.Read(frame, 1)[0];
+  const double height = options.height_m > 0 ? options.height_m : 0.98 * (input.hull().high.z() - input.hull().low.z());
+  Actor actor{known ? *known : AverageShape(std::clamp(height, 1.2, 2.2)), {}};
+  SubProgress searching(progress, 0, 0.7);
+  actor.pose = SearchPose(silhouettes, input.hull(), input.up_from_world(), actor.shape, &searching);
+  if (known) return actor;
+  std::vector<ActorFrame> frames(1);
+  frames[0] = {silhouettes, actor.pose, {RestPrior()}};
+  SubProgress fitting(progress, 0.7, 1);
+  ActorOptions coarse;
+  coarse.waves = false, coarse.rounds = 6;
+  FitActor(&frames, &actor.shape, coarse, &fitting);
+  FitActor(&frames, &actor.shape, {}, &fitting);
+  actor.pose = frames[0].pose.Recharted();
+  return actor;
+}
+
+/// The shape fitted to frames spread over the performance, from a first pass over it.
+void RefineActor(TrackInput& input, const TrackOptions& options, const std::vector<TrackedFrame>& tracked,
+                 Actor* actor, Progress* progress) {
+  const int count = std::min(options.actor_frames, input.frames());
+  std::vector<ActorFrame> frames;
+  for (int i = 0; i < count; ++i) {
+    const int f = static_cast<int>((i + 0.5) * input.frames() / count);
+    frames.push_back({input.Read(f, 1)[0], tracked[f].pose, {RestPrior()}});
+  }
+  ActorOptions fine;
+  fine.first_reach = fine.reach;
+  FitActor(&frames, &actor->shape, fine, progress);
+  actor->pose = tracked[std::min(options.actor_frame, input.frames() - 1)].pose;
+}
+
+void WarnOfCameras(StageContext& stage, const TrackInput& input) {
+  const int count = SizeOf(input.used());
+  if (count >= kFewCameras) return;
+  stage.Warn(std::to_string(count) + " cameras do not see everything: limbs that lie before or behind the "
+             "body in all of them, the bend of limbs along their line of sight, and which way a limb "
+             "turned are guessed; " + std::to_string(kGoodCameras) + " around the actor are good");
+}
+
+void WarnOfUnseen(StageContext& stage, const std::vector<TrackedFrame>& frames) {
+  const std::vector<std::string> names = UnseenAngles(frames, kUnseenDeg);
+  stage.Report("angles_not_seen", SizeOf(names));
+  if (names.empty()) return;
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  stage.Note("outlines do not tell these angles (a limb's twist about its own axis moves no outline): " +
+             text + "; their variance in angles.csv is large");
+}
+
+void ReportQuality(StageContext& stage, TrackInput& input, const std::vector<TrackedFrame>& frames) {
+  double sum = 0, least = 1;
+  int worst = 0, found = 0;
+  for (int f = 0; f < SizeOf(frames); ++f) {
+    const double iou = frames[f].coverage.IoU();
+    sum += iou;
+    if (iou < least) least = iou, worst = f;
+    found += SizeOf(frames[f].found);
+  }
+  stage.Report("frames", SizeOf(frames));
+  stage.Report("cameras", SizeOf(input.used()));
+  stage.Report("iou_mean", sum / SizeOf(frames));
+  stage.Report("iou_least", least);
+  stage.Report("iou_least_frame", worst);
+  stage.Report("limbs_found_again", found);
+  if (least < 0.75)
+    stage.Warn("in frame " + std::to_string(worst) + " the template covers only " +
+               std::to_string(static_cast<int>(100 * least)) + " % of the masks: look at that frame's masks and pose");
+}
+
+/// Cameras that were not fitted to, in the frame that the actor was fitted to.
+void CompareOthers(StageContext& stage, TrackInput& input, const BodyShape& shape,
+                   const std::vector<TrackedFrame>& frames, int at) {
+  if (input.compared().empty()) return;
+  const LocalSurface surface = SurfaceOf(shape);
+  double sum = 0, least = 1;
+  std::string worst;
+  for (const int c : input.compared()) {
+    const Silhouette s = MakeSilhouette(input.cameras()[c], c, input.cameras()[c].Reduced(input.Mask(c, at)), 100);
+    const double iou = CoverageOf({s}, surface, Posed(frames[at].pose, shape)).IoU();
+    sum += iou;
+    if (iou < least) least = iou, worst = input.cameras()[c].view().name;
+  }
+  stage.Report("iou_other_cameras", sum / SizeOf(input.compared()));
+  stage.Report("iou_other_cameras_least", least);
+  stage.Note("in " + std::to_string(input.compared().size()) + " cameras that were not fitted to, the template "
+             "and the masks agree by " + std::to_string(sum / SizeOf(input.compared())) + " (least: " + worst + ")");
+}
+
+void WriteFrames(StageContext& stage, const TrackInput& input, const BodyShape& shape,
+                 const std::vector<TrackedFrame>& frames, double fps) {
+  const std::filesystem::path folder = stage.Output("frames");
+  const double units = 1 / input.metres_per_unit();
+  const LocalSurface surface = SurfaceOf(shape);
+  Mesh mesh{BodyPoints(surface, Posed(frames[0].pose, shape)) * units, BodyFaces(), {}, {}, {}, {}};
+  PlyFrames writer(mesh);
+  std::vector<BodyPose> poses;
+  for (int f = 0; f < SizeOf(frames); ++f) {
+    poses.push_back(frames[f].pose);
+    writer.Write(folder / FrameFileName(f), BodyPoints(surface, Posed(frames[f].pose, shape)) * units);
+  }
+  // Segments are rigid: area and volume do not change.
+  WriteFile(folder / "distortion.json",
+            FrameNotesText(std::vector<FrameMeasures>(frames.size()), fps, "track"));
+  WriteFile(folder / "angles.csv", AnglesCsv(frames, fps, units));
+  WriteFile(folder / "actor.json", ActorText(shape));
+  const Eigen::Quaterniond y_up(Eigen::AngleAxisd(-kPi / 2, Eigen::Vector3d::UnitX()));
+  MotionClip clip = ClipOf(poses, shape, 1 / fps, y_up * input.up_from_world());
+  for (ClipJoint& joint : clip.joints) joint.offset *= units;
+  clip.values.leftCols<3>() *= units;
+  WriteBvh(stage.Output("motion"), clip);
+}
+
+void WritePicture(StageContext& stage, TrackInput& input, const BodyShape& shape,
+                  const std::vector<TrackedFrame>& frames) {
+  const std::filesystem::path path = stage.Output("picture");
+  if (path.empty()) return;
+  const LocalSurface surface = SurfaceOf(shape);
+  std::vector<int> cameras = input.used();
+  cameras.insert(cameras.end(), input.compared().begin(), input.compared().end());
+  std::vector<Image8> tiles;
+  const int moments = frames.size() > 3 ? 4 : 1;
+  for (int m = 0; m < moments; ++m) {
+    const int f = moments == 1 ? 0 : m * (SizeOf(frames) - 1) / (moments - 1);
+    const PointsX3 points = BodyPoints(surface, Posed(frames[f].pose, shape));
+    for (std::size_t i = 0; i < cameras.size() && (moments == 1 || i < 4); ++i) {
+      const Image8 picture = Overlay(input.Picture(cameras[i], f), input.cameras()[cameras[i]].view(), points);
+      tiles.push_back(Resized(picture, 480, 480 * picture.height / picture.width));
+    }
+  }
+  WriteImage(path, TileImages(tiles, 4), 88);
+}
+
+void Run(StageContext& stage, const TrackOptions& options) {
+  TrackInput input(stage, stage.Input("video"), options.Input());
+  WarnOfCameras(stage, input);
+  const double fps = options.fps > 0 ? options.fps : input.frames_per_second() > 0 ? input.frames_per_second() : 25;
+  BodyShape known;
+  const bool has_actor = stage.Has("actor");
+  if (has_actor) known = ParseActor(ReadFile(stage.Input("actor")), stage.Input("actor").filename().string());
+  SubProgress starting(stage.progress(), 0, 0.2);
+  Actor actor = FirstActor(input, options, has_actor ? &known : nullptr, &starting);
+  const int at = std::min(options.actor_frame, input.frames() - 1);
+  SubProgress first(stage.progress(), 0.2, 0.5), second(stage.progress(), 0.6, 1);
+  if (!has_actor && options.actor_frames > 1 && input.frames() > 1) {
+    const std::vector<TrackedFrame> rough = TrackAll(input, actor.shape, actor.pose, at, &first);
+    SubProgress refining(stage.progress(), 0.5, 0.6);
+    RefineActor(input, options, rough, &actor, &refining);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<TrackedFrame> frames = TrackAll(input, actor.shape, actor.pose, at, &second);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  stage.Report("frames_per_second", input.frames() / seconds.count());
+  stage.Report("actor_height_m", actor.shape.height());
+  ReportQuality(stage, input, frames);
+  WarnOfUnseen(stage, frames);
+  CompareOthers(stage, input, actor.shape, frames, at);
+  WriteFrames(stage, input, actor.shape, frames, fps);
+  WritePicture(stage, input, actor.shape, frames);
+}
+
+}  // namespace
+}  // namespace keypose::fit
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::fit::TrackOptions>(argc, argv, keypose::fit::Spec(), keypose::fit::Run);
+}

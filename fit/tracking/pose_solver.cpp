@@ -1,0 +1,134 @@
+#include "fit/tracking/pose_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/angles.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+
+namespace keypose::fit {
+namespace {
+
+constexpr double kLargestTurn = 0.5, kLargestMove = 0.2;  // of one step: [rad], [m]
+
+struct ViewSystem {
+  PoseSystem system;
+  double measured = 0;
+};
+
+ViewSystem SystemOfView(const Silhouette& silhouette, const ViewMatches& matches,
+                        const PosedBody& body, double reach) {
+  ViewSystem view;
+  const std::size_t most = matches.samples.size() + matches.pulls.size();
+  Eigen::Matrix<double, Eigen::Dynamic, kDofs, Eigen::RowMajor> rows(static_cast<Eigen::Index>(most), kDofs);
+  Eigen::VectorXd values(static_cast<Eigen::Index>(most));
+  Eigen::Index count = 0;
+  VisitResiduals(silhouette, matches, body, [&](const OutlineResidual& r) {
+    view.measured += r.stands_for;
+    view.system.cost += r.stands_for * 2 * TukeyLoss(r.value, reach);
+    const double weight = r.stands_for * TukeyWeight(r.value, reach);
+    if (weight <= 0) return;
+    const double root = std::sqrt(weight);
+    rows.row(count).setZero();
+    body.AddPoseRow(Segments()[r.sample->segment].joint, r.x, root * r.pull, rows.row(count).data());
+    values[count++] = root * r.value;
+  });
+  const auto used = rows.topRows(count);
+  view.system.matrix.noalias() = used.transpose() * used;
+  view.system.gradient.noalias() = used.transpose() * values.head(count);
+  return view;
+}
+
+PoseSystem PriorSystem(const PosedBody& body, const BodyShape& shape, const DofVector& q,
+                       const PoseOptions& options) {
+  PoseSystem system;
+  for (const QuadraticPrior& prior : options.priors) AddQuadratic(prior, q, &system);
+  AddLimits(q, &system);
+  AddOverlaps(body, shape, &system);
+  return system;
+}
+
+DofVector StepOf(const PoseSystem& system) {
+  DofMatrix damped = system.matrix;
+  damped.diagonal() += 1e-4 * system.matrix.diagonal() + DofVector::Constant(1e-3);
+  DofVector step = -damped.ldlt().solve(system.gradient);
+  const double turn = step.tail<kDofs - 3>().cwiseAbs().maxCoeff();
+  const double move = step.head<3>().cwiseAbs().maxCoeff();
+  const double factor = std::max({1.0, turn / kLargestTurn, move / kLargestMove});
+  return step / factor;
+}
+
+double ReachOf(const PoseOptions& options, int round) {
+  if (options.first_reach <= options.reach || options.rounds < 2) return options.reach;
+  const double share = static_cast<double>(round) / (options.rounds - 1);
+  return options.first_reach * std::pow(options.reach / options.first_reach, share);
+}
+
+}  // namespace
+
+PoseSystem OutlineSystem(const std::vector<Silhouette>& silhouettes,
+                         const std::vector<ViewMatches>& matches, const PosedBody& body,
+                         double reach, double* measured) {
+  std::vector<ViewSystem> views(silhouettes.size());
+  ParallelFor(SizeOf(silhouettes), [&](std::int64_t v) {
+    views[v] = SystemOfView(silhouettes[v], matches[v], body, reach);
+  });
+  ViewSystem sum;
+  for (const ViewSystem& view : views) sum.system += view.system, sum.measured += view.measured;
+  if (measured) *measured = sum.measured;
+  return sum.system;
+}
+
+std::vector<ViewMatches> FindAllMatches(const std::vector<Silhouette>& silhouettes,
+                                        const LocalSurface& surface, const PosedBody& body,
+                                        double reach) {
+  std::vector<ViewMatches> matches(silhouettes.size());
+  ParallelFor(SizeOf(silhouettes), [&](std::int64_t v) {
+    matches[v] = FindMatches(silhouettes[v], surface, body, reach);
+  });
+  return matches;
+}
+
+PoseFit SolvePose(const std::vector<Silhouette>& silhouettes, const BodyShape& shape,
+                  const LocalSurface& surface, const BodyPose& start, const PoseOptions& options) {
+  PoseFit fit;
+  fit.pose = start;
+  std::vector<ViewMatches> matches;
+  for (int round = 0; round < options.rounds; ++round) {
+    const double reach = ReachOf(options, round);
+    PosedBody body = Posed(fit.pose, shape);
+    matches = FindAllMatches(silhouettes, surface, body, 2 * reach);
+    for (int step = 0; step < options.steps; ++step) {
+      if (step > 0) body = Posed(fit.pose, shape);
+      PoseSystem system = OutlineSystem(silhouettes, matches, body, reach);
+      system += PriorSystem(body, shape, fit.pose.q, options);
+      fit.pose.q += StepOf(system);
+    }
+  }
+  const PosedBody body = Posed(fit.pose, shape);
+  fit.data = OutlineSystem(silhouettes, matches, body, options.reach, &fit.measured);
+  fit.cost = fit.data.cost / std::max(1.0, fit.measured);
+  double points = 0, unexplained = 0;
+  for (std::size_t v = 0; v < silhouettes.size(); ++v) {
+    points += static_cast<double>(silhouettes[v].outline.size());
+    unexplained += matches[v].unexplained;
+  }
+  fit.unexplained = unexplained / std::max(1.0, points);
+  return fit;
+}
+
+DofVector StandardDeviations(const PoseFit& fit) {
+  // A residual's variance; a pixel's half at least.
+  DofMatrix information = fit.data.matrix / std::max(0.25, fit.cost);
+  for (int i = 0; i < kDofs; ++i) {
+    const DofModel& dof = Dofs()[i];
+    // Evenly spread over its range, a number has the range over the root of 12.
+    const double spread = i < 3 ? 1.0 : dof.low == dof.high ? kPi : (dof.high - dof.low) / std::sqrt(12.0);
+    information(i, i) += 1 / (spread * spread);
+  }
+  return information.ldlt().solve(DofMatrix::Identity()).diagonal().cwiseMax(0).cwiseSqrt();
+}
+
+}  // namespace keypose::fit

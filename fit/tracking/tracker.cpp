@@ -1,0 +1,88 @@
+#include "fit/tracking/tracker.h"
+
+#include <algorithm>
+
+#include "core/size_of.h"
+
+namespace keypose::fit {
+namespace {
+
+constexpr int kSearchPause = 3;   // frames between searches for the same limb
+constexpr double kFollow = 0.1;   // of the usual difference, a frame
+constexpr int kCandidates = 2;    // that are solved of a search
+
+double RelativeDifference(const Coverage& c) { return c.Difference() / std::max(1.0, c.both); }
+
+}  // namespace
+
+Tracker::Tracker(const BodyShape& shape, const BodyPose& start)
+    : shape_(shape), surface_(SurfaceOf(shape)), start_(start.Recharted()) {}
+
+BodyPose Tracker::Predicted() const {
+  if (before_.empty()) return start_;
+  BodyPose pose = before_.back();
+  if (before_.size() < 2) return pose;
+  pose.q += TrackerTuning::kSpeed * (pose.q - InChart(before_.front(), pose.root_chart));
+  return pose;
+}
+
+std::vector<QuadraticPrior> Tracker::Priors(const Eigen::Quaterniond& chart) const {
+  std::vector<QuadraticPrior> priors{RestPrior()};
+  if (before_.size() < 2) return priors;
+  for (const QuadraticPrior& calm : CalmPriors(InChart(before_.back(), chart), InChart(before_.front(), chart)))
+    priors.push_back(calm);
+  return priors;
+}
+
+std::vector<Limb> Tracker::Suspects(const Coverage& coverage) const {
+  const bool worse = usual_ > 0 && RelativeDifference(coverage) > TrackerTuning::kLostChange * usual_;
+  std::vector<Limb> suspects;
+  for (std::size_t l = 0; l < kLimbs.size(); ++l) {
+    const double outside = coverage.limb_outside[l] / std::max(1.0, coverage.limb[l]);
+    const bool rested = frame_ - searched_[l] >= kSearchPause;
+    if (rested && (worse || outside > TrackerTuning::kLostOutside)) suspects.push_back(kLimbs[l]);
+  }
+  return suspects;
+}
+
+void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
+                       PoseFit* fit, TrackedFrame* frame) {
+  for (const Limb limb : Suspects(frame->coverage)) {
+    searched_[static_cast<std::size_t>(limb)] = frame_;
+    // What was, is no guide to a limb that was lost.
+    PoseOptions free = options;
+    free.priors = {RestPrior()}, free.first_reach = 2 * OutlineTuning::kReach;
+    for (const BodyPose& candidate : SearchLimb(silhouettes, shape_, surface_, fit->pose, limb, kCandidates)) {
+      const PoseFit solved = SolvePose(silhouettes, shape_, surface_, candidate, free);
+      const Coverage coverage = CoverageOf(silhouettes, surface_, Posed(solved.pose, shape_));
+      if (coverage.Difference() > TrackerTuning::kFound * frame->coverage.Difference()) continue;
+      *fit = solved, frame->coverage = coverage;
+      if (frame->found.empty() || frame->found.back() != limb) frame->found.push_back(limb);
+    }
+  }
+}
+
+TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
+  const BodyPose predicted = Predicted();
+  PoseOptions options;
+  options.rounds = TrackerTuning::kRounds;
+  options.first_reach = 2 * OutlineTuning::kReach;
+  options.priors = Priors(predicted.root_chart);
+  PoseFit fit = SolvePose(silhouettes, shape_, surface_, predicted, options);
+  TrackedFrame frame;
+  frame.coverage = CoverageOf(silhouettes, surface_, Posed(fit.pose, shape_));
+  FindLost(silhouettes, options, &fit, &frame);
+  const double difference = RelativeDifference(frame.coverage);
+  usual_ = usual_ == 0 ? difference : usual_ + kFollow * (std::min(difference, 2 * usual_) - usual_);
+  frame.pose = fit.pose.Recharted();
+  frame.deviations = StandardDeviations(fit);
+  frame.unexplained = fit.unexplained;
+  // A limb that jumped has no speed: the jump must not go on.
+  if (frame.found.empty()) before_.push_back(frame.pose);
+  else before_ = {frame.pose};
+  if (before_.size() > 2) before_.erase(before_.begin());
+  ++frame_;
+  return frame;
+}
+
+}  // namespace keypose::fit

@@ -1,0 +1,51 @@
+// A pose for every frame of a performance, one after the other.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fit/tracking/pose_search.h"
+
+namespace keypose::fit {
+
+/// Found on the generated performance with seeds 101 and 102.
+struct TrackerTuning {
+  KEYPOSE_TUNED(int, kRounds, 4);            ///< of new contours in a frame
+  KEYPOSE_TUNED(double, kSpeed, 0.8);        ///< share of the last frame's motion that goes on
+  KEYPOSE_TUNED(double, kLostOutside, 0.3);  ///< share of a limb outside of the masks
+  KEYPOSE_TUNED(double, kLostChange, 1.35);  ///< factor on the usual difference to the masks
+  KEYPOSE_TUNED(double, kFound, 0.98);       ///< least gain of a search: factor on the difference
+};
+
+struct TrackedFrame {
+  BodyPose pose;
+  DofVector deviations;     ///< standard deviations of the 38 numbers; StandardDeviations
+  Coverage coverage;
+  double unexplained = 0;   ///< share of the outlines that no part of the template is near
+  std::vector<Limb> found;  ///< limbs that were lost and searched for with success
+};
+
+class Tracker {
+ public:
+  /// @param start  a pose near that of the first frame
+  Tracker(const BodyShape& shape, const BodyPose& start);
+  /// The pose in the next frame.
+  TrackedFrame Next(const std::vector<Silhouette>& silhouettes);
+
+ private:
+  BodyPose Predicted() const;
+  std::vector<QuadraticPrior> Priors(const Eigen::Quaterniond& chart) const;
+  std::vector<Limb> Suspects(const Coverage& coverage) const;
+  void FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options, PoseFit* fit,
+                TrackedFrame* frame);
+
+  BodyShape shape_;
+  LocalSurface surface_;
+  BodyPose start_;
+  std::vector<BodyPose> before_;  ///< the last two, newest last
+  double usual_ = 0;              ///< difference to the masks over both, slowly following
+  std::array<int, 4> searched_ = {-100, -100, -100, -100};  ///< frame of each limb's last search
+  int frame_ = 0;
+};
+
+}  // namespace keypose::fit

@@ -1,0 +1,32 @@
+// `keypose synth score-motion`: a tracked performance compared with its truth.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace keypose::synth {
+
+struct MotionScoreCommand {
+  std::filesystem::path performance;  ///< folder that `synth performance` wrote
+  std::filesystem::path frames;       ///< frame_0000.ply ... of `track`
+  std::filesystem::path motion;       ///< .bvh of `track`
+  int from = 0;                       ///< first frame that counts
+};
+
+struct MotionScore {
+  int frames = 0;
+  double joint_mean_m = 0, joint_worst_m = 0;
+  std::string worst;                   ///< joint and frame
+  double iou_mean = 0, iou_least = 1;  ///< to the masks without noise, of the shot's cameras
+  double iou_held_out = 0;             ///< in the camera that the shot lacks
+  std::vector<double> joint_means_m;   ///< by Performer::JointNames
+  std::vector<double> frame_worst_m;   ///< by frame: the joint that is farthest off
+};
+
+/// @throws InputError  files missing, or of different length
+MotionScore ScoreMotion(const MotionScoreCommand& command);
+/// As JSON.
+std::string ToJson(const MotionScore& score);
+
+}  // namespace keypose::synth
