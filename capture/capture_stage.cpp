@@ -481,7 +481,8 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   ReportSet(stage, import, written);
   ReportBoard(stage, import);
   RequireFitSet(stage, written, options);
-  if (BoardViews(import) == 0) JudgeSpacing(stage, written, import.groups.size());
+  if (BoardViews(import) == 0 && IsOfAScan(options.min_images))
+    JudgeSpacing(stage, written, import.groups.size());
   ImageSet set;
   set.folder = folder;
   set.camera_model = import.photographs.front().camera_model;

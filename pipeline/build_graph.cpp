@@ -240,9 +240,12 @@ class GraphBuilder {
       for (const auto& [name, value] : settings) SetOption(step, name, value.text, value.where);
     };
     apply(rule.options);
+    const PoseRule* pose = file_.FindPose(step->pose);
+    const bool fitted = pose && pose->FoundBy() == Method::kFit;
+    apply(fitted ? rule.fit_options : rule.scan_options);
     if (const auto it = file_.options.find(step->rule); it != file_.options.end())
       apply(it->second.options);
-    if (const PoseRule* pose = file_.FindPose(step->pose)) {
+    if (pose) {
       if (const auto it = pose->options.find(step->rule); it != pose->options.end())
         apply(it->second.options);
     }

@@ -126,6 +126,28 @@ TEST(FewPhotographs, UntilOnlyAndExplainKnowTheStep) {
   EXPECT_EQ(house.Run(only).ran, Names{"bend/wave"});
 }
 
+TEST(FewPhotographs, OptionsMayBeForOneMethodOnly) {
+  FewHouse house;
+  const std::string shoot = "  shoot: {stage: shoot, for: pose, inputs: {photos: $photos}";
+  house.default_pipeline.replace(house.default_pipeline.find(shoot), shoot.size(),
+                                 shoot + ", options: {tone: {fit: bright}}");
+  const auto tone = [&](const std::string& id) {
+    const auto view = house.Look();
+    return view.graph->steps[view.graph->Find(id).front()].options.at("tone");
+  };
+  EXPECT_EQ(tone("shoot/rest"), "plain") << "the default, with the fingerprint of old projects";
+  EXPECT_EQ(tone("shoot/wave"), "bright");
+  const std::string poses =
+      "poses: {rest: photos/rest, wave: {photos: photos/wave, method: fit}}\n";
+  house.WriteProject(poses + "options: {shoot: {tone: dark}}\n");
+  EXPECT_EQ(tone("shoot/wave"), "dark") << "the project decides";
+  house.WriteProject(poses + "steps: {shoot: {options: {tone: dark}}}\n");
+  EXPECT_EQ(tone("shoot/wave"), "dark") << "the project's step decides";
+  house.WriteProject(poses + "steps: {shoot: {options: {tone: {few: dark}}}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(); }),
+              AllOf(HasSubstr("pipeline.yaml:2"), HasSubstr("no key 'few'")));
+}
+
 TEST(FewPhotographs, TemplateCannotBeFitted) {
   FewHouse house;
   house.WriteProject("poses:\n  rest: {method: fit}\n  bent: photos/bent\n");

@@ -293,6 +293,25 @@ class Reader {
     return cost;
   }
 
+  void StepOptionsOf(const YAML::Node& node, const std::string& what, StepRule& step) const {
+    Map(node, what, [&](const std::string& name, const YAML::Node&, const YAML::Node& value) {
+      const std::string option = what + "." + name;
+      if (!value.IsMap()) {
+        step.options[name] = Text(value, option);
+        return;
+      }
+      Map(value, option,
+          [&](const std::string& method, const YAML::Node& key, const YAML::Node& of_method) {
+            if (method == "scan")
+              step.scan_options[name] = Text(of_method, option);
+            else if (method == "fit")
+              step.fit_options[name] = Text(of_method, option);
+            else
+              Unknown(key, option, {"scan", "fit"});
+          });
+    });
+  }
+
   StepRule Step(const std::string& name, const YAML::Node& key, const YAML::Node& node) const {
     CheckName(key, "the step name");
     StepRule step;
@@ -312,7 +331,7 @@ class Reader {
           else if (field == "enabled")
             step.enabled = Bool(value, what + ".enabled");
           else if (field == "options")
-            step.options = Options(value, what + ".options");
+            StepOptionsOf(value, what + ".options", step);
           else if (field == "inputs")
             Map(value, what + ".inputs",
                 [&](const std::string& port, const YAML::Node&, const YAML::Node& input) {
@@ -382,7 +401,15 @@ void OverlayStep(const StepRule& over, StepRule* step) {
   if (over.fan_out) step->fan_out = over.fan_out;
   if (over.method) step->method = over.method;
   for (const auto& [port, rule] : over.inputs) step->inputs[port] = rule;
-  for (const auto& [name, value] : over.options) step->options[name] = value;
+  const auto overlay = [](const OptionSettings& from, OptionSettings& to) {
+    for (const auto& [name, value] : from) to[name] = value;
+  };
+  // What is said for all poses replaces what the default says for those of one method.
+  for (const auto& [name, value] : over.options)
+    step->scan_options.erase(name), step->fit_options.erase(name);
+  overlay(over.options, step->options);
+  overlay(over.scan_options, step->scan_options);
+  overlay(over.fit_options, step->fit_options);
   for (const auto& [port, path] : over.out) step->out[port] = path;
   if (!over.show.empty()) step->show = over.show;
   if (over.cost || over.stage || over.program) step->cost = over.cost;

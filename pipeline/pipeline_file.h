@@ -83,7 +83,8 @@ struct StepRule {
   std::optional<FanOut> fan_out;
   std::optional<StepMethod> method;  ///< none: any
   std::map<std::string, InputRule> inputs;
-  OptionSettings options;
+  /// for all poses; for poses of one method, written as OPTION: {scan: ..., fit: ...}
+  OptionSettings options, scan_options, fit_options;
   std::map<std::string, Setting> out;  ///< output port, or PORT/FILE of a folder -> path below out/
   std::vector<ShownSetting> show;      ///< in the order of the file
   std::optional<Cost> cost;

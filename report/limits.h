@@ -31,4 +31,9 @@ constexpr double kRegisteredGood = 0.004,
 constexpr double kLandmarkLook = 0.03;      // register: of the diagonal
 constexpr double kStretchLook = 2.5;        // register: 1 % and 99 % of the edges
 
+// Of a pose from few photographs, which the template is bent into.
+constexpr double kFittedIouGood = 0.95, kFittedIouWrong = 0.85;  // mean over its photographs
+constexpr double kFittedUnseenLook = 0.4;  // fit: share of the vertices that no photograph shows
+constexpr double kFittedVolumeLook = 0.1;  // fit: change of the template's volume
+
 }  // namespace keypose::report

@@ -125,7 +125,10 @@ class Gatherer {
     const RunRecord& run = contents.run;
     const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name),
                      *cleanup = run.Find("cleanup", name), *bake = run.Find("bake", name),
-                     *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
+                     *sfm = run.Find("sfm", name), *masks = run.Find("masks", name),
+                     *fit = run.Find("fit", name);
+    if (fit && !fit->Output("fitted").empty())
+      Try(contents, fit->id, [&] { ShowShape(fit->Output("fitted"), pose); });
     if (cleanup && !cleanup->Output("clean").empty())
       Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
     if (bake && !bake->Output("texture").empty())
@@ -141,6 +144,11 @@ class Gatherer {
     else if (capture && !capture->Output("images").empty())
       Try(contents, capture->id,
           [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
+    if (fit && !fit->Output("picture").empty())
+      Try(contents, fit->id, [&] {
+        pose.cameras =
+            Picture{"The bent template over its photographs", ReadImage(fit->Output("picture"), 3)};
+      });
     if (sfm && !sfm->Output("picture").empty())
       Try(contents, sfm->id, [&] {
         pose.cameras = Picture{

@@ -47,12 +47,17 @@ std::string Chip(const StepRecord& step) {
                      : "<span class=\"chip good\">made</span>";
 }
 
+/// A pose from few photographs has other stages than a scanned one.
+std::vector<std::string> StagesOf(const RunRecord& run, const std::string& pose) {
+  if (run.Find("fit", pose)) return {"capture", "fit", "bake"};
+  return {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"};
+}
+
 std::string MissingStages(const Contents& contents, const PosePart& pose) {
   std::string missing;
-  for (const char* stage :
-       {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"}) {
+  for (const std::string& stage : StagesOf(contents.run, pose.name)) {
     if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
-    missing += (missing.empty() ? "" : ", ") + std::string(stage);
+    missing += (missing.empty() ? "" : ", ") + stage;
   }
   return missing.empty() ? "" : "<p class=lead>Not made for this pose: " + missing + ".</p>";
 }
@@ -88,6 +93,11 @@ constexpr Fact kPoseFacts[] = {
     {"cleanup", "genus", "genus"},
     {"cleanup", "repair strategy", "strategy"},
     {"cleanup", "distance to the scan, 99 %", "distance_from_input_p99_over_diag"},
+    {"fit", "features matched to the template", "matches"},
+    {"fit", "distance of outlines and masks (px)", "outline_gap_px"},
+    {"fit", "correlation of grey values", "correlation"},
+    {"fit", "volume over the template's", "volume_ratio"},
+    {"fit", "surface in no photograph (share)", "unseen"},
     {"unwrap", "UV charts", "charts"},
     {"unwrap", "L2 stretch", "stretch_l2"},
     {"unwrap", "L2 stretch", "l2_stretch"},
@@ -116,13 +126,22 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   return facts;
 }
 
+std::string HowItWasFound(const RunRecord& run, const std::string& pose) {
+  if (pose == run.template_pose)
+    return "The template: the other poses use its connectivity and texture layout.";
+  if (run.Find("fit", pose))
+    return "From few photographs: the template was bent until it agreed with them.";
+  return "Its texture is baked on the registered template.";
+}
+
 /// The positions of the photographs, with names; orange if the outline does not fit.
 std::string CameraChart(const PosePart& pose) {
   if (pose.places.empty()) return pose.cameras ? "<h3>Cameras</h3>" : "";
   std::vector<ChartMark> marks;
   for (const CameraPlace& place : pose.places) {
     const std::string stem = place.name.substr(0, place.name.rfind('.'));
-    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "var(--look-edge)" : "var(--ours)",
+    marks.push_back({stem,
+                     place.outline_off > kViewOutlineLook ? "var(--look-edge)" : "var(--ours)",
                      place.azimuth_deg, place.height_deg});
   }
   return "<h3>Cameras</h3>" +
@@ -227,13 +246,10 @@ std::string StepsSection(const Contents& contents) {
 }
 
 std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode) {
-  const bool is_template = pose.name == contents.run.template_pose;
-  std::string html =
-      "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) +
-      "\u2019</h2><p class=lead>" +
-      (is_template ? "The template: the other poses use its connectivity and texture layout."
-                   : "Its texture is baked on the registered template.") +
-      "</p>" + MissingStages(contents, pose);
+  std::string html = "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" +
+                     Escape(pose.name) + "\u2019</h2><p class=lead>" +
+                     HowItWasFound(contents.run, pose.name) + "</p>" +
+                     MissingStages(contents, pose);
   if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
   if (!pose.worst.empty())
     html += "<h3>Photograph and render from the same camera: the worst of " +

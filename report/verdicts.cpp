@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,8 @@ namespace keypose::report {
 namespace {
 
 constexpr std::size_t kNamesShown = 6;
+constexpr const char* kMorePhotographs =
+    "add photographs of this pose from the sides between, or scan it all round (method: scan)";
 
 std::string Bold(const std::string& text) { return "<b>" + text + "</b>"; }
 
@@ -232,6 +235,40 @@ class Findings {
             more + "; this is correct where clay was added or removed");
   }
 
+  /// A pose from few photographs: what the template was bent into, and what nothing shows.
+  void Fit(const StepRecord& s, const PosePart* pose) {
+    if (pose && !pose->evidence.views.empty()) Overlap(s, pose->evidence.views);
+    if (const auto flipped = s.Number("flipped"))
+      Add(*flipped == 0 ? Grade::kGood : Grade::kLook, s,
+          *flipped == 0 ? Bold("No") + " triangle of the bent template is flipped."
+                        : Bold(Pretty(*flipped)) + " triangles of the bent template are flipped.",
+          *flipped == 0 ? "" : kMorePhotographs);
+    if (const auto unseen = s.Number("unseen"))
+      Add(*unseen < kFittedUnseenLook ? Grade::kNote : Grade::kLook, s,
+          "No photograph shows " + Bold(Percent(*unseen)) +
+              " of its surface; there it follows the template.",
+          *unseen < kFittedUnseenLook ? "" : kMorePhotographs);
+    if (const auto volume = s.Number("volume_ratio");
+        volume && std::abs(*volume - 1) > kFittedVolumeLook)
+      Add(Grade::kLook, s, "Its volume is " + Bold(Percent(*volume)) + " of the template\u2019s.",
+          std::string("if no clay was added or removed: ") + kMorePhotographs);
+  }
+
+  void Overlap(const StepRecord& s, const std::vector<ViewEvidence>& views) {
+    double sum = 0, least = 1;
+    for (const ViewEvidence& view : views) sum += view.iou, least = std::min(least, view.iou);
+    const double mean = sum / static_cast<double>(views.size());
+    const bool good = mean >= kFittedIouGood;
+    Add(good                      ? Grade::kGood
+        : mean >= kFittedIouWrong ? Grade::kLook
+                                  : Grade::kWrong,
+        s,
+        "The template, bent into " + std::to_string(views.size()) +
+            " photographs, overlaps the figure in them by " + Bold(Percent(mean)) +
+            " (IoU; least " + Percent(least) + ").",
+        good ? "" : kMorePhotographs);
+  }
+
   /// The report's own measurements: the textured mesh compared with the photographs.
   void Evidence(const PosePart& pose) {
     const PoseEvidence& e = pose.evidence;
@@ -305,7 +342,14 @@ void FindOnAnimation(const AnimationPart& animation, std::vector<Finding>& out) 
                  ""});
 }
 
-void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Finding>& out) {
+const PosePart* PoseOf(const Contents& contents, const std::string& name) {
+  const auto part = std::find_if(contents.poses.begin(), contents.poses.end(),
+                                 [&](const PosePart& p) { return p.name == name; });
+  return part == contents.poses.end() ? nullptr : &*part;
+}
+
+void FindOnStep(const StepRecord& step, const Contents& contents, std::vector<Finding>& out) {
+  const RunRecord& run = contents.run;
   Findings findings(out);
   const std::string where = step.id.empty() ? step.stage : step.id;
   if (!step.done())
@@ -329,6 +373,7 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (step.stage == "unwrap") findings.Unwrap(step);
   if (step.stage == "bake") findings.Bake(step, run.Find("complete", step.pose));
   if (step.stage == "register") findings.Register(step);
+  if (step.stage == "fit") findings.Fit(step, PoseOf(contents, step.pose));
 }
 
 /// Maximum number of findings in a verdict; the list below it has all.
@@ -369,7 +414,7 @@ const char* WordOf(Grade grade) {
 std::vector<Finding> FindAll(const Contents& contents) {
   std::vector<Finding> all;
   for (const PosePart& pose : contents.poses) Findings(all).Evidence(pose);
-  for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents.run, all);
+  for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents, all);
   if (contents.animation) FindOnAnimation(*contents.animation, all);
   for (const std::string& trouble : contents.troubles)
     all.push_back({Grade::kLook, "", "report", Escape(trouble), ""});
@@ -384,9 +429,8 @@ std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>&
   for (const std::string& name : contents.run.poses) {
     verdicts.push_back(VerdictOn(name, name, findings));
     Verdict& verdict = verdicts.back();
-    const auto part = std::find_if(contents.poses.begin(), contents.poses.end(),
-                                   [&](const PosePart& p) { return p.name == name; });
-    const bool compared = part != contents.poses.end() && !part->evidence.views.empty();
+    const PosePart* part = PoseOf(contents, name);
+    const bool compared = part && !part->evidence.views.empty();
     if (compared || verdict.grade == Grade::kWrong) continue;
     verdict.grade = Grade::kLook;
     verdict.why = "There is no textured mesh to compare with the photographs. " + verdict.why;

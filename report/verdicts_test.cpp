@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <tuple>
 
 #include "report/contents.h"
@@ -236,6 +237,53 @@ TEST(FindAll, EverythingToLookAtHasACureOrIsTheStagesOwnSentence) {
     ++open;
   }
   EXPECT_GE(open, 11);
+}
+
+/// The demo's pose from six photographs.
+Contents Fitted(double iou, const Numbers& numbers) {
+  Contents contents;
+  contents.run.poses = {"rest", "wave"};
+  contents.run.template_pose = "rest";
+  contents.run.steps = {Step("fit", "wave", numbers)};
+  PosePart pose;
+  pose.name = "wave";
+  std::vector<ViewEvidence> views;
+  for (int i = 1; i <= 6; ++i) {
+    views.push_back(View("IMG_000" + std::to_string(i), 0.001, 0.9));
+    views.back().iou = iou;
+  }
+  pose.evidence = Summarize(std::move(views));
+  contents.poses = {PosePart{}, pose};
+  contents.poses[0].name = "rest";
+  return contents;
+}
+
+Verdict JudgedWave(const Contents& contents) { return Judge(contents, FindAll(contents))[1]; }
+
+TEST(Judge, PoseFromFewPhotographsIsGoodWhenItCoversThem) {
+  const Contents contents = Fitted(0.98, {{"flipped", 0}, {"unseen", 0.2}, {"volume_ratio", 1.01}});
+  EXPECT_EQ(JudgedWave(contents).grade, Grade::kGood);
+  const std::vector<Finding> findings = FindAll(contents);
+  const auto has = [&](const char* text) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [&](const Finding& f) { return f.text.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(has("bent into 6 photographs, overlaps the figure in them by <b>98"));
+  EXPECT_TRUE(has("No photograph shows <b>20"));
+}
+
+TEST(Judge, PoseFromFewPhotographsSaysWhatToDoWhenTheyDisagree) {
+  const Numbers good = {{"flipped", 0}, {"unseen", 0.2}, {"volume_ratio", 1}};
+  EXPECT_EQ(JudgedWave(Fitted(0.90, good)).grade, Grade::kLook);
+  const Verdict wrong = JudgedWave(Fitted(0.80, good));
+  EXPECT_EQ(wrong.grade, Grade::kWrong);
+  EXPECT_THAT(wrong.cure, HasSubstr("add photographs of this pose from the sides between"));
+  for (const auto& [name, value] :
+       Numbers{{"flipped", 3}, {"unseen", 0.6}, {"volume_ratio", 0.7}}) {
+    Numbers bad = good;
+    bad[name] = value;
+    EXPECT_EQ(JudgedWave(Fitted(0.98, bad)).grade, Grade::kLook) << name;
+  }
 }
 
 }  // namespace

@@ -62,12 +62,17 @@ std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs) {
   return turns;
 }
 
+bool IsOfAScan(int min_images) { return min_images >= 8; }
+
 void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images,
                               const std::string& folder) {
-  if (SizeOf(photographs) < min_images)
-    throw InputError("capture: " + folder + " has " + std::to_string(photographs.size()) +
-                     " photographs; at least " + std::to_string(min_images) +
-                     " are needed, and 24 or more all round the object are better");
+  const int count = SizeOf(photographs);
+  if (count < min_images)
+    throw InputError(
+        "capture: " + folder + " has " + std::to_string(count) +
+        (count == 1 ? " photograph" : " photographs") + "; at least " + std::to_string(min_images) +
+        (IsOfAScan(min_images) ? " are needed, and 24 or more all round the object are better"
+                               : " are needed, and 6 or more from different sides are better"));
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> seen;
   std::vector<std::string> twins;
   for (const Photograph& p : photographs) {

@@ -29,6 +29,10 @@ double FocalPx(int width, int height, double focal_35mm, double focal_mm, double
 /// @throws InputError  two sizes that differ by more than a turn; names photographs of each
 std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
 
+/// Whether a set that may be as small as `min_images` must go all round the figure. Below 8 it need
+/// not: another pose's mesh is fitted to it.
+bool IsOfAScan(int min_images);
+
 /// @throws InputError  fewer than `min_images`, or two files with the same bytes; names them
 void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images,
                               const std::string& folder);
