@@ -193,7 +193,11 @@ float SrgbFraction(float linear) {
 }
 
 /// Writes the image as `spec` says. Leaves no file behind when writing fails.
-void WriteAll(const fs::path& path, const ImageSpec& spec, TypeDesc from, const void* data) {
+void WriteAll(const fs::path& path, ImageSpec spec, TypeDesc from, const void* data) {
+  const std::string extension = ExtensionOf(path);
+  // Otherwise the library writes the time of day into these.
+  if (extension == ".exr" || extension == ".tif" || extension == ".tiff")
+    spec.attribute("DateTime", "");
   auto output = ImageOutput::create(path.string());
   if (!output)
     throw DiskError("cannot write image " + path.string() +
@@ -287,7 +291,6 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   if (extension == ".exr") {
     if (bits == 32) spec.set_format(TypeDesc::FLOAT);
     spec.attribute("oiio:ColorSpace", "Linear");
-    spec.attribute("DateTime", "");  // otherwise the library writes the time of day
     return WriteAll(path, spec, TypeDesc::FLOAT, linear.data.data());
   }
   const bool eight = bits == 8 || (bits == 0 && extension == ".png");

@@ -2,7 +2,9 @@
 #include <libheif/heif_cxx.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -267,6 +269,24 @@ TEST_F(ImageIo, LinearLightIsWrittenAsTheExtensionAndBitsSay) {
   EXPECT_THROW(WriteLinearImage(folder_ / "l.png", linear, 32), UsageError);
   EXPECT_THROW(WriteLinearImage(folder_ / "l.jpg", linear), UsageError);
   EXPECT_THROW(WriteLinearImage(folder_ / "missing" / "l.exr", linear), DiskError);
+}
+
+TEST_F(ImageIo, NoFileHoldsTheTimeOfDay) {
+  const ImageF linear(8, 4, 3, 0.2f);
+  const std::vector<std::string> kinds = {".png", ".tif", ".exr", ".jpg"};
+  const auto write = [&](const std::string& kind) {
+    const fs::path file = folder_ / ("time" + kind);
+    if (kind == ".jpg")
+      WriteImage(file, Gradient(8, 4));
+    else
+      WriteLinearImage(file, linear);
+    return ReadFile(file);
+  };
+  std::vector<std::string> first;
+  for (const std::string& kind : kinds) first.push_back(write(kind));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // such times are whole seconds
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    EXPECT_EQ(write(kinds[k]) == first[k], true) << kinds[k];
 }
 
 TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
