@@ -20,6 +20,7 @@ namespace keypose::reconstruct {
 namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
   int code = -1;
@@ -275,6 +276,18 @@ TEST_F(SfmProgram, MissingColmapIsAToolErrorThatNamesThePackage) {
   const Outcome outcome = Sfm("KEYPOSE_COLMAP=" + (root / "nothing").string(), "model");
   EXPECT_EQ(outcome.code, 5) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("apt-get install colmap"));
+}
+
+TEST_F(SfmProgram, MorePicturesThanTheMemoryHoldsAreSaidBeforeTheWork) {
+  WriteUnrelatedImages();
+  ImageSet set = ReadImageSet(root / "images");
+  for (CapturedImage& image : set.images) image.width = 20000, image.height = 15000;
+  WriteImageSet(set);
+  const Outcome outcome = Sfm("ulimit -v 3000000;", "model", "--max_image_size 20000");
+  EXPECT_EQ(outcome.code, 4) << outcome.output;
+  EXPECT_THAT(outcome.output,
+              HasSubstr("sfm: the work on 8 photographs (2400 megapixels) needs 6.0 GB"));
+  EXPECT_THAT(outcome.output, Not(HasSubstr("Processed file")));
 }
 
 TEST_F(SfmProgram, FolderThatIsNoImageSetIsAnInputError) {

@@ -1,4 +1,5 @@
 // keypose-sfm: images and masks to cameras and sparse points, in an upright frame.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/memory.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "reconstruct/sfm/colmap_programs.h"
@@ -146,6 +148,21 @@ Image8 Picture(const Scene& scene) {
   return DrawCameras(scene, rings);
 }
 
+/// Before hours of matching: all photographs and masks are held at once when points are tracked by
+/// grey values, cropped to the figure.
+void RequireMemoryFor(const ImageSet& set, const SfmOptions& options) {
+  constexpr double kBytesAPixel = 2.5;  // measured on figures that fill half of the picture
+  std::vector<View> views(set.images.size());
+  int longest = 1;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].camera.width = set.images[i].width;
+    views[i].camera.height = set.images[i].height;
+    longest = std::max({longest, set.images[i].width, set.images[i].height});
+  }
+  RequireMemoryForViews("sfm", views, std::min(1.0, 1.0 * options.max_image_size / longest),
+                        kBytesAPixel);
+}
+
 void Run(StageContext& stage, const SfmOptions& options) {
   Stopwatch watch;
   const ImageSet set = ReadImageSet(stage.Input("images"));
@@ -154,6 +171,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
                      " photographs; at least 3 are needed");
   options.Layouts(NamesOf(set));                   // reports a wrong option before the work
   if (stage.Has("poses")) KnownViews(stage, set);  // and wrong cameras
+  RequireMemoryFor(set, options);
   ReportProgress(stage.progress(), 0, "features");
   const EvidenceCheck check(set);
   MatchedFeatures matched;
