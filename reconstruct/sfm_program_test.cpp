@@ -281,12 +281,12 @@ TEST_F(SfmProgram, MissingColmapIsAToolErrorThatNamesThePackage) {
 TEST_F(SfmProgram, MorePicturesThanTheMemoryHoldsAreSaidBeforeTheWork) {
   WriteUnrelatedImages();
   ImageSet set = ReadImageSet(root / "images");
-  for (CapturedImage& image : set.images) image.width = 20000, image.height = 15000;
+  for (CapturedImage& image : set.images) image.width = 16000, image.height = 16000;
   WriteImageSet(set);
   const Outcome outcome = Sfm("ulimit -v 3000000;", "model", "--max_image_size 20000");
   EXPECT_EQ(outcome.code, 4) << outcome.output;
   EXPECT_THAT(outcome.output,
-              HasSubstr("sfm: the work on 8 photographs (2400 megapixels) needs 6.0 GB"));
+              HasSubstr("sfm: the work on 8 photographs (2048 megapixels) needs 5.1 GB"));
   EXPECT_THAT(outcome.output, Not(HasSubstr("Processed file")));
 }
 
