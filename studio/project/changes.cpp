@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/errors.h"
 #include "core/file_names.h"
@@ -177,7 +178,7 @@ std::string SetOption(Snapshot& snapshot, const OptionChange& change, const std:
 }
 
 void CreateProject(const fs::path& folder, const std::vector<std::string>& poses,
-                   const std::string& template_pose) {
+                   const std::string& template_pose, const std::vector<std::string>& few) {
   if (poses.empty()) throw UsageError("name at least one pose");
   std::vector<std::string> names;
   for (const std::string& name : poses) {
@@ -189,10 +190,20 @@ void CreateProject(const fs::path& folder, const std::vector<std::string>& poses
   const std::string chosen = pipeline::Composed(template_pose);
   if (std::find(names.begin(), names.end(), chosen) == names.end())
     throw UsageError(fmt::format("the template '{}' is none of the poses", template_pose));
+  std::set<std::string> fitted;
+  for (const std::string& name : few) {
+    fitted.insert(pipeline::Composed(name));
+    if (std::find(names.begin(), names.end(), pipeline::Composed(name)) == names.end())
+      throw UsageError(fmt::format("'{}' is to be fitted, but is none of the poses", name));
+  }
+  if (fitted.contains(chosen))
+    throw UsageError(fmt::format(
+        "'{}' is the template, which other poses are fitted with: it needs a scan", chosen));
   if (fs::exists(folder / "pipeline.yaml"))
     throw UsageError("there is a project in this folder already");
   for (const std::string& name : names) fs::create_directories(folder / "photos" / name);
-  WriteFileAtomically(folder / "pipeline.yaml", pipeline::NewPipelineText(folder, names, chosen));
+  WriteFileAtomically(folder / "pipeline.yaml",
+                      pipeline::NewPipelineText(folder, names, chosen, fitted));
 }
 
 void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name,

@@ -39,9 +39,10 @@ struct OptionChange {
 std::string SetOption(Snapshot& snapshot, const OptionChange& change, const std::string& revision);
 
 /// Makes pipeline.yaml and a folder for each pose's photographs.
+/// @param few  poses that get few photographs, which the template is fitted to
 /// @throws UsageError  a name that cannot be one, twice the same, or there is a project already
 void CreateProject(const std::filesystem::path& folder, const std::vector<std::string>& poses,
-                   const std::string& template_pose);
+                   const std::string& template_pose, const std::vector<std::string>& few);
 
 /// Adds a file to a pose's folder of photographs. Never replaces one with other content.
 /// @throws UsageError  no photograph's name, or another photograph of that name is there

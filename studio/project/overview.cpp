@@ -30,6 +30,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
   const fs::path photos = snapshot.PhotoFolder(pose);
   return {{"name", pose},
           {"template", snapshot.IsTemplate(pose)},
+          {"method", snapshot.IsFitted(pose) ? "fit" : "scan"},
           {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
           {"photographs", OriginalPhotographs(photos).size()},
           {"masks", rule && rule->masks ? rule->masks->text : ""},
@@ -37,7 +38,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},
           {"has_confidence", snapshot.ConfidencePath(pose).has_value()},
-          {"has_cameras", snapshot.ResultPath("sfm", pose, "model").has_value()}};
+          {"has_cameras", snapshot.CamerasPath(pose).has_value()}};
 }
 
 json NameAndFolder(const fs::path& folder) {

@@ -31,8 +31,9 @@ namespace {
 constexpr int kLargestThumbnail = 4096;
 
 std::optional<ImageSet> SetOf(Snapshot& snapshot, const std::string& pose, bool agreed) {
-  const auto folder = agreed ? snapshot.ResultPath("masks", pose, "masked")
-                             : snapshot.ResultPath("capture", pose, "images");
+  const auto folder =
+      agreed ? snapshot.ResultPath(snapshot.IsFitted(pose) ? "fit" : "masks", pose, "masked")
+             : snapshot.ResultPath("capture", pose, "images");
   if (!folder) return std::nullopt;
   return ReadImageSet(*folder);
 }
@@ -192,7 +193,7 @@ std::pair<int, int> PhotographSize(Snapshot& snapshot, const std::string& pose,
 }
 
 json CamerasJson(Snapshot& snapshot, const std::string& pose) {
-  const auto model = snapshot.ResultPath("sfm", pose, "model");
+  const auto model = snapshot.CamerasPath(pose);
   json cameras = json::array();
   if (!model) return cameras;
   for (const View& view : ReadColmapModel(*model).views) {

@@ -42,6 +42,9 @@ fs::path ExistingPicks(Snapshot& snapshot, const std::string& pose) {
 
 Mesh PickedMeshOf(Snapshot& snapshot, const std::string& pose) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
+  if (snapshot.IsFitted(pose))
+    throw UsageError(fmt::format(
+        "pose '{}' comes from few photographs (`method: fit`): it has no scan to pick on", pose));
   const auto path = snapshot.PickedMesh(pose);
   if (!path)
     throw UsageError(

@@ -55,6 +55,11 @@ bool Snapshot::HasPose(const std::string& pose) const {
   return std::find(poses.begin(), poses.end(), pose) != poses.end();
 }
 
+bool Snapshot::IsFitted(const std::string& pose) const {
+  const pipeline::PoseRule* rule = file_.FindPose(pose);
+  return rule && rule->FoundBy() == pipeline::Method::kFit;
+}
+
 const Step* Snapshot::FindStep(const std::string& rule, const std::string& pose) const {
   for (const Step& step : graph().steps)
     if (step.rule == rule && (pose.empty() || step.pose == pose)) return &step;
@@ -80,7 +85,12 @@ std::optional<fs::path> Snapshot::ResultPath(const std::string& rule, const std:
 
 std::optional<fs::path> Snapshot::MeshPath(const std::string& pose, MeshKind kind) {
   if (kind == MeshKind::kMesh && IsTemplate(pose)) return ResultPath("unwrap", pose, "unwrapped");
+  if (kind == MeshKind::kMesh && IsFitted(pose)) return ResultPath("fit", pose, "fitted");
   return ResultPath(RowOf(kind).rule, pose, RowOf(kind).port);
+}
+
+std::optional<fs::path> Snapshot::CamerasPath(const std::string& pose) {
+  return ResultPath(IsFitted(pose) ? "fit" : "sfm", pose, "model");
 }
 
 std::optional<fs::path> Snapshot::TexturePath(const std::string& pose) {

@@ -31,6 +31,8 @@ class Snapshot {
 
   bool HasPose(const std::string& pose) const;
   bool IsTemplate(const std::string& pose) const { return pose == graph().template_pose; }
+  /// Whether the template is bent into the pose's few photographs, instead of a scan of it.
+  bool IsFitted(const std::string& pose) const;
   /// The step of a rule on a pose; for rules of the animation or project, `pose` is empty.
   const pipeline::Step* FindStep(const std::string& rule, const std::string& pose) const;
 
@@ -40,11 +42,13 @@ class Snapshot {
   std::optional<std::filesystem::path> ResultPath(const std::string& rule, const std::string& pose,
                                                   const std::string& port);
   std::optional<std::filesystem::path> MeshPath(const std::string& pose, MeshKind kind);
+  /// The pose's cameras, a COLMAP model.
+  std::optional<std::filesystem::path> CamerasPath(const std::string& pose);
   /// The pose's texture as export would take it.
   std::optional<std::filesystem::path> TexturePath(const std::string& pose);
   /// How well photographs show each texel of it.
   std::optional<std::filesystem::path> ConfidencePath(const std::string& pose);
-  /// The mesh on which a pose's landmarks are picked.
+  /// The mesh on which a pose's landmarks are picked; a pose from few photographs has none.
   std::optional<std::filesystem::path> PickedMesh(const std::string& pose);
   /// The folder of a pose's photographs.
   std::filesystem::path PhotoFolder(const std::string& pose) const;

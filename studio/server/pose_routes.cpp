@@ -97,7 +97,10 @@ void Routes::AddMeshes() {
   Add("GET", "/api/fit", [this, mesh_path](const Question& question) {
     const std::string pose = question.Need("pose");
     // Before the first registration there is no fit to show, which is no fault.
-    if (With([&](Snapshot& now) { return !now.MeshPath(pose, MeshKind::kMesh); }))
+    // A pose from few photographs has no scan to be far from.
+    if (With([&](Snapshot& now) {
+          return now.IsFitted(pose) || !now.MeshPath(pose, MeshKind::kMesh);
+        }))
       return BytesAnswer("");
     return BytesAnswer(FitBytes(ReadMesh(mesh_path(pose, MeshKind::kMesh)),
                                 ReadMesh(mesh_path(pose, MeshKind::kClean))));

@@ -159,7 +159,8 @@ void Routes::AddProject() {
   });
   Add("POST", "/api/project", [this](const Question& question) {
     const json body = question.Json();
-    CreateProject(folder_, body.at("poses"), body.at("template"));
+    CreateProject(folder_, body.at("poses"), body.at("template"),
+                  body.value("few", std::vector<std::string>{}));
     return JsonAnswer(With([](Snapshot& now) { return ProjectJson(now); }));
   });
   Add("GET", "/api/steps", [this](const Question&) {

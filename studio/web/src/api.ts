@@ -16,6 +16,8 @@ export type StepState = 'done' | 'would_run' | 'waits' | 'failed' | 'never' | 'm
 export interface Pose {
   name: string
   template: boolean
+  /** 'fit': from few photographs, which the template is bent into; it has no scan */
+  method: 'scan' | 'fit'
   photos: string
   /** number of photographs in the pose's folder */
   photographs: number
@@ -255,8 +257,9 @@ const q = (values: Record<string, string>): string => new URLSearchParams(values
 export const api = {
   project: () => get<Project>('/api/project'),
   /** Makes a project; only while there is none. */
-  createProject: (poses: string[], template: string) =>
-    send<Project>('POST', '/api/project', { poses, template }),
+  /** `few`: poses of few photographs, which the template is bent into. */
+  createProject: (poses: string[], template: string, few: string[]) =>
+    send<Project>('POST', '/api/project', { poses, template, few }),
   /** Adds one photograph to a pose's folder (only while no run is at work). */
   addPhotograph: (pose: string, name: string, bytes: Blob) =>
     ask(`/api/photos?${q({ pose, name })}`, { method: 'PUT', body: bytes }),

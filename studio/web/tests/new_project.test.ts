@@ -2,6 +2,7 @@ import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
 import { kAccept, sorted } from '../src/pages/new_project/files'
+import { emptyRow, fewOf, withFiles } from '../src/pages/new_project/rows'
 
 const found = (path: string, bytes = 1) => ({ file: new File([new Uint8Array(bytes)], path), path })
 
@@ -20,4 +21,14 @@ test('what is left out is told with what to do', () => {
   assert.match(leftOut[0].why, /RAW files go into the pose’s folder by hand/)
   assert.equal(leftOut[1].why, 'save it as JPEG or PNG')
   assert.equal(leftOut[2].why, '.txt is no photograph')
+})
+
+test('a pose of few photographs is one that the template is bent into, never the template', () => {
+  const row = (name: string, photographs: number) => {
+    const files = Array.from({ length: photographs }, (_, i) => found(`${name}/${i}.jpg`))
+    return withFiles({ ...emptyRow(), name }, files, [])
+  }
+  const rows = [row('rest', 6), row('wave', 6), row('bent', 16)]
+  assert.deepEqual(fewOf(rows, 'rest'), ['wave'])
+  assert.deepEqual(fewOf(rows, 'bent'), ['rest', 'wave'])
 })

@@ -37,7 +37,9 @@ export function LandmarksPage() {
   const [mode, setMode] = useState<Mode>('pick')
   const [wanted, setWanted] = useState(poseOfAddress)
   const template = project.poses.find((pose) => pose.template)
-  const poses = project.poses.filter((pose) => !pose.template)
+  const others = project.poses.filter((pose) => !pose.template)
+  // A pose from few photographs has no scan to pick on.
+  const poses = others.filter((pose) => pose.method !== 'fit')
   const pose = poses.find((one) => one.name === wanted) ?? poses[0]
   const choose = (name: string) => {
     history.replaceState(null, '', `#/landmarks/${encodeURIComponent(name)}`)
@@ -52,6 +54,19 @@ export function LandmarksPage() {
     )
   const modes = <ModeChoice mode={mode} onMode={setMode} />
   if (mode === 'paint') return <PaintBench template={template} modes={modes} />
+  if (!pose && others.length > 0)
+    return (
+      <main class="empty">
+        <h1>No scan to pick on</h1>
+        <p>
+          {others.map((one) => one.name).join(', ')}: from few photographs, which{' '}
+          {template.name} is bent into without landmarks.
+        </p>
+        <p>
+          <button onClick={() => setMode('paint')}>Paint {template.name}</button>
+        </p>
+      </main>
+    )
   if (!pose)
     return (
       <main class="empty">

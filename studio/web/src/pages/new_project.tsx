@@ -7,7 +7,7 @@ import { bytes, count } from '../words'
 import { dropped } from './new_project/files'
 import type { Found } from './new_project/files'
 import { PoseCard } from './new_project/pose_card'
-import { emptyRow, isBlank, missing, spreadOver, withFiles } from './new_project/rows'
+import { emptyRow, fewOf, isBlank, missing, spreadOver, withFiles } from './new_project/rows'
 import type { Row } from './new_project/rows'
 import { Sending } from './new_project/sending'
 import { leave, making, send, useUpload } from './new_project/upload'
@@ -56,7 +56,7 @@ function useRows() {
 async function makeProject(rows: Row[], template: string): Promise<boolean> {
   const names = rows.map((row) => row.name)
   const list = rows.flatMap((row) => row.photos.map((photo) => ({ pose: row.name, photo })))
-  await making(() => api.createProject(names, template))
+  await making(() => api.createProject(names, template, fewOf(rows, template)))
   const ended = await send(list)
   return ended.state === 'ended' && ended.failed.length === 0
 }

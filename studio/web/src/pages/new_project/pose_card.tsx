@@ -4,12 +4,13 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 import { bytes, count } from '../../words'
 import { chosen, dropped, isDrawn, kAccept, kindOf } from './files'
 import type { Found, LeftOut, Photo } from './files'
-import { nameProblem } from './rows'
+import { kScan, nameProblem } from './rows'
 import type { Row } from './rows'
 
 const kThumbnails = 5
-/** Fewer are refused by the step capture. */
+/** Fewer are refused by the step capture: of a scan, and of a pose that the template is bent into. */
 const kFewest = 8
+const kFewestFitted = 2
 
 /** A few photographs, spread over all, so that a wrong folder shows at once. */
 function samplesOf(photos: Photo[]): Photo[] {
@@ -76,9 +77,25 @@ function Chooser(props: {
   )
 }
 
-function Photographs({ row, clear }: { row: Row; clear: () => void }) {
+/** What becomes of a pose of few photographs. */
+function FewWords({ photos, template }: { photos: number; template: boolean }) {
+  if (template)
+    return photos < kFewest ? (
+      <p class="warn small">The template needs {kFewest} photographs; 24 or more are better.</p>
+    ) : null
+  if (photos < kFewestFitted)
+    return <p class="warn small">A pose needs {kFewestFitted} photographs; 6 are better.</p>
+  if (photos >= kScan) return null
+  return (
+    <p class="small soft">
+      The template will be bent into them; {kScan} or more all round make a scan of their own.
+    </p>
+  )
+}
+
+function Photographs(props: { row: Row; template: boolean; clear: () => void }) {
+  const { row, clear } = props
   const size = row.photos.reduce((sum, photo) => sum + photo.file.size, 0)
-  const few = row.photos.length < kFewest
   return (
     <div class="photos">
       <div class="strip">
@@ -93,7 +110,7 @@ function Photographs({ row, clear }: { row: Row; clear: () => void }) {
           take them out
         </button>
       </p>
-      {few && <p class="warn small">A pose needs {kFewest} photographs; 24 or more are better.</p>}
+      <FewWords photos={row.photos.length} template={props.template} />
     </div>
   )
 }
@@ -163,7 +180,7 @@ export function PoseCard(props: {
         onDrop={drop}
       >
         {row.photos.length > 0 ? (
-          <Photographs row={row} clear={props.clear} />
+          <Photographs row={row} template={props.template} clear={props.clear} />
         ) : (
           <p class="soft">Drop this pose’s folder of photographs here</p>
         )}

@@ -54,6 +54,15 @@ export function withFiles(row: Row, found: Found[], rows: Row[]): Row {
   }
 }
 
+/** With fewer photographs a pose other than the template is not scanned, as `keypose init` decides. */
+export const kScan = 16
+
+/** Poses of few photographs, which the template will be bent into. */
+export function fewOf(rows: Row[], template: string): string[] {
+  const few = rows.filter((row) => row.name !== template && row.photos.length < kScan)
+  return few.map((row) => row.name)
+}
+
 /** Files dropped beside the rows: each folder goes to the row of its name, or to one of its own. */
 export function spreadOver(rows: Row[], found: Found[]): Row[] {
   let next = rows

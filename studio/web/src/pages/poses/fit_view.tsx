@@ -42,7 +42,8 @@ function summaryOf(values: Float32Array): Fit | null {
 
 export function FitView({ pose, results }: { pose: Pose; results: string }) {
   const [viewer, setViewer] = useState<Viewer | null>(null)
-  const registered = pose.meshes.includes('mesh')
+  const fitted = pose.method === 'fit'
+  const registered = !fitted && pose.meshes.includes('mesh')
   const mesh = useMesh(pose.name, registered ? 'mesh' : '', results)
   const loadFit = async () => (registered ? api.fit(pose.name) : null)
   const fit = useLoaded(loadFit, [pose.name, registered, results])
@@ -54,6 +55,16 @@ export function FitView({ pose, results }: { pose: Pose; results: string }) {
     viewer.show(data, 'plain', true)
     viewer.showValues(values.map((value) => value / kWorst))
   }, [viewer, data, values])
+  if (fitted)
+    return (
+      <div class="empty">
+        <h2>From few photographs</h2>
+        <p>
+          The template is bent into the photographs of {pose.name}: there is no scan to measure
+          against. Compare the two in the wipe; the report has the overlap in each photograph.
+        </p>
+      </div>
+    )
   if (!pose.meshes.includes('clean') && !registered)
     return (
       <div class="empty">

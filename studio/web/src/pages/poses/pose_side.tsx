@@ -19,6 +19,11 @@ export function PoseSide({ current, choose }: { current: Pose; choose: (name: st
                 <span class="name">{pose.name}</span>
                 <span class="row facts-end">
                   {pose.template && <span class="tag soft">template</span>}
+                  {pose.method === 'fit' && (
+                    <span class="tag soft" title="The template is bent into its few photographs">
+                      few
+                    </span>
+                  )}
                   <span class="number small soft" title={count(pose.photographs, 'photograph')}>
                     {pose.photographs}
                     <span class="hidden"> photographs</span>
@@ -36,15 +41,17 @@ export function PoseSide({ current, choose }: { current: Pose; choose: (name: st
 }
 
 function Has({ pose }: { pose: Pose }) {
+  const fitted = pose.method === 'fit'
+  const mesh = pose.template ? 'Mesh' : fitted ? 'Bent template' : 'Registered mesh'
   const rows: [string, boolean, string][] = [
     ['Photographs', pose.photographs > 0, String(pose.photographs)],
     ['Masks of your own', pose.masks !== '', pose.masks || 'none'],
     ['Cameras', pose.has_cameras, ''],
-    ['Surface', pose.meshes.includes('clean'), ''],
-    ...(pose.template
+    ...(fitted ? [] : ([['Surface', pose.meshes.includes('clean'), '']] as typeof rows)),
+    ...(fitted || pose.template
       ? []
-      : ([['Landmarks', pose.has_landmarks, '']] as [string, boolean, string][])),
-    [pose.template ? 'Mesh' : 'Registered mesh', pose.meshes.includes('mesh'), ''],
+      : ([['Landmarks', pose.has_landmarks, '']] as typeof rows)),
+    [mesh, pose.meshes.includes('mesh'), ''],
     ['Texture', pose.has_texture, ''],
   ]
   return (
@@ -91,6 +98,8 @@ function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landm
     return { text: 'Pick a few landmarks, then register this pose.', page: 'landmarks' }
   if (open.length > 0)
     return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }
+  if (pose.method === 'fit')
+    return { text: 'All is made. Compare it with its photographs in the wipe.' }
   if (pose.template) return { text: 'All is made. Look over the mesh in 3D and in the wipe.' }
   return {
     text: 'All is made. Look at the fit; a landmark helps where it is yellow.',
