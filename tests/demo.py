@@ -70,8 +70,9 @@ class Demo:
                 shutil.rmtree(os.path.join(self.world, name), ignore_errors=True)
             self.run([self.program("keypose"), "synth", "photos", "--output", self.world, "--poses", ",".join(POSES), "--views",
                       str(self.args.views), "--width", str(self.args.width), "--seed", str(self.args.seed), "--texture", self.args.texture])
+            scans = [word for pose in POSES for word in ("--scan", pose)]
             poses = [word for pose in POSES for word in ("--pose", f"{pose}={os.path.join(self.world, 'photos', pose)}")]
-            self.run([self.program("keypose"), "init", self.project, *poses, "--template", TEMPLATE])
+            self.run([self.program("keypose"), "init", self.project, *poses, "--template", TEMPLATE, *scans])
         return time.monotonic() - start
 
     def mesh_to_click(self, pose):

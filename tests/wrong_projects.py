@@ -353,6 +353,46 @@ def photo_cases():
     ]
 
 
+def few_cases():
+    """Faults of poses from few photographs (`method: fit`)."""
+    few = 'poses:\n  rest: photos/rest\n  bent: {photos: photos/bent, method: fit}\n'
+    few_masked = few.replace('method', 'masks: masks/bent, method')
+    capture = ('run', '--until', 'capture/bent')
+
+    def keep(count):
+        return lambda folder: [photo.unlink() for photo in photographs(folder, 'bent')[count:]] and None
+
+    def black_masks(folder):
+        for photo in photographs(folder, 'bent'):
+            write(folder / 'masks/bent' / (photo.name + '.png'), whole_png(320, 240, 0))
+
+    def case(name, code, words, command=STATUS, yaml=few, spoil=None):
+        return Case(f'few: {name}', code, words, command=command, yaml=yaml, spoil=spoil)
+
+    def init(name, words, *flags):
+        return Case(f'few: {name}', USAGE, words, ('init', 'new', '--pose', 'rest=photos/rest', '--pose', 'bent=photos/bent', *flags), outside=True)
+
+    return [
+        case('method unknown', USAGE, ('pipeline.yaml:3', '`method: fitt` is not known', "'fit'"), yaml=few.replace('fit}', 'fitt}')),
+        case('method a list', USAGE, ('pipeline.yaml:3', 'method must be a single value'), yaml=few.replace('fit}', '[fit]}')),
+        case('of the template', USAGE, ('pipeline.yaml:3', "'bent' is the template", 'needs a scan', 'another pose the template'), yaml=few + 'template: bent\n'),
+        case('of the only pose', USAGE, ('pipeline.yaml:2', "'rest' is the template"), yaml='poses:\n  rest: {method: fit}\n'),
+        case('a step that needs a scan', USAGE, ('pipeline.yaml:5', 'no step cleanup/bent', 'few photographs', '`method: scan`'),
+             yaml=few + 'steps:\n  smooth: {stage: cleanup, for: pose, inputs: {surface: cleanup.clean}}\n'),
+        case('a step of an unknown method', USAGE, ('pipeline.yaml:5', '`method: few` is not known'), yaml=few + 'steps:\n  dense: {method: few}\n'),
+        case('an option of an unknown method', USAGE, ('pipeline.yaml:5', "no key 'few'"), yaml=few + 'steps:\n  capture: {options: {min_images: {few: 3}}}\n'),
+        case('no step of a scan', USAGE, ("no step 'register/bent'",), ('explain', 'register/bent')),
+        case('no photographs', INPUT, ('photos/bent', 'no photographs'), capture, spoil=keep(0)),
+        case('one photograph', INPUT, ('photos/bent', '1 photograph', 'at least 2', '6 or more from different sides'), capture, spoil=keep(1)),
+        case('two photographs are taken', 0, ('1 made',), capture, spoil=keep(2)),
+        case('two sizes', INPUT, ('different sizes', '64 x 48'), capture, spoil=lambda folder: photographs(folder, 'bent')[0].write_bytes(whole_png(64, 48, 90)) and None),
+        case('masks all black', INPUT, ('black', 'IMG_0001.jpg', '--background'), capture, few_masked, black_masks),
+        init('init of the template', ("--few rest: 'rest' is the template", '--template'), '--few', 'rest'),
+        init('init of no pose', ('--few wave', 'no pose of that name'), '--few', 'wave'),
+        init('init both ways', ('--few bent and --scan bent',), '--few', 'bent', '--scan', 'bent'),
+    ]
+
+
 def state_cases():
     """Faults outside the photographs: locks, links, landmark folders."""
     def case(name, code, words, spoil, command=STATUS, yaml=None):
@@ -435,7 +475,7 @@ class Bench:
         subprocess.run([self.keypose, 'status', '-C', self.project], stdout=subprocess.DEVNULL, check=True)
 
     def stages(self):
-        listed = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'bake', 'complete', 'interpolate', 'export', 'report')
+        listed = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'fit', 'bake', 'complete', 'interpolate', 'export', 'report')
         return {stage: json.loads(subprocess.run([self.keypose, stage, '--describe'], stdout=subprocess.PIPE, check=True).stdout) for stage in listed}
 
     def prepare(self, case, folder):
@@ -490,7 +530,7 @@ def main():
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix='wrong_projects_') as work:
         bench = Bench(given.bin.resolve(), pathlib.Path(work).resolve())
-        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *state_cases()]
+        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *few_cases(), *state_cases()]
         cases = [case for case in cases if given.only in case.name]
         with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
             answers = list(pool.map(bench.run, range(len(cases)), cases))
