@@ -270,11 +270,12 @@ class Findings {
   }
 
   /// The report's own measurements: the textured mesh compared with the photographs.
-  void Evidence(const PosePart& pose) {
+  /// @param fitted  the template was bent into the pose's few photographs
+  void Evidence(const PosePart& pose, bool fitted) {
     const PoseEvidence& e = pose.evidence;
     if (e.views.empty()) return;
-    Outlines(pose.name, e);
-    Details(pose.name, e);
+    Outlines(pose.name, e, fitted);
+    Details(pose.name, e, fitted);
     if (e.edges < kEdgesGood)
       Put({Grade::kLook, pose.name, "compared",
            "Along " + Bold(Percent(1 - e.edges)) +
@@ -284,7 +285,7 @@ class Findings {
            "masks/POSE"});
   }
 
-  void Outlines(const std::string& pose, const PoseEvidence& e) {
+  void Outlines(const std::string& pose, const PoseEvidence& e, bool fitted) {
     const bool good = e.outline_off<kOutlineGood, wrong = e.outline_off> kOutlineWrong;
     const std::string count = std::to_string(e.views.size());
     Put({wrong  ? Grade::kWrong
@@ -294,9 +295,10 @@ class Findings {
          "In the median of " + count + " photographs the mesh\u2019s outline is " +
              Bold(Percent(e.outline_off)) +
              " of the figure\u2019s size from that of the photograph.",
-         good ? ""
-              : "look at the pairs below: wrong cameras need photographs at most 20 degrees apart, "
-                "wrong masks a plainer backdrop"});
+         good     ? ""
+         : fitted ? kMorePhotographs
+                  : "look at the pairs below: wrong cameras need photographs at most 20 degrees "
+                    "apart, wrong masks a plainer backdrop"});
     std::vector<std::string> off;
     for (const ViewEvidence& view : e.views)
       if (view.outline_off > kViewOutlineLook) off.push_back(view.name);
@@ -307,7 +309,7 @@ class Findings {
          "mask"});
   }
 
-  void Details(const std::string& pose, const PoseEvidence& e) {
+  void Details(const std::string& pose, const PoseEvidence& e, bool fitted) {
     const bool good = e.structure >= kStructureGood, wrong = e.structure < kStructureWrong;
     Put({wrong  ? Grade::kWrong
          : good ? Grade::kGood
@@ -316,9 +318,10 @@ class Findings {
          "Rendered from the same cameras, the textured mesh repeats the details of the photographs "
          "to " +
              Bold(fmt::format("{:.2f}", e.structure)) + " of 1.",
-         good ? ""
-              : "look at the pairs below; a figure that moved, blur and wrong cameras smear the "
-                "texture"});
+         good     ? ""
+         : fitted ? kMorePhotographs
+                  : "look at the pairs below; a figure that moved, blur and wrong cameras smear "
+                    "the texture"});
   }
 
   void Put(Finding finding) { out_.push_back(std::move(finding)); }
@@ -413,7 +416,8 @@ const char* WordOf(Grade grade) {
 
 std::vector<Finding> FindAll(const Contents& contents) {
   std::vector<Finding> all;
-  for (const PosePart& pose : contents.poses) Findings(all).Evidence(pose);
+  for (const PosePart& pose : contents.poses)
+    Findings(all).Evidence(pose, contents.run.Find("fit", pose.name) != nullptr);
   for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents, all);
   if (contents.animation) FindOnAnimation(*contents.animation, all);
   for (const std::string& trouble : contents.troubles)

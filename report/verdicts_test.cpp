@@ -278,6 +278,9 @@ TEST(Judge, PoseFromFewPhotographsSaysWhatToDoWhenTheyDisagree) {
   const Verdict wrong = JudgedWave(Fitted(0.80, good));
   EXPECT_EQ(wrong.grade, Grade::kWrong);
   EXPECT_THAT(wrong.cure, HasSubstr("add photographs of this pose from the sides between"));
+  Contents apart = Fitted(0.98, good);
+  apart.poses[1].evidence.outline_off = 0.005;
+  EXPECT_THAT(JudgedWave(apart).cure, Not(HasSubstr("20 degrees apart"))) << "that is for scans";
   for (const auto& [name, value] :
        Numbers{{"flipped", 3}, {"unseen", 0.6}, {"volume_ratio", 0.7}}) {
     Numbers bad = good;
