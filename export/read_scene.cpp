@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 #include <utility>
 
 #include "core/io/files.h"
+#include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/size_of.h"
@@ -18,37 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The numbered frames of a folder, in order of their numbers.
-std::map<long, fs::path> NumberedFrames(const fs::path& folder) {
-  if (!fs::is_directory(folder))
-    throw InputError("export: " + folder.string() +
-                     " is not a folder of frames; pass the folder that `interpolate` wrote");
-  std::map<long, fs::path> numbered;
-  const std::regex pattern("frame_([0-9]{1,9})\\.ply");
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    std::smatch match;
-    const std::string name = entry.path().filename().string();
-    if (!std::regex_match(name, match, pattern)) continue;
-    const auto [at, inserted] = numbered.emplace(std::stol(match[1]), entry.path());
-    if (!inserted)
-      throw InputError("export: " + name + " and " + at->second.filename().string() + " in " +
-                       folder.string() + " have the same number; remove one");
-  }
-  if (numbered.empty())
-    throw InputError("export: " + folder.string() +
-                     " has no frames (frame_0000.ply, ...); run `interpolate` first");
-  return numbered;
-}
-
 void ReadFrames(const fs::path& folder, Scene& scene, Progress* progress) {
-  const std::map<long, fs::path> numbered = NumberedFrames(folder);
-  for (const auto& [number, path] : numbered) {
-    const auto index = static_cast<long>(scene.frames.size());
-    if (number != index)
-      throw InputError("export: frame " + std::to_string(index) + " is missing in " +
-                       folder.string() + " (found " + path.filename().string() +
-                       " in its place); run `interpolate` again");
-    ReportProgress(progress, static_cast<double>(index) / static_cast<double>(numbered.size()),
+  const std::vector<fs::path> numbered = NumberedFrames(folder, "export");
+  for (const fs::path& path : numbered) {
+    ReportProgress(progress,
+                   static_cast<double>(scene.frames.size()) / static_cast<double>(numbered.size()),
                    "reading frames");
     scene.frame_names.push_back(path.stem().string());
     scene.frames.push_back(ReadMesh(path));

@@ -1,0 +1,174 @@
+// keypose-animate: a motion clip on a rigged mesh.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+#include "motion/bvh_rig/joint_names.h"
+#include "motion/bvh_rig/retarget.h"
+#include "motion/bvh_rig/rig.h"
+#include "motion/bvh_rig/rig_text.h"
+
+namespace keypose::motion {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie on the ground
+
+struct AnimateOptions {
+  double fps = 24, from = 0, to = 0;
+  std::string up = "y";
+  bool all_parts = false;
+
+  void Describe(OptionVisitor& visit) {
+    visit("fps", fps, {"frames per second of the result", "", 0.1, 1000, {}});
+    visit("from", from, {"where in the clip it begins", "s", 0, 1e6, {}});
+    visit("to", to, {"where in the clip it ends; 0: at the clip's end", "s", 0, 1e6, {}});
+    visit("up", up,
+          {.help = "which way is up in the clip and in the rig; the result has z up",
+           .unit = "",
+           .choices = {"y", "z"}});
+    visit("all_parts", all_parts,
+          {.help = "also the mesh's small separate parts, such as teeth; else only the largest"});
+  }
+};
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "animate";
+  spec.version = "1";
+  spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
+  spec.inputs = {
+      {"clip", "file", "motion clip (.bvh)", "", false, false},
+      {"mesh", "file", "the rig's mesh, in the pose in which it is bound", "", false, false},
+      {"skeleton", "file", "the rig's bones (.mhskel or .tgf)", "", false, false},
+      {"weights", "file", "the bones' weights (.mhw or .dmat)", "", false, false},
+      {"joints", "file", "table of the clip's joints and the rig's bones (.json)", "", true,
+       false}};
+  spec.outputs = {
+      {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
+      {"reference", "file", "the mesh as it is bound, upright (.ply)", "reference.ply", true,
+       false}};
+  spec.memory_gib = 1;
+  spec.common = {"fps", "from", "to"};
+  return spec;
+}
+
+/// {"joints": {"CLIP JOINT": "RIG BONE", ...}}
+std::vector<JointName> LoadTable(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const nlohmann::json root = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  if (!root.is_object() || !root.contains("joints") || !root["joints"].is_object())
+    throw InputError("animate: " + name + " is not JSON with an object `joints`");
+  std::vector<JointName> table;
+  for (const auto& [joint, bone] : root["joints"].items()) {
+    if (!bone.is_string())
+      throw InputError("animate: " + name + ": the bone of '" + joint + "' is not a name");
+    table.push_back({joint, bone});
+  }
+  if (table.empty()) throw InputError("animate: " + name + " names no joint");
+  return table;
+}
+
+/// The clip's frame of each frame of the result.
+std::vector<int> FramesOf(const MotionClip& clip, const AnimateOptions& options) {
+  if (clip.frame_count() == 0) throw InputError("animate: the clip has no frames");
+  const double length = clip.frame_time_s * (clip.frame_count() - 1),
+               end = options.to > 0 ? std::min(options.to, length) : length;
+  if (options.from > end)
+    throw UsageError("animate: the clip is " + std::to_string(length) +
+                     " s long; `from` must be before that and before `to`");
+  std::vector<int> frames;
+  for (int k = 0;; ++k) {
+    const double at = options.from + k / options.fps;
+    if (at > end + 1e-9) break;
+    frames.push_back(
+        std::min(static_cast<int>(std::lround(at / clip.frame_time_s)), clip.frame_count() - 1));
+  }
+  return frames;
+}
+
+/// y up to z up: what looks along z then looks along -y, to the front.
+PointsX3 Upright(const PointsX3& points, bool y_up) {
+  if (!y_up) return points;
+  PointsX3 upright(points.rows(), 3);
+  upright << points.col(0), -points.col(2), points.col(1);
+  return upright;
+}
+
+/// The height on which the feet stand, through all frames.
+double GroundOf(const Rig& rig, const Retarget& retarget, const std::vector<int>& frames,
+                bool y_up) {
+  std::vector<double> lowest;
+  for (int frame : frames)
+    lowest.push_back(Skinned(rig, retarget.At(frame)).col(y_up ? 1 : 2).minCoeff());
+  const auto at = lowest.begin() + static_cast<long>(kGroundShare * (lowest.size() - 1.0));
+  std::nth_element(lowest.begin(), at, lowest.end());
+  return *at;
+}
+
+void Run(StageContext& stage, const AnimateOptions& options) {
+  const MotionClip clip = ReadBvh(stage.Input("clip"));
+  Mesh mesh = ReadMesh(stage.Input("mesh"));
+  RequireUsable(mesh, "animate: the rig's mesh");
+  const fs::path skeleton = stage.Input("skeleton"), weights = stage.Input("weights");
+  Rig rig = MakeRig(std::move(mesh), ReadFile(skeleton), skeleton.filename().string(),
+                    ReadFile(weights), weights.filename().string());
+  if (!options.all_parts) rig = LargestPart(rig);
+  const std::vector<int> joints = MatchJoints(
+      clip, rig, stage.Has("joints") ? LoadTable(stage.Input("joints")) : std::vector<JointName>());
+  const bool y_up = options.up == "y";
+  const Retarget retarget(clip, rig, joints, y_up ? 1 : 2);
+  const std::vector<int> frames = FramesOf(clip, options);
+  const double ground = GroundOf(rig, retarget, frames, y_up);
+  const fs::path out = stage.Output("frames");
+  Mesh bound;
+  bound.faces = rig.mesh.faces;
+  bound.points = Upright(rig.mesh.points, y_up);
+  bound.points.col(2).array() -= bound.points.col(2).minCoeff();
+  PlyFrames writer(bound);
+  const double area = SurfaceArea(bound.points, bound.faces),
+               volume = SignedVolume(bound.points, bound.faces);
+  std::vector<FrameMeasures> measures;
+  for (int k = 0; k < SizeOf(frames); ++k) {
+    ReportProgress(stage.progress(), k / static_cast<double>(frames.size()), "posing");
+    PointsX3 points = Upright(Skinned(rig, retarget.At(frames[k])), y_up);
+    points.col(2).array() -= ground;
+    writer.Write(out / FrameFileName(k), points);
+    measures.push_back({area > 0 ? SurfaceArea(points, bound.faces) / area : 1,
+                        volume != 0 ? SignedVolume(points, bound.faces) / volume : 1});
+  }
+  WriteFile(out / "distortion.json", FrameNotesText(measures, options.fps, "animate"));
+  if (const fs::path reference = stage.Output("reference"); !reference.empty())
+    WriteMesh(reference, bound);
+  stage.Report("frames", SizeOf(frames));
+  stage.Report("vertices", bound.vertex_count());
+  stage.Report("bones", SizeOf(rig.bones));
+  stage.Report("bones_with_joints", static_cast<int>(std::count_if(joints.begin(), joints.end(),
+                                                                   [](int j) { return j >= 0; })));
+  stage.Report("path_scale", retarget.scale());
+  for (int b = 0; b < SizeOf(rig.bones); ++b)
+    if (joints[b] >= 0)
+      stage.Note("bone " + rig.bones[b].name + " follows joint " + clip.joints[joints[b]].name);
+}
+
+}  // namespace
+}  // namespace keypose::motion
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::motion::AnimateOptions>(argc, argv, keypose::motion::Spec(),
+                                                            keypose::motion::Run);
+}

@@ -1,0 +1,40 @@
+// A motion clip on a rig of other proportions.
+#pragma once
+
+#include <vector>
+
+#include "core/motion_clip.h"
+#include "motion/bvh_rig/rig.h"
+
+namespace keypose::motion {
+
+/// Poses a rig after a clip.
+///
+/// A bone's turn is that of its joint since the clip's rest pose (all angles zero), in the world.
+/// An upper or lower arm or leg first takes the clip's own direction at rest by the shortest turn,
+/// so that a rig bound with hanging arms takes clips that start with level ones. Bones without a
+/// joint turn with their parents. The root's path is scaled by the ratio of the legs' lengths. The
+/// clip is first turned about the vertical so that its thighs lie as the rig's.
+class Retarget {
+ public:
+  /// @param joints  of each bone, from MatchJoints
+  /// @param up      0, 1, 2: x, y or z is up in both
+  Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints, int up);
+
+  /// @pre 0 <= frame < clip.frame_count()
+  std::vector<BoneMove> At(int frame) const;
+  double scale() const { return scale_; }
+
+ private:
+  const MotionClip& clip_;
+  const Rig& rig_;
+  std::vector<int> joints_;
+  Eigen::Matrix3d rig_from_clip_ = Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Matrix3d> to_clip_rest_;  // of each bone
+  double scale_ = 1;
+  int root_joint_ = 0;
+  int root_bone_ = 0;
+  Eigen::Vector3d clip_rest_;  // of the root joint
+};
+
+}  // namespace keypose::motion

@@ -1,0 +1,23 @@
+// Rigs from the texts of their files: MakeHuman's skeletons and weights, and libigl's.
+#pragma once
+
+#include <string>
+
+#include "motion/bvh_rig/rig.h"
+
+namespace keypose::motion {
+
+/// Joins a mesh with its skeleton and weights.
+///
+/// Skeletons: MakeHuman's .mhskel (JSON; a joint is the mean of some of the mesh's vertices), or
+/// .tgf (lines `number x y z`, then `#`, then edges `from to`; each edge is a bone, named
+/// "from-to"). Weights: MakeHuman's .mhw (JSON: for each bone pairs of vertex and weight), or .dmat
+/// (ASCII: the numbers of columns and rows, then column after column; a column for each bone in the
+/// order of the .tgf's edges).
+/// @param skeleton_name, weights_name  of the files, for messages
+/// @throws InputError  malformed, an unknown bone or joint, a vertex that the mesh does not have,
+/// bones that do not form a tree; names file and place
+Rig MakeRig(Mesh mesh, const std::string& skeleton, const std::string& skeleton_name,
+            const std::string& weights, const std::string& weights_name);
+
+}  // namespace keypose::motion

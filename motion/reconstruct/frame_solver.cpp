@@ -1,0 +1,174 @@
+#include "motion/reconstruct/frame_solver.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/rotations.h"
+#include "core/size_of.h"
+#include "deform/solvers/lanes.h"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace keypose::motion {
+
+namespace {
+
+constexpr int kLanes = 4;
+
+/// Four frames of the edges of some faces.
+struct TurnJob {
+  const int *begin, *mark;  // the faces' rows of weights
+  const double* weight;
+  const double* values;  // of the marks: [mark][component][frame]
+  int components;
+  bool quaternions, remainders;
+  const double* edges;
+  const int* listed;
+  int count;
+  double* out;
+};
+
+}  // namespace
+
+namespace plain {
+using namespace keypose::plain;
+#include "motion/reconstruct/turned_edges.inc"
+}
+KEYPOSE_FUSED_BEGIN
+namespace fused {
+using namespace keypose::fused;
+#include "motion/reconstruct/turned_edges.inc"
+}
+KEYPOSE_FUSED_END
+
+namespace {
+
+Eigen::Matrix3d SymmetricOf(const Eigen::VectorXd& s) {
+  Eigen::Matrix3d m;
+  m << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
+  return m;
+}
+
+Eigen::Matrix3d ExpOfSymmetric(const Eigen::Matrix3d& m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
+  return solver.eigenvectors() * solver.eigenvalues().array().exp().matrix().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// The weighted sum of the marks' rows.
+Eigen::VectorXd MixedRow(const WeightRows& rows, int at, const Eigen::MatrixXd& values) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(values.cols());
+  for (int k = rows.begin[at]; k < rows.begin[at + 1]; ++k)
+    sum += rows.weight[k] * values.row(rows.mark[k]).transpose();
+  return sum;
+}
+
+/// The map that the fields ask at a row of weights, without the body.
+Eigen::Matrix3d MapAt(const WeightRows& rows, int at, const FrameFields& frame) {
+  Eigen::Matrix3d map;
+  if (frame.quaternions.size() > 0) {
+    const Eigen::Vector4d q = MixedRow(rows, at, frame.quaternions).normalized();
+    map = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+  } else {
+    map = ExpOf(MixedRow(rows, at, frame.turns));
+    if (frame.remainders.size() > 0) map = map * ExpOf(MixedRow(rows, at, frame.remainders));
+  }
+  if (frame.log_stretches.size() > 0)
+    map = map * ExpOfSymmetric(SymmetricOf(MixedRow(rows, at, frame.log_stretches)));
+  return map;
+}
+
+/// The marks' values of four frames, [mark][component][frame]; the last frame repeats at the end.
+std::vector<double> ValuesOf(const std::vector<FrameFields>& frames, int first, int components) {
+  const bool quaternions = frames[first].quaternions.size() > 0;
+  const Eigen::Index marks =
+      quaternions ? frames[first].quaternions.rows() : frames[first].turns.rows();
+  std::vector<double> values(marks * components * kLanes, 0.0);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const FrameFields& frame = frames[std::min(first + lane, SizeOf(frames) - 1)];
+    for (Eigen::Index k = 0; k < marks; ++k)
+      for (int c = 0; c < components; ++c)
+        values[(k * components + c) * kLanes + lane] = quaternions ? frame.quaternions(k, c)
+                                                       : c < 3     ? frame.turns(k, c)
+                                                       : frame.remainders.size() > 0
+                                                           ? frame.remainders(k, c - 3)
+                                                           : 0.0;
+  }
+  return values;
+}
+
+bool AnyOf(const std::vector<FrameFields>& frames, bool (*has)(const FrameFields&)) {
+  return std::any_of(frames.begin(), frames.end(), has);
+}
+
+}  // namespace
+
+FrameFields FrameFields::Quaternions(const std::vector<Eigen::Quaterniond>& agreeing) {
+  FrameFields frame;
+  frame.quaternions.resize(std::ssize(agreeing), 4);
+  for (int k = 0; k < SizeOf(agreeing); ++k)
+    frame.quaternions.row(k) << agreeing[k].w(), agreeing[k].x(), agreeing[k].y(), agreeing[k].z();
+  return frame;
+}
+
+FrameFields FrameFields::Turns(const MarkTurns& turns) {
+  FrameFields frame;
+  frame.body = turns.body;
+  frame.turns = turns.turns;
+  frame.remainders = turns.remainders;
+  return frame;
+}
+
+FrameSolver::FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
+                         bool screened)
+    : rest_(rest), fields_(fields), system_({rest_}, faces, {}, {screened}) {
+  edges_.reserve(6 * faces.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 1; k < 3; ++k)
+      for (int c = 0; c < 3; ++c) edges_.push_back(rest(faces(f, k), c) - rest(faces(f, 0), c));
+}
+
+std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames) const {
+  const bool quaternions = frames[0].quaternions.size() > 0;
+  const bool remainders =
+      AnyOf(frames, [](const FrameFields& frame) { return frame.remainders.size() > 0; });
+  const bool stretched =
+      AnyOf(frames, [](const FrameFields& frame) { return frame.log_stretches.size() > 0; });
+  const int components = quaternions ? 4 : remainders ? 6 : 3;
+  std::vector<std::vector<double>> values;
+  for (int first = 0; first < SizeOf(frames); first += kLanes)
+    values.push_back(ValuesOf(frames, first, components));
+  const WeightRows& rows = fields_.faces();
+  const auto fill = [&](int first, EdgeBatch& edges) {
+    if (stretched) {
+      for (int k = 0; k < SizeOf(edges.listed); ++k)
+        for (int t = 0; t < edges.frames; ++t) {
+          const int face = edges.listed[k];
+          const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * face);
+          edges.Set(k, t, MapAt(rows, face, frames[first + t]) * rest);
+        }
+      return;
+    }
+    const TurnJob job{rows.begin.data(),   rows.mark.data(),
+                      rows.weight.data(),  values[first / kLanes].data(),
+                      components,          quaternions,
+                      remainders,          edges_.data(),
+                      edges.listed.data(), SizeOf(edges.listed),
+                      edges.Face(0)};
+    HasFused() ? fused::TurnEdges(job) : plain::TurnEdges(job);
+  };
+  const RowTargets origin = RowTargets::Zero(std::ssize(system_.rows()), 3);
+  std::vector<Eigen::Matrix3d> bodies;
+  for (const FrameFields& frame : frames) bodies.push_back(frame.body);
+  return system_.Solve(SizeOf(frames), fill, std::vector<RowTargets>(frames.size(), origin),
+                       bodies);
+}
+
+Eigen::Matrix3d FrameSolver::RotationAt(int vertex, const FrameFields& frame) const {
+  FrameFields turns = frame;
+  turns.log_stretches.resize(0, 6);
+  return frame.body * MapAt(fields_.vertices(), vertex, turns);
+}
+
+}  // namespace keypose::motion

@@ -1,0 +1,53 @@
+// Poses of a surface from the turns of its marks, many frames at once.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "core/mesh.h"
+#include "deform/poisson/poisson.h"
+#include "motion/fields/mark_fields.h"
+#include "motion/fields/mark_turns.h"
+
+namespace keypose::motion {
+
+/// What the marks ask of one frame: either quaternions, whose components are interpolated and
+/// normalised as in the paper, or rotation vectors relative to a body.
+struct FrameFields {
+  Eigen::Matrix3d body = Eigen::Matrix3d::Identity();  ///< applied after the fields
+  Eigen::MatrixXd quaternions;  ///< M x 4 (w, x, y, z) with agreeing signs, or empty
+  PointsX3 turns;               ///< M x 3, or empty
+  PointsX3 remainders;          ///< M x 3, applied before the turns; or empty
+  /// M x 6 or empty: logarithms of stretches (xx, yy, zz, xy, xz, yz), applied first
+  Eigen::MatrixXd log_stretches;
+
+  static FrameFields Quaternions(const std::vector<Eigen::Quaterniond>& agreeing);
+  static FrameFields Turns(const MarkTurns& turns);
+};
+
+/// Minimises sum over faces and edges of cot/2 |x_j - x_i - R_face (v_j - v_i)|^2, whose normal
+/// equations are the paper's L X = U_reduced. The rotations of faces come from the marks by
+/// precomputed weights; the matrix is factored once.
+/// Source: as LiteralTransfer, with which it agrees to 1e-10 of the diagonal.
+class FrameSolver {
+ public:
+  /// @param rest    V x 3
+  /// @param fields  of the same mesh; must outlive this
+  /// @param screened  as PoissonOptions::screened
+  FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields, bool screened);
+
+  /// @return a pose for each frame, V x 3, with the centroid of each connected part at the origin
+  /// Same bits for any thread count.
+  std::vector<PointsX3> Solve(const std::vector<FrameFields>& frames) const;
+  /// The rotation of one vertex, as the fields ask it.
+  Eigen::Matrix3d RotationAt(int vertex, const FrameFields& frame) const;
+  const PoissonSystem& system() const { return system_; }
+
+ private:
+  const PointsX3 rest_;
+  const MarkFields& fields_;
+  PoissonSystem system_;
+  std::vector<double> edges_;  // of each face at rest: corner 0 -> 1, then 0 -> 2
+};
+
+}  // namespace keypose::motion

@@ -1,0 +1,54 @@
+#include "motion/root/mark_chain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/rotations.h"
+#include "core/size_of.h"
+
+namespace keypose::motion {
+
+namespace {
+
+/// How far a limb's proportion may be from that of the whole: beyond, a mark is misplaced.
+constexpr double kMostUneven = 3;
+
+double SpreadOf(const PointsX3& points) {
+  return (points.rowwise() - points.colwise().mean()).norm();
+}
+
+}  // namespace
+
+MarkChain::MarkChain(MarkTree tree, const PointsX3& on_template, const PointsX3& on_target,
+                     const Eigen::Matrix3d& target_from_template)
+    : tree_(std::move(tree)),
+      on_template_(on_template),
+      on_target_(on_target),
+      turn_(target_from_template),
+      ratio_(tree_.steps.size(), 1) {
+  const double from = SpreadOf(on_template), whole = from > 0 ? SpreadOf(on_target) / from : 1;
+  for (const auto& [mark, parent] : tree_.steps) {
+    const double d = (on_template.row(mark) - on_template.row(parent)).norm();
+    const double own = d > 0 ? (on_target.row(mark) - on_target.row(parent)).norm() / d : whole;
+    ratio_[mark] = std::clamp(own, whole / kMostUneven, whole * kMostUneven);
+  }
+}
+
+PointsX3 MarkChain::At(const PointsX3& on_template, const MarkTurns& turns) const {
+  PointsX3 places = PointsX3::Zero(on_target_.rows(), 3);
+  for (const auto& [mark, parent] : tree_.steps) {
+    if (mark == parent) continue;
+    const Eigen::Matrix3d half =
+        turns.body * ExpOf(0.5 * (turns.turns.row(mark) + turns.turns.row(parent)).transpose());
+    const Eigen::Vector3d before = turn_ *
+                                   (on_template_.row(mark) - on_template_.row(parent)).transpose(),
+                          now =
+                              turn_ * (on_template.row(mark) - on_template.row(parent)).transpose(),
+                          own = (on_target_.row(mark) - on_target_.row(parent)).transpose();
+    places.row(mark) =
+        places.row(parent) + (half * own + ratio_[mark] * (now - half * before)).transpose();
+  }
+  return places;
+}
+
+}  // namespace keypose::motion

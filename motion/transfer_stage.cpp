@@ -1,0 +1,246 @@
+// keypose-transfer: the motion of a template on another mesh.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+#include "motion/transfer.h"
+
+namespace keypose::motion {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPoorWeight = -1e-3;
+constexpr double kSurelyMirrored = 0.5;  // of the residual of the marks as they are
+constexpr int kFewMarks = 8;
+constexpr double kUsualRate = 24;  // frames per second
+
+struct TransferStageOptions {
+  std::string method = "auto", align = "auto", turns = "follow";
+  bool volume = true, feet = true;
+  double stretch = 0, scale = 0, fps = 0;
+
+  void Describe(OptionVisitor& visit) {
+    visit("method", method,
+          {.help = "auto: volume kept, turns of any size, the target's proportions; paper: the "
+                   "paper's system; literal: the same step by step, slow",
+           .unit = "",
+           .choices = {"auto", "paper", "literal"}});
+    visit("align", align,
+          {.help = "auto: the motion is turned to where the target faces, as its marks tell; none: "
+                   "the template's own directions",
+           .unit = "",
+           .choices = {"auto", "none"}});
+    visit("turns", turns,
+          {.help = "auto: follow: a limb may turn by more than half a turn over several frames; "
+                   "shortest: each frame by itself, for limbs that circle",
+           .unit = "",
+           .choices = {"follow", "shortest"}});
+    visit("volume", volume, {.help = "auto: each closed part keeps its volume"});
+    visit(
+        "stretch", stretch,
+        {"auto: share of the template's own squash and stretch that is transferred", "", 0, 1, {}});
+    visit("scale", scale,
+          {"of the path through the room; 0: the ratio of the legs' lengths", "", 0, 1000, {}});
+    visit("fps", fps,
+          {"frames per second of the result; 0: the template's, else 24", "", 0, 1000, {}});
+  }
+};
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "transfer";
+  spec.version = "1";
+  spec.summary = "Moves a mesh as a template moves, by marked triangles.";
+  spec.inputs = {
+      {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,
+       false},
+      {"target", "file", "the mesh that shall move", "", false, false},
+      {"marks", "file", "pairs of triangles: source on the template, target on the mesh", "", false,
+       true},
+      {"reference", "file",
+       "the template in the pose that resembles the target's, on which the marks were picked; by "
+       "default its first frame",
+       "", true, false}};
+  spec.outputs = {
+      {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
+  spec.memory_gib = 1;
+  spec.common = {"method", "turns"};
+  return spec;
+}
+
+TransferOptions OptionsOf(const TransferStageOptions& given) {
+  TransferOptions options;
+  options.method = given.method == "paper"     ? TransferMethod::kPaper
+                   : given.method == "literal" ? TransferMethod::kLiteral
+                                               : TransferMethod::kAuto;
+  options.align = given.align == "auto";
+  options.follow = given.turns == "follow";
+  options.volume = given.volume;
+  options.stretch = given.stretch;
+  options.scale = given.scale;
+  options.feet = given.feet;
+  return options;
+}
+
+std::vector<Mark> LoadMarks(StageContext& stage, const Mesh& reference, const Mesh& target) {
+  CarryLog log;
+  int suggested = 0;
+  std::vector<Mark> marks;
+  for (const LandmarkPair& pair :
+       ReadLandmarkPairs(stage.Inputs("marks"), reference, target, &log)) {
+    suggested += !pair.confirmed;
+    marks.push_back({pair.name,
+                     {pair.source.face, pair.source.barycentric},
+                     {pair.target.face, pair.target.barycentric}});
+  }
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
+  if (suggested > 0)
+    stage.Warn(std::to_string(suggested) +
+               " marks are unconfirmed suggestions; look at them in the studio, or confirm them "
+               "with keypose landmarks suggest --accept");
+  if (SizeOf(marks) < kFewMarks)
+    stage.Warn("there are only " + std::to_string(marks.size()) +
+               " marks: a limb without a mark moves as the rest of the body; pick 20 to 80");
+  return marks;
+}
+
+/// {"pins": [{"mark", "from", "to", "at": [x, y, z]}]}
+std::vector<Pin> LoadPins(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const nlohmann::json root = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  if (!root.is_object() || !root.contains("pins") || !root["pins"].is_array())
+    throw InputError("transfer: " + name + " is not JSON with a list `pins`");
+  std::vector<Pin> pins;
+  for (const nlohmann::json& entry : root["pins"]) {
+    const std::string what = "transfer: " + name + ": pin " + std::to_string(pins.size()) + " ";
+    if (!entry.is_object() || !entry.contains("mark") || !entry["mark"].is_string())
+      throw InputError(what + "names no `mark`");
+    for (const char* key : {"from", "to"})
+      if (!entry.contains(key) || !entry[key].is_number_integer())
+        throw InputError(what + "needs whole numbers `from` and `to`: frames, counted from 0");
+    Pin pin{entry["mark"], entry["from"], entry["to"], {}};
+    if (entry.contains("at")) {
+      const nlohmann::json& at = entry["at"];
+      if (!at.is_array() || at.size() != 3 ||
+          !std::all_of(at.begin(), at.end(), [](const auto& x) { return x.is_number(); }))
+        throw InputError(what + "needs three numbers in `at`");
+      pin.at = Eigen::RowVector3d(at[0], at[1], at[2]);
+      if (!pin.at->allFinite()) throw InputError(what + "has a place that is not finite");
+    }
+    pins.push_back(std::move(pin));
+  }
+  return pins;
+}
+
+void WarnOfMarks(StageContext& stage, const TransferReport& report) {
+  const Alignment& a = report.alignment;
+  if (a.certain && a.mirrored < kSurelyMirrored * a.residual)
+    stage.Warn(
+        "the marks fit a mirror image better: left and right seem to be exchanged on one of "
+        "the meshes; check the marks of hands and feet");
+  if (report.least_weight < kPoorWeight)
+    stage.Warn(
+        "long thin triangles make the fields overshoot; remesh the target with keypose "
+        "cleanup, or use --method auto");
+  if (report.turned)
+    stage.Note("the motion is turned by " + std::to_string(std::lround(a.heading / kDegree)) +
+               " degrees about z, as the marks of the target are");
+}
+
+void ReportRun(StageContext& stage, const TransferReport& report, int frames, int marks,
+               double diagonal) {
+  stage.Report("frames", frames);
+  stage.Report("marks", marks);
+  stage.Report("heading_deg", report.turned ? report.alignment.heading / kDegree : 0.0);
+  stage.Report("marks_residual", report.alignment.residual);
+  stage.Report("path_scale", report.path_scale);
+  stage.Report("least_weight", report.least_weight);
+  stage.Report("parts_without_marks", report.unmarked_parts);
+  stage.Report("largest_turn_between_marks_deg", report.largest_turn_between / kDegree);
+  stage.Report("volume_deviation_before", report.volume_before);
+  stage.Report("volume_deviation", report.volume_after);
+  stage.Report("volume_move_over_diag", report.volume_move_over_diag);
+  stage.Report("soles", report.holds.soles);
+  stage.Report("contacts", report.holds.contacts);
+  stage.Report("root_shift_over_diag", report.holds.root_shift / diagonal);
+  stage.Report("held_move_over_diag", report.holds.held_move / diagonal);
+}
+
+Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
+  Mesh frame = ReadMesh(path);
+  if (frame.points.rows() != reference.points.rows() ||
+      frame.faces.rows() != reference.faces.rows() || frame.faces != reference.faces)
+    throw InputError("transfer: " + path.filename().string() +
+                     " of the template does not have the faces of its reference; all frames must "
+                     "be of one mesh");
+  RequireFinite(frame.points, "transfer: " + path.filename().string() + " of the template");
+  return frame;
+}
+
+void Run(StageContext& stage, const TransferStageOptions& options) {
+  const fs::path folder = stage.Input("template");
+  const std::vector<fs::path> paths = NumberedFrames(folder, "transfer");
+  const Mesh reference = ReadMesh(stage.Has("reference") ? stage.Input("reference") : paths[0]);
+  RequireUsable(reference, "transfer: the template");
+  const Mesh target = ReadMesh(stage.Input("target"));
+  RequireUsable(target, "transfer: the target");
+  const std::vector<Mark> marks = LoadMarks(stage, reference, target);
+  const double rate = FrameRateOf(folder), fps = options.fps > 0 ? options.fps
+                                                 : rate > 0      ? rate
+                                                                 : kUsualRate;
+  TransferOptions how = OptionsOf(options);
+  how.fps = fps;
+  if (stage.Has("pins")) how.pins = LoadPins(stage.Input("pins"));
+  if (!how.pins.empty() && how.method != TransferMethod::kAuto)
+    throw UsageError("transfer: pins need --method auto");
+  Transfer transfer(target, reference.points, reference.faces, marks, how);
+  WarnOfMarks(stage, transfer.report());
+  SubProgress reading(stage.progress(), 0, 0.3), making(stage.progress(), 0.3, 1);
+  for (const fs::path& path : paths) {
+    ReportProgress(&reading, transfer.frame_count() / static_cast<double>(paths.size()),
+                   "reading the template");
+    transfer.Add(ReadTemplate(path, reference).points, path.filename().string());
+  }
+  const fs::path out = stage.Output("frames");
+  PlyFrames writer(target);
+  const double area = SurfaceArea(target.points, target.faces),
+               volume = SignedVolume(target.points, target.faces);
+  std::vector<FrameMeasures> measures;
+  transfer.Run(
+      [&](int frame, const PointsX3& points) {
+        writer.Write(out / FrameFileName(frame), points);
+        measures.push_back({area > 0 ? SurfaceArea(points, target.faces) / area : 1,
+                            volume != 0 ? SignedVolume(points, target.faces) / volume : 1});
+      },
+      &making);
+  WriteFile(out / "distortion.json", FrameNotesText(measures,
+                                                    options.fps > 0 ? options.fps
+                                                    : rate > 0      ? rate
+                                                                    : 24,
+                                                    options.method));
+  ReportRun(stage, transfer.report(), SizeOf(paths), SizeOf(marks),
+            BoundingDiagonal(target.points));
+}
+
+}  // namespace
+}  // namespace keypose::motion
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::motion::TransferStageOptions>(
+      argc, argv, keypose::motion::Spec(), keypose::motion::Run);
+}
