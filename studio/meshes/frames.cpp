@@ -40,6 +40,16 @@ json Column(const json& frames, const char* name) {
   return column;
 }
 
+/// When each frame is: key number plus share of the way to the next. Empty if a frame does not say.
+json TimesOf(const json& frames, std::size_t count) {
+  json times = json::array();
+  for (const json& frame : frames) {
+    if (!frame.contains("t") || !frame["t"].is_number()) return json::array();
+    times.push_back(frame["t"]);
+  }
+  return times.size() == count ? times : json::array();
+}
+
 /// The pose of each frame that is a key; else "".
 json KeysOf(const json& distortion, const std::vector<std::string>& poses, std::size_t count) {
   json keys = std::vector<std::string>(count);
@@ -67,6 +77,8 @@ json FramesJson(Snapshot& snapshot) {
           {"volume", Column(frames, "volume")},
           {"linear_area", Column(frames, "linear_area")},
           {"linear_volume", Column(frames, "linear_volume")},
+          {"times", TimesOf(frames, files.size())},
+          {"poses", snapshot.graph().keys},
           {"keys", KeysOf(distortion, snapshot.graph().keys, files.size())}};
 }
 

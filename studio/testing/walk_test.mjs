@@ -74,6 +74,7 @@ async function makeProject(data) {
   check((await page.getByLabel('Pose 2', { exact: true }).inputValue()) === 'bent', 'a folder does not name its pose');
   const both = of('rest').length + of('bent').length;
   await page.getByText(`2 poses, ${both} photographs`).waitFor();
+  if (pictures) await page.locator('main code').evaluate((one) => void (one.textContent = '~/creature'));
   await record(page, 'new_project', pictures);
   await page.getByRole('button', { name: 'Make project' }).click();
   await notice('The project is made.').waitFor({ timeout: 60000 });
@@ -232,6 +233,7 @@ async function walkExport() {
   const bytes = readFileSync(await download.path());
   check(bytes.equals(readFileSync(join(folder, 'out/animation/character.glb'))), 'the download is not the file of out/');
   await page.waitForTimeout(1500);
+  await page.locator('.export-page .side').evaluate((one) => void (one.scrollTop = 0));
   await record(page, 'export', pictures);
 }
 

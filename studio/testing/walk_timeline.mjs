@@ -1,6 +1,8 @@
 // The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion skin.
 import { check, record, until } from './studio_driver.mjs';
 
+/** A PNG of one red pixel. */
+const kRedPixel = 'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC';
 const kPlay_ms = 3000;
 const kFramesSeconds = 400;
 
@@ -107,6 +109,42 @@ class Timeline {
     check(/^\d+$/.test(dropped), `data-dropped is '${dropped}'`);
   }
 
+  /** The share of the view's pixels that are pure red. */
+  async redness() {
+    const picture = await this.page.locator('.view canvas').first().screenshot();
+    return this.page.evaluate(async (base64) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${base64}`;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext('2d');
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, image.width, image.height);
+      let red = 0;
+      for (let i = 0; i < data.length; i += 4) red += data[i] > 250 && data[i + 1] < 5 && data[i + 2] < 5;
+      return red / (data.length / 4);
+    }, picture.toString('base64'));
+  }
+
+  /** Between keys the figure wears the textures of both; at a key that of its pose. */
+  async blend() {
+    const { page } = this;
+    const red = Buffer.from(kRedPixel, 'base64');
+    await page.route(/api\/texture\?pose=bent/, (route) => route.fulfill({ contentType: 'image/png', body: red }));
+    await page.reload();
+    await this.button('Play').waitFor();
+    await page.keyboard.press('End');
+    await until('the last key wears its own texture', async () => (await this.redness()) > 0.02);
+    await page.keyboard.press('Home');
+    await until('the first key wears its own', async () => (await this.redness()) === 0);
+    for (let i = 0; i < 11; ++i) await page.keyboard.press('.');
+    await page.waitForTimeout(400);
+    check((await this.redness()) === 0, 'half-way the figure wears the next texture only');
+    await page.unroute(/api\/texture\?pose=bent/);
+    await page.reload();
+    await this.button('Play').waitFor();
+  }
+
   async onion() {
     const { page } = this;
     await page.keyboard.press('Home');
@@ -130,5 +168,6 @@ export async function walkTimeline(context) {
   await timeline.makeFrames();
   await timeline.scrub();
   await timeline.play();
+  await timeline.blend();
   await timeline.onion();
 }

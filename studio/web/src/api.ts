@@ -187,6 +187,10 @@ export interface Frames {
   linear_volume: number[]
   /** the pose that a frame shows exactly, or '' */
   keys: string[]
+  /** per frame: number of the key plus share of the way to the next; empty if not known */
+  times: number[]
+  /** per key: its pose */
+  poses: string[]
 }
 
 /** As the flags of `keypose shoot` say. */

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
-import type { Timeline } from '../src/api'
+import type { Frames, Timeline } from '../src/api'
 import * as model from '../src/pages/timeline/timeline_model'
 import { numbers } from './random'
 
@@ -76,4 +76,14 @@ test('keys that move together keep their distances, and earlier ones their place
 test('an ease has its curve: CSS says in-out is half way at half time', () => {
   assert.ok(Math.abs(model.easeAt([0.42, 0, 0.58, 1], 0.5) - 0.5) < 1e-6)
   assert.ok(Math.abs(model.easeAt([0, 0, 1, 1], 0.3) - 0.3) < 1e-6)
+})
+
+test('a frame between keys wears the textures of both, as the film does', () => {
+  const frames = { poses: ['a', 'b', 'a'], times: [0, 0.25, 1, 1.5, 2] } as Frames
+  assert.deepEqual(model.texturesAt(frames, 0), ['a', 'b', 0])
+  assert.deepEqual(model.texturesAt(frames, 1), ['a', 'b', 0.25])
+  assert.deepEqual(model.texturesAt(frames, 2), ['b', 'a', 0])
+  assert.deepEqual(model.texturesAt(frames, 3), ['b', 'a', 0.5])
+  assert.deepEqual(model.texturesAt(frames, 4), ['a', 'a', 0])
+  assert.deepEqual(model.texturesAt({ ...frames, times: [] }, 1), ['', '', 0])
 })

@@ -37,6 +37,16 @@ export interface Pictures {
   confidence: Texture | null
 }
 
+const kMapChunk = '#include <map_fragment>'
+const kBlend = 'uniform sampler2D second;\nuniform float share;\n'
+/** Stored values are mixed, not light: so does the film. */
+const kBlendedMap = `
+#ifdef USE_MAP
+  vec4 under = sRGBTransferOETF(texture2D(map, vMapUv));
+  vec4 over = sRGBTransferOETF(texture2D(second, vMapUv));
+  diffuseColor *= sRGBTransferEOTF(mix(under, over, share));
+#endif`
+
 /** The scale's colours as the renderer takes them: 256 levels, then that of 'no value'. */
 const kLinearScale = new Float32Array(
   Array.from({ length: 257 }, (_, level) => {
@@ -140,6 +150,8 @@ function makeCloud(data: MeshData): Points {
 export class Surface {
   readonly object: Mesh | Points
   private readonly mesh: Mesh | null
+  /** what lies over the picture, as the shader takes it */
+  private readonly over = { second: { value: null as Texture | null }, share: { value: 0 } }
 
   constructor(
     public data: MeshData,
@@ -165,6 +177,17 @@ export class Surface {
     old.dispose()
   }
 
+  /** A share of a second picture comes over the first, which stays if there is no other. */
+  blend(first: Texture | null, second: Texture | null, share: number): void {
+    const shown = this.mesh?.material
+    if (!(shown instanceof MeshBasicMaterial) || shown.userData.picture !== 'texture') return
+    const before = shown.map
+    shown.map = first ?? before
+    this.over.second.value = second
+    this.over.share.value = second ? share : 0
+    if (!before !== !shown.map) shown.needsUpdate = true
+  }
+
   /** The pictures have changed. */
   showPictures(): void {
     const shown = this.mesh?.material as MeshBasicMaterial | MeshStandardMaterial | undefined
@@ -179,6 +202,10 @@ export class Surface {
     if (look === 'texture' && data.uvs) {
       const material = new MeshBasicMaterial({ map: pictures.texture, side: DoubleSide })
       material.userData.picture = 'texture'
+      material.onBeforeCompile = (shader) => {
+        Object.assign(shader.uniforms, this.over)
+        shader.fragmentShader = kBlend + shader.fragmentShader.replace(kMapChunk, kBlendedMap)
+      }
       return material
     }
     if (look === 'confidence' && data.uvs) {

@@ -13,6 +13,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three'
+import type { Texture } from 'three'
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js'
 
 import type { CameraView } from '../api'
@@ -36,6 +37,13 @@ export interface Turn {
   offset?: [number, number, number]
 }
 
+async function loadedTexture(url: string): Promise<Texture> {
+  const texture = await new TextureLoader().loadAsync(url)
+  texture.colorSpace = SRGBColorSpace
+  texture.anisotropy = 4
+  return texture
+}
+
 export class Viewer {
   private readonly renderer: WebGLRenderer
   private readonly scene = new Scene()
@@ -46,6 +54,7 @@ export class Viewer {
   private readonly resizes: ResizeObserver
   private shown: Surface | null = null
   private readonly pictures: Pictures = { texture: null, confidence: null }
+  private blends = new Map<string, Texture>()
   private center = new Vector3()
   private size = 1
   private wanted = false
@@ -110,6 +119,7 @@ export class Viewer {
     this.clear()
     this.markers.clear()
     for (const picture of Object.values(this.pictures)) picture?.dispose()
+    for (const texture of this.blends.values()) texture.dispose()
     this.renderer.dispose()
     this.renderer.domElement.remove()
   }
@@ -147,10 +157,23 @@ export class Viewer {
 
   /** The texture for the look 'texture', loaded from an address. */
   async loadTexture(url: string): Promise<void> {
-    const texture = await new TextureLoader().loadAsync(url)
-    texture.colorSpace = SRGBColorSpace
-    texture.anisotropy = 4
-    this.setPicture('texture', texture)
+    this.setPicture('texture', await loadedTexture(url))
+  }
+
+  /** Textures by name, for blendTextures. */
+  async loadBlends(urls: Map<string, string>): Promise<void> {
+    const load = async ([name, url]: [string, string]) =>
+      [name, await loadedTexture(url)] as const
+    const loaded = await Promise.all([...urls].map(load))
+    for (const texture of this.blends.values()) texture.dispose()
+    this.blends = new Map(loaded)
+  }
+
+  /** Shows a share of the second texture over the first; one that is not loaded is left out. */
+  blendTextures(first: string, second: string, share: number): void {
+    const under = this.blends.get(first) ?? this.pictures.texture
+    this.shown?.blend(under, this.blends.get(second) ?? this.pictures.texture, share)
+    this.draw()
   }
 
   /** A picture of values in the mesh's layout, for the look 'confidence', in the scale's colours. */

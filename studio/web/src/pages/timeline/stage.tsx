@@ -1,5 +1,5 @@
 // The playing character, its onion skin, and what to do while there are no frames.
-import { useEffect, useRef, useState } from 'preact/hooks'
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 import type { ComponentChildren } from 'preact'
 
 import { api } from '../../api'
@@ -11,19 +11,33 @@ import { useFrame, usePlaying } from './desk'
 import { OnionControls, skins } from './onion'
 import type { Onion } from './onion'
 import type { Player } from './player'
-import { madeFrame } from './timeline_model'
+import { madeFrame, texturesAt } from './timeline_model'
 import type { Made } from './use_frames'
 
 const kSlowDetail = 0.5
 const kLeastDetail = 0.35
 
+/** The textures of the other keys' poses: on the way the figure wears two of them. */
+async function loadOthers(
+  viewer: { current: Viewer | null },
+  made: Made,
+  template: string,
+  baked: string[],
+): Promise<void> {
+  const others = made.frames.poses.filter((pose) => pose !== template && baked.includes(pose))
+  await viewer.current?.loadBlends(new Map(others.map((pose) => [pose, api.textureUrl(pose)])))
+}
+
 /** Shows the template's mesh; true once frames with so many vertices can be put on it. */
 function useTemplate(viewer: { current: Viewer | null }, made: Made | null): boolean {
   const { project, complain } = useStudio()
   const [shown, setShown] = useState(false)
+  const [, drawAgain] = useState(0)
   const template = project.poses.find((pose) => pose.name === project.template)
   const name = template?.meshes.includes('mesh') ? template.name : ''
   const textured = template?.has_texture ?? false
+  const names = project.poses.filter((pose) => pose.has_texture).map((pose) => pose.name)
+  const baked = useMemo(() => names, [names.join('/')])
   useEffect(() => {
     let current = true
     const load = async () => {
@@ -34,6 +48,8 @@ function useTemplate(viewer: { current: Viewer | null }, made: Made | null): boo
       viewer.current.show(data, textured && data.uvs ? 'texture' : 'plain', true)
       setShown(true)
       if (textured) await viewer.current.loadTexture(api.textureUrl(name))
+      if (textured && made) await loadOthers(viewer, made, name, baked)
+      drawAgain((old) => old + 1)
     }
     setShown(false)
     const failed = (error: unknown) => {
@@ -43,7 +59,7 @@ function useTemplate(viewer: { current: Viewer | null }, made: Made | null): boo
     return () => {
       current = false
     }
-  }, [name, textured, made, viewer, complain])
+  }, [name, textured, baked, made, viewer, complain])
   return shown
 }
 
@@ -93,7 +109,9 @@ function useShownFrame({ viewer, made, player, fps, onion }: Showing, shown: boo
   }
   useFrame(player, (frame) => {
     if (!made || !shown) return
-    viewer.current?.setPositions(made.positions[madeFrame(made.frames, fps, frame)])
+    const at = madeFrame(made.frames, fps, frame)
+    viewer.current?.setPositions(made.positions[at])
+    viewer.current?.blendTextures(...texturesAt(made.frames, at))
     // Scrubbing passes many frames between two repaints; the skins of the last are enough.
     if (onion.on && !player.playing && asked.current === 0)
       asked.current = requestAnimationFrame(drawSkins)

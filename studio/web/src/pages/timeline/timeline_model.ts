@@ -338,6 +338,15 @@ export function madeFrame(frames: Frames, fps: number, frame: number): number {
   return clamp(Math.round((frame * frames.fps) / fps), 0, frames.count - 1)
 }
 
+/** The poses whose textures show at a frame, and the share of the second, as in the film. */
+export function texturesAt(frames: Frames, frame: number): [string, string, number] {
+  const last = frames.poses.length - 1
+  if (last < 0 || frames.times.length === 0) return ['', '', 0]
+  const key = clamp(Math.floor(frames.times[frame]), 0, last)
+  const next = Math.min(key + 1, last)
+  return [frames.poses[key], frames.poses[next], clamp(frames.times[frame] - key, 0, 1)]
+}
+
 /** True if the made frames have the timeline's keys at their places. */
 export function framesFit(timeline: Timeline, frames: Frames): boolean {
   if (frames.fps !== timeline.fps || frames.count !== lengthOf(timeline)) return false
