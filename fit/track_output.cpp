@@ -80,7 +80,7 @@ BodyShape ParseActor(const std::string& text, const std::string& name) {
   try {
     const nlohmann::json json = nlohmann::json::parse(text);
     const auto lengths = json.at("lengths_m").get<std::vector<double>>();
-    if (lengths.size() != kLengths) throw InputError(name + ": lengths_m must hold 15 numbers");
+    if (lengths.size() != kLengths) throw InputError(name + ": lengths_m must hold 23 numbers");
     for (int i = 0; i < kLengths; ++i) shape.lengths[i] = lengths[i];
     for (int s = 0; s < kSegments; ++s) {
       const auto rows = json.at("radii_m").at(Segments()[s].name).get<std::vector<std::vector<double>>>();

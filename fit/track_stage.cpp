@@ -31,7 +31,7 @@ constexpr int kGoodCameras = 8, kFewCameras = 5;
 
 struct TrackOptions {
   int actor_frame = 0;
-  int actor_frames = 10;
+  int actor_frames = 12;
   std::string cameras;
   std::string up = "auto";
   double height_m = 0;
@@ -106,23 +106,38 @@ struct Actor {
   BodyPose pose;  ///< at actor_frame
 };
 
+/// The shape fitted to one pose in one frame.
+/// @return how far outlines and proportions are then off
+double FitFirst(const std::vector<Silhouette>& silhouettes, Actor* actor, Progress* progress) {
+  std::vector<ActorFrame> frames(1);
+  frames[0] = {silhouettes, actor->pose, {RestPrior()}};
+  ActorOptions coarse;
+  coarse.waves = false, coarse.rounds = 6;
+  FitActor(&frames, &actor->shape, coarse, progress);
+  const double cost = FitActor(&frames, &actor->shape, {}, progress);
+  actor->pose = frames[0].pose.Recharted();
+  return cost;
+}
+
 Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape* known, Progress* progress) {
+  constexpr int kPoses = 3;
   const int frame = std::min(options.actor_frame, input.frames() - 1);
   const std::vector<Silhouette> silhouettes = input.Read(frame, 1)[0];
   const double height = options.height_m > 0 ? options.height_m : 0.98 * (input.hull().high.z() - input.hull().low.z());
-  Actor actor{known ? *known : AverageShape(std::clamp(height, 1.2, 2.2)), {}};
+  const BodyShape start = known ? *known : AverageShape(std::clamp(height, 1.2, 2.2));
   SubProgress searching(progress, 0, 0.7);
-  actor.pose = SearchPose(silhouettes, input.hull(), input.up_from_world(), actor.shape, &searching);
-  if (known) return actor;
-  std::vector<ActorFrame> frames(1);
-  frames[0] = {silhouettes, actor.pose, {RestPrior()}};
-  SubProgress fitting(progress, 0.7, 1);
-  ActorOptions coarse;
-  coarse.waves = false, coarse.rounds = 6;
-  FitActor(&frames, &actor.shape, coarse, &fitting);
-  FitActor(&frames, &actor.shape, {}, &fitting);
-  actor.pose = frames[0].pose.Recharted();
-  return actor;
+  const std::vector<BodyPose> poses =
+      SearchPoses(silhouettes, input.hull(), input.up_from_world(), start, kPoses, &searching);
+  Actor best{start, poses.front()};
+  if (known) return best;
+  double least = -1;
+  for (const BodyPose& pose : poses) {
+    Actor actor{start, pose};
+    SubProgress fitting(progress, 0.7, 1);
+    const double cost = FitFirst(silhouettes, &actor, &fitting);
+    if (least < 0 || cost < least) least = cost, best = actor;
+  }
+  return best;
 }
 
 /// The shape fitted to frames spread over the performance, from a first pass over it.
@@ -135,7 +150,7 @@ void RefineActor(TrackInput& input, const TrackOptions& options, const std::vect
     frames.push_back({input.Read(f, 1)[0], tracked[f].pose, {RestPrior()}});
   }
   ActorOptions fine;
-  fine.first_reach = fine.reach;
+  fine.first_reach = fine.reach, fine.rounds = 20;
   FitActor(&frames, &actor->shape, fine, progress);
   actor->pose = tracked[std::min(options.actor_frame, input.frames() - 1)].pose;
 }

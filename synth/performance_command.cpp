@@ -31,19 +31,58 @@ void MakeFilmFolder(const fs::path& folder) {
     throw DiskError("synth: cannot create the folder " + folder.string() + ": " + error.message());
 }
 
+// Frames in which the actor stands with arms and legs apart, as actors do for their measures, and
+// frames on the way from there into the motion.
+constexpr int kStanding = 6, kOnTheWay = 18;
+
+/// The values of a pose with arms and legs apart, where the given frame has its root.
+Eigen::RowVectorXd StartValues(const MotionClip& clip, int frame) {
+  Eigen::RowVectorXd values = Eigen::RowVectorXd::Zero(clip.channel_count());
+  int column = 0;
+  for (const ClipJoint& joint : clip.joints)
+    for (const BvhChannel channel : joint.channels) {
+      const bool root = joint.parent < 0;
+      if (root && channel != BvhChannel::kXrotation && channel != BvhChannel::kZrotation)
+        values[column] = clip.values(frame, column);
+      if (channel == BvhChannel::kZrotation && joint.name == "LeftShoulder") values[column] = 55;
+      if (channel == BvhChannel::kZrotation && joint.name == "RightShoulder") values[column] = -55;
+      ++column;
+    }
+  return values;
+}
+
+/// The clip with another beginning: its own frames wait until the start pose is left.
+void BeginStanding(MotionClip* clip) {
+  const int before = std::min(kStanding + kOnTheWay, clip->frame_count() - 1);
+  const Eigen::RowVectorXd start = StartValues(*clip, 0), first = clip->values.row(0);
+  for (int f = clip->frame_count() - 1; f >= before; --f)
+    clip->values.row(f) = clip->values.row(f - before).eval();
+  for (int f = 0; f < before; ++f) {
+    const double t = std::clamp((f - kStanding) / static_cast<double>(kOnTheWay), 0.0, 1.0);
+    const double ease = t * t * (3 - 2 * t);
+    clip->values.row(f) = (1 - ease) * start + ease * first;
+  }
+}
+
 MotionClip ClipFor(const PerformanceCommand& command) {
-  if (command.bvh.empty()) return MakeOwnMotion(command.frames, 30, command.performer.seed);
+  if (command.bvh.empty()) {
+    MotionClip own = MakeOwnMotion(command.frames, 30, command.performer.seed);
+    if (command.start_pose) BeginStanding(&own);
+    return own;
+  }
   MotionClip clip = ReadBvh(command.bvh);
-  const int last = command.first_frame + (command.frames - 1) * command.every;
+  const int wanted = command.start_pose ? std::max(1, command.frames - kStanding - kOnTheWay) : command.frames;
+  const int last = command.first_frame + (wanted - 1) * command.every;
   if (last >= clip.frame_count())
     throw InputError(fmt::format("synth: {} has {} frames; {} frames from {}, every {}, need {}",
-                                 PrintableName(command.bvh.filename()), clip.frame_count(),
-                                 command.frames, command.first_frame, command.every, last + 1));
+                                 PrintableName(command.bvh.filename()), clip.frame_count(), wanted,
+                                 command.first_frame, command.every, last + 1));
   MotionClip chosen = clip;
   chosen.values.resize(command.frames, clip.values.cols());
   for (int f = 0; f < command.frames; ++f)
-    chosen.values.row(f) = clip.values.row(command.first_frame + f * command.every);
+    chosen.values.row(f) = clip.values.row(std::min(command.first_frame + f * command.every, last));
   chosen.frame_time_s = clip.frame_time_s * command.every;
+  if (command.start_pose) BeginStanding(&chosen);
   return chosen;
 }
 

@@ -202,7 +202,7 @@ std::vector<std::pair<int, double>> BoneWeights(const std::vector<Flesh>& lumps,
 
 const std::vector<std::string>& Performer::JointNames() {
   static const std::vector<std::string> names{
-      "Neck", "LeftShoulder", "LeftElbow", "LeftWrist", "RightShoulder", "RightElbow", "RightWrist",
+      "LeftShoulder", "LeftElbow", "LeftWrist", "RightShoulder", "RightElbow", "RightWrist",
       "LeftHip", "LeftKnee", "LeftAnkle", "RightHip", "RightKnee", "RightAnkle"};
   return names;
 }

@@ -35,7 +35,8 @@ class Performer {
   /// Vertices in a frame [m], z up; the lowest point of all frames is on z = 0, the middle of the
   /// path at x = y = 0. Pure: may be called from several threads.
   PointsX3 Points(int frame) const;
-  /// Names of the joints that are compared: as in the template's BVH file.
+  /// Names of the joints that are compared: those of the limbs, as in the template's BVH file. (Where
+  /// a neck or a spine bends is each skeleton's own choice.)
   static const std::vector<std::string>& JointNames();
   /// Their places in a frame [m], one row each.
   PointsX3 Joints(int frame) const;

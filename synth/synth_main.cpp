@@ -258,6 +258,8 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
   performance->add_option("--noise", c.noise_px, "standard deviation of the masks' outlines [px]")
       ->capture_default_str();
   performance->add_flag("!--masks-only", c.pictures, "no colour pictures");
+  performance->add_flag("!--no-start-pose", c.start_pose,
+                        "do not begin with arms and legs apart, as actors do for their measures");
   performance->add_option("--seed", c.performer.seed, "proportions, girths, clothes, colours")
       ->capture_default_str();
   performance->add_option("--spacing", c.performer.spacing_m, "of the actor's vertices [m]")

@@ -29,21 +29,21 @@ void AddArm(std::array<JointModel, kJoints>& joints, int clavicle, int dof, doub
   joints[clavicle] = Hinges(prefix + "Collar", kChest, dof, {-side * kY});
   joints[clavicle].offset = {{kClavicleHeight, kZ}, {kShoulderBack, kY}};
   joints[clavicle + 1] = Ball(prefix + "Shoulder", clavicle, dof + 1);
-  joints[clavicle + 1].offset = {{kClavicleWidth, side * kX}};
+  joints[clavicle + 1].offset = {{OnSide(kClavicleWidth, side), side * kX}};
   joints[clavicle + 2] = Hinges(prefix + "Elbow", clavicle + 1, dof + 4, {-side * kZ});
-  joints[clavicle + 2].offset = {{kUpperArm, side * kX}};
+  joints[clavicle + 2].offset = {{OnSide(kUpperArm, side), side * kX}};
   joints[clavicle + 3] = Hinges(prefix + "Wrist", clavicle + 2, dof + 5, {side * kY, -side * kZ});
-  joints[clavicle + 3].offset = {{kForearm, side * kX}};
+  joints[clavicle + 3].offset = {{OnSide(kForearm, side), side * kX}};
 }
 
 void AddLeg(std::array<JointModel, kJoints>& joints, int hip, int dof, double side) {
   const std::string prefix = side > 0 ? "Left" : "Right";
   joints[hip] = Ball(prefix + "Hip", kPelvis, dof);
-  joints[hip].offset = {{kHipWidth, side * kX}};
+  joints[hip].offset = {{OnSide(kHipWidth, side), side * kX}};
   joints[hip + 1] = Hinges(prefix + "Knee", hip, dof + 3, {kX});
-  joints[hip + 1].offset = {{kThigh, -kZ}};
+  joints[hip + 1].offset = {{OnSide(kThigh, side), -kZ}};
   joints[hip + 2] = Hinges(prefix + "Ankle", hip + 1, dof + 4, {kX, side * kZ});
-  joints[hip + 2].offset = {{kShin, -kZ}};
+  joints[hip + 2].offset = {{OnSide(kShin, side), -kZ}};
 }
 
 std::array<JointModel, kJoints> MakeJoints() {
@@ -74,16 +74,16 @@ std::array<SegmentModel, kSegments> MakeSegments() {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int shoulder = side > 0 ? kShoulderL : kShoulderR;
     const Vector3d out = side * kX;
-    segments[next++] = {prefix + "upper_arm", shoulder, kUpperArm, Vector3d::Zero(), out, kY, 0.07, 0.035};
-    segments[next++] = {prefix + "forearm", shoulder + 1, kForearm, Vector3d::Zero(), out, kY, 0.04, 0.02};
-    segments[next++] = {prefix + "hand", shoulder + 2, kHand, Vector3d::Zero(), out, kY, 0.02, 0.0};
+    segments[next++] = {prefix + "upper_arm", shoulder, OnSide(kUpperArm, side), Vector3d::Zero(), out, kY, 0.07, 0.035};
+    segments[next++] = {prefix + "forearm", shoulder + 1, OnSide(kForearm, side), Vector3d::Zero(), out, kY, 0.04, 0.02};
+    segments[next++] = {prefix + "hand", shoulder + 2, OnSide(kHand, side), Vector3d::Zero(), out, kY, 0.02, 0.0};
   }
   for (const double side : {1.0, -1.0}) {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int hip = side > 0 ? kHipL : kHipR;
-    segments[next++] = {prefix + "thigh", hip, kThigh, Vector3d::Zero(), -kZ, kX, 0.09, 0.045};
-    segments[next++] = {prefix + "shin", hip + 1, kShin, Vector3d::Zero(), -kZ, kX, 0.05, 0.03};
-    segments[next++] = {prefix + "foot", hip + 2, kFoot, Vector3d(0, 0.07, -0.045), -kY, kX, 0.0, 0.0};
+    segments[next++] = {prefix + "thigh", hip, OnSide(kThigh, side), Vector3d::Zero(), -kZ, kX, 0.09, 0.045};
+    segments[next++] = {prefix + "shin", hip + 1, OnSide(kShin, side), Vector3d::Zero(), -kZ, kX, 0.05, 0.03};
+    segments[next++] = {prefix + "foot", hip + 2, OnSide(kFoot, side), Vector3d(0, 0.07, -0.045), -kY, kX, 0.0, 0.0};
   }
   return segments;
 }
@@ -194,7 +194,9 @@ double BodyShape::height() const {
 
 BodyShape AverageShape(double height_m) {
   BodyShape shape;
-  shape.lengths << .11, .16, .27, .26, .21, .17, .28, .25, .19, .09, .42, .41, .25, .01, .01;
+  shape.lengths << .11, .16, .27, .26, .21, .01, .01,
+      .17, .28, .25, .19, .09, .42, .41, .25,
+      .17, .28, .25, .19, .09, .42, .41, .25;
   SetEllipses(shape.radii[0], {.150, .165, .172, .172, .165, .155, .150},
               {.105, .112, .118, .118, .112, .106, .102});
   SetEllipses(shape.radii[1], {.152, .148, .145, .143, .145, .150, .155},

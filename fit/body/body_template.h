@@ -18,7 +18,7 @@ namespace keypose::fit {
 inline constexpr int kJoints = 18;
 inline constexpr int kSegments = 16;
 inline constexpr int kDofs = 38;
-inline constexpr int kLengths = 15;
+inline constexpr int kLengths = 23;
 inline constexpr int kStations = 7;   ///< of radii along a segment
 inline constexpr int kHarmonics = 7;  ///< of radii around a segment: 1, cos, sin, ... of 3 angles
 
@@ -30,13 +30,18 @@ enum JointIndex {
   kHipL, kKneeL, kAnkleL, kHipR, kKneeR, kAnkleR
 };
 
-/// Bone lengths, the same on both sides [m].
+/// Bone lengths [m]. Those of the right side stand kRight places after those of the left.
 enum LengthIndex {
-  kToWaist, kToChest, kToNeck, kHeadLength,
-  kClavicleHeight, kClavicleWidth, kUpperArm, kForearm, kHand,
-  kHipWidth, kThigh, kShin, kFoot,
-  kShoulderBack, kNeckBack  ///< of the shoulders and the neck behind the chest's joint
+  kToWaist, kToChest, kToNeck, kHeadLength, kClavicleHeight,
+  kShoulderBack, kNeckBack,  ///< of the shoulders and the neck behind the chest's joint
+  kClavicleWidth, kUpperArm, kForearm, kHand,
+  kHipWidth, kThigh, kShin, kFoot
 };
+inline constexpr int kRight = 8;
+/// The length of the same bone on the left (side > 0) or on the right.
+inline LengthIndex OnSide(LengthIndex left, double side) {
+  return static_cast<LengthIndex>(left + (side > 0 ? 0 : kRight));
+}
 
 /// How a joint turns.
 struct JointModel {

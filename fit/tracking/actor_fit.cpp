@@ -28,6 +28,7 @@ class System {
       : matrix_(Eigen::MatrixXd::Zero(unknowns, unknowns)), gradient_(Eigen::VectorXd::Zero(unknowns)) {}
 
   void Add(const SparseRow& row) {
+    cost_ += row.value * row.value;
     for (const auto& [i, a] : row.entries) {
       gradient_[i] += a * row.value;
       for (const auto& [j, b] : row.entries)
@@ -37,21 +38,26 @@ class System {
   void AddPose(int first, const PoseSystem& system) {
     matrix_.block<kDofs, kDofs>(first, first) += system.matrix;
     gradient_.segment<kDofs>(first) += system.gradient;
+    cost_ += system.cost;
   }
+  /// What is added of robust losses, whose rows hold only slopes.
+  void AddCost(double cost) { cost_ += cost; }
+  double cost() const { return cost_; }
   Eigen::VectorXd Step() {
-    matrix_.diagonal().array() += 1e-3 * matrix_.diagonal().array() + 1e-3;
+    matrix_.diagonal().array() += 1e-6 * matrix_.diagonal().array() + 1e-3;
     return -matrix_.selfadjointView<Eigen::Lower>().llt().solve(gradient_);
   }
 
  private:
   Eigen::MatrixXd matrix_;  // lower half
   Eigen::VectorXd gradient_;
+  double cost_ = 0;
 };
 
 /// One frame's rows at one linearisation.
 struct FrameRows {
   std::vector<SparseRow> rows;
-  double cost = 0, measured = 0;
+  double cost = 0;
 };
 
 SparseRow RowOf(const OutlineResidual& r, const PosedBody& body, double weight, int first_pose) {
@@ -85,18 +91,20 @@ FrameRows RowsOfFrame(const ActorFrame& frame, const BodyShape& shape, const Loc
   ParallelFor(SizeOf(views), [&](std::int64_t v) {
     VisitResiduals(frame.silhouettes[v], matches[v], body, [&](const OutlineResidual& r) {
       views[v].cost += r.stands_for * 2 * TukeyLoss(r.value, reach);
-      views[v].measured += r.stands_for;
-      const double weight = r.stands_for * TukeyWeight(r.value, reach);
+      const double weight = ActorTuning::kTrust * r.stands_for * TukeyWeight(r.value, reach);
       if (weight > 0) views[v].rows.push_back(RowOf(r, body, weight, first_pose));
     });
   });
   FrameRows all;
   for (FrameRows& view : views) {
-    all.cost += view.cost, all.measured += view.measured;
+    all.cost += view.cost;
     std::move(view.rows.begin(), view.rows.end(), std::back_inserter(all.rows));
   }
   return all;
 }
+
+/// Hands and feet.
+bool IsEnd(int segment) { return segment >= 4 && segment % 3 == 0; }
 
 int RadiusAt(int segment, int station, int harmonic) {
   return kLengths + segment * kRadii + station * kHarmonics + harmonic;
@@ -115,6 +123,9 @@ class ShapePrior {
       const double sigma = ActorTuning::kLength * average + 0.005;
       Put({{i, 1}, {kShape, -average}}, shape_.lengths[i] - scales_[0] * average, sigma);
     }
+    for (int i = kClavicleWidth; i < kClavicleWidth + kRight; ++i)
+      Put({{i, 1}, {i + kRight, -1}}, shape_.lengths[i] - shape_.lengths[i + kRight],
+          ActorTuning::kSideLength * average_.lengths[i]);
     for (int s = 0; s < kSegments; ++s)
       for (int m = 0; m < kHarmonics; ++m) AddRadii(s, m);
     for (int s = 4; s < kSegments; ++s)
@@ -125,7 +136,10 @@ class ShapePrior {
   double Radius(int s, int k, int m) const { return shape_.radii[s](k, m); }
 
   void AddRadii(int s, int m) {
-    const double girth = m == 0 ? ActorTuning::kGirth : ActorTuning::kWave;
+    const bool limb = s >= 4 && !IsEnd(s);
+    // A limb's bone runs through its middle; the trunk, hands and feet may lie beside their axes.
+    const double girth = m == 0 ? ActorTuning::kGirth
+                         : limb && m < 3 ? ActorTuning::kOneSided : ActorTuning::kWave;
     const double sigma = options_.waves || m == 0 ? girth : 0.1 * girth;
     for (int k = 0; k < kStations; ++k) {
       const double average = average_.radii[s](k, m);
@@ -172,7 +186,7 @@ void Move(const Eigen::VectorXd& step, std::vector<ActorFrame>* frames, BodyShap
   constexpr double kLargest = 0.4;  // [rad] or [m]
   const double factor = 1 / std::max(1.0, step.cwiseAbs().maxCoeff() / kLargest);
   for (int i = 0; i < kLengths; ++i)
-    shape->lengths[i] = std::max(shape->lengths[i] + factor * step[i], i < kShoulderBack ? 0.02 : -0.1);
+    shape->lengths[i] = std::max(shape->lengths[i] + factor * step[i], i == kShoulderBack || i == kNeckBack ? -0.1 : 0.02);
   for (int s = 0; s < kSegments; ++s)
     for (int k = 0; k < kStations; ++k)
       for (int m = 0; m < kHarmonics; ++m)
@@ -197,13 +211,13 @@ double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOp
     const double reach = options.first_reach * std::pow(options.reach / options.first_reach, share);
     System system(kFirstPose + kDofs * SizeOf(*frames));
     const LocalSurface surface = SurfaceOf(*shape);
-    double sum = 0, measured = 0;
     for (int f = 0; f < SizeOf(*frames); ++f) {
       ActorFrame& frame = (*frames)[f];
       const int first_pose = kFirstPose + kDofs * f;
       const FrameRows rows = RowsOfFrame(frame, *shape, surface, reach, first_pose);
-      for (const SparseRow& row : rows.rows) system.Add(row);
-      sum += rows.cost, measured += rows.measured;
+      double squares = 0;
+      for (const SparseRow& row : rows.rows) system.Add(row), squares += row.value * row.value;
+      system.AddCost(ActorTuning::kTrust * rows.cost - squares);
       PoseSystem priors;
       for (const QuadraticPrior& prior : frame.priors) AddQuadratic(prior, frame.pose.q, &priors);
       AddLimits(frame.pose.q, &priors);
@@ -211,8 +225,10 @@ double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOp
       system.AddPose(first_pose, priors);
     }
     ShapePrior(*shape, scales, options, &system).Add();
-    Move(system.Step(), frames, shape, &scales);
-    cost = sum / std::max(1.0, measured);
+    const Eigen::VectorXd step = system.Step();
+    Move(step, frames, shape, &scales);
+    if (reach == options.reach && step.head(kLengths).cwiseAbs().maxCoeff() < ActorTuning::kSettled) round = options.rounds;
+    cost = system.cost();
     ReportProgress(progress, (round + 1.0) / options.rounds, "the actor's shape");
   }
   return cost;

@@ -10,11 +10,16 @@ namespace keypose::fit {
 
 /// Found on the generated performance with seeds 101 and 102 and on the dome.
 struct ActorTuning {
+  /// weight of the outlines: a template's errors are alike over much longer ways than a mask's
+  KEYPOSE_TUNED(double, kTrust, 0.03);
   KEYPOSE_TUNED(double, kLength, 0.05);       ///< share of a bone that it differs from proportion
   KEYPOSE_TUNED(double, kGirth, 0.03);        ///< [m] of a mean radius from proportion
+  KEYPOSE_TUNED(double, kOneSided, 0.004);    ///< [m] of a limb's surface beside its bone
   KEYPOSE_TUNED(double, kWave, 0.012);        ///< [m] of a radius around the segment
   KEYPOSE_TUNED(double, kBend, 0.008);        ///< [m] of second differences along the segment
-  KEYPOSE_TUNED(double, kSides, 0.02);        ///< [m] between left and right
+  KEYPOSE_TUNED(double, kSides, 0.02);        ///< [m] of radii between left and right
+  KEYPOSE_TUNED(double, kSideLength, 0.015);   ///< share of a bone between left and right
+  KEYPOSE_TUNED(double, kSettled, 3e-4);      ///< [m] of change of lengths in a round: it ends
 };
 
 struct ActorFrame {
@@ -32,7 +37,8 @@ struct ActorOptions {
 
 /// Gauss-Newton over the shape and all frames' poses together. Proportions and smooth girths are
 /// preferred where outlines say little; size as a whole is free.
-/// @return robust cost of the silhouettes per measurement [px^2]
+/// @return the sum of all squares, outlines and preferences, before the last step: fits of one frame
+/// from different starts are compared by it
 /// Cost: frames x views rows of about 45 numbers, and one dense factor of 801 + 38 frames unknowns a
 /// round. Same bits for any thread count.
 double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOptions& options,

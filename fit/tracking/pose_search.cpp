@@ -280,9 +280,9 @@ CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
   return hull;
 }
 
-BodyPose SearchPose(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
-                    const Eigen::Quaterniond& up_from_world, const BodyShape& shape,
-                    Progress* progress) {
+std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
+                                  const Eigen::Quaterniond& up_from_world, const BodyShape& shape,
+                                  int keep, Progress* progress) {
   const LocalSurface surface = SurfaceOf(shape);
   struct Start {
     BodyPose pose;
@@ -325,7 +325,16 @@ BodyPose SearchPose(const std::vector<Silhouette>& silhouettes, const CoarseHull
     start.difference = CoverageOf(silhouettes, surface, Posed(start.pose, shape)).Difference();
     ReportProgress(progress, ++done / static_cast<double>(chosen.size()), "the first pose");
   }
-  return std::min_element(chosen.begin(), chosen.end(), by_difference)->pose.Recharted();
+  std::stable_sort(chosen.begin(), chosen.end(), by_difference);
+  std::vector<BodyPose> best;
+  for (const Start& start : chosen) {
+    const BodyPose pose = start.pose.Recharted();
+    const bool known = std::any_of(best.begin(), best.end(), [&](const BodyPose& other) {
+      return other.root_chart.angularDistance(pose.root_chart) < 50 * kDegree;
+    });
+    if (!known && SizeOf(best) < keep) best.push_back(pose);
+  }
+  return best;
 }
 
 }  // namespace keypose::fit

@@ -46,11 +46,14 @@ struct CoarseHull {
 CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
                           const Eigen::Quaterniond& up_from_world);
 
-/// A pose that explains the first frame: headings and arm heights by drawing, the best of them
+/// Poses that explain the first frame: headings and arm heights by drawing, the best of them
 /// solved, limbs searched for.
-/// @param shape  of about the actor's size; may be resized
-BodyPose SearchPose(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
-                    const Eigen::Quaterniond& up_from_world, const BodyShape& shape,
-                    Progress* progress = nullptr);
+/// @param shape  of about the actor's size
+/// @param keep   poses that look in different directions
+/// @return best first: what an average body cannot tell, such as front and back, a fit of the shape
+/// to each may decide
+std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
+                                  const Eigen::Quaterniond& up_from_world,
+                                  const BodyShape& shape, int keep, Progress* progress = nullptr);
 
 }  // namespace keypose::fit

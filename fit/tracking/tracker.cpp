@@ -8,7 +8,7 @@ namespace keypose::fit {
 namespace {
 
 constexpr int kSearchPause = 3;   // frames between searches for the same limb
-constexpr double kFollow = 0.1;   // of the usual difference, a frame
+constexpr double kFall = 0.3, kRise = 0.02;  // of the usual difference, a frame
 constexpr int kCandidates = 2;    // that are solved of a search
 
 double RelativeDifference(const Coverage& c) { return c.Difference() / std::max(1.0, c.both); }
@@ -73,7 +73,8 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   frame.coverage = CoverageOf(silhouettes, surface_, Posed(fit.pose, shape_));
   FindLost(silhouettes, options, &fit, &frame);
   const double difference = RelativeDifference(frame.coverage);
-  usual_ = usual_ == 0 ? difference : usual_ + kFollow * (std::min(difference, 2 * usual_) - usual_);
+  const double follow = difference < usual_ ? kFall : kRise;
+  usual_ = usual_ == 0 ? difference : usual_ + follow * (std::min(difference, 2 * usual_) - usual_);
   frame.pose = fit.pose.Recharted();
   frame.deviations = StandardDeviations(fit);
   frame.unexplained = fit.unexplained;

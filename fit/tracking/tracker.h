@@ -13,7 +13,7 @@ struct TrackerTuning {
   KEYPOSE_TUNED(int, kRounds, 4);            ///< of new contours in a frame
   KEYPOSE_TUNED(double, kSpeed, 0.8);        ///< share of the last frame's motion that goes on
   KEYPOSE_TUNED(double, kLostOutside, 0.3);  ///< share of a limb outside of the masks
-  KEYPOSE_TUNED(double, kLostChange, 1.35);  ///< factor on the usual difference to the masks
+  KEYPOSE_TUNED(double, kLostChange, 1.2);  ///< factor on the usual difference to the masks
   KEYPOSE_TUNED(double, kFound, 0.98);       ///< least gain of a search: factor on the difference
 };
 
@@ -43,7 +43,7 @@ class Tracker {
   LocalSurface surface_;
   BodyPose start_;
   std::vector<BodyPose> before_;  ///< the last two, newest last
-  double usual_ = 0;              ///< difference to the masks over both, slowly following
+  double usual_ = 0;              ///< difference to the masks over both; falls fast, rises slowly
   std::array<int, 4> searched_ = {-100, -100, -100, -100};  ///< frame of each limb's last search
   int frame_ = 0;
 };
