@@ -9,7 +9,9 @@
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/rotations.h"
 #include "core/size_of.h"
+#include "motion/fields/rest_turns.h"
 #include "motion/reconstruct/kept_volume.h"
 #include "motion/reconstruct/literal_transfer.h"
 #include "motion/root/mark_chain.h"
@@ -77,6 +79,7 @@ struct Transfer::Impl {
   std::unique_ptr<TurnFollower> follower;
   std::unique_ptr<RootPath> path;
   std::unique_ptr<MarkChain> chain;
+  std::vector<Eigen::Quaterniond> rest_turns;  // of the marks
   std::unique_ptr<Holds> holds;
   bool planned = false;
   Eigen::Matrix3d target_from_template = Eigen::Matrix3d::Identity();
@@ -149,6 +152,11 @@ void Transfer::Impl::Align() {
                                     target.col(2).minCoeff(), std::move(root),
                                     report.alignment.scale, target_from_template, root_options);
   report.path_scale = path->scale();
+  rest_turns.assign(marks.size(), Eigen::Quaterniond::Identity());
+  if (automatic && options.rest)
+    rest_turns = RestTurns(tree, on_template * target_from_template.transpose(), on_target);
+  for (const Eigen::Quaterniond& turn_at_rest : rest_turns)
+    report.largest_rest_turn = std::max(report.largest_rest_turn, LogOf(turn_at_rest).norm());
   if (automatic)
     chain = std::make_unique<MarkChain>(tree, on_template, on_target, target_from_template);
 }
@@ -156,15 +164,15 @@ void Transfer::Impl::Align() {
 void Transfer::Impl::KeepPose(const MarkPose& pose) {
   const Eigen::Quaterniond turn(target_from_template);
   std::vector<Eigen::Quaterniond> rotations;
-  for (const TriangleMap& map : pose.maps)
-    rotations.push_back(turn * map.rotation * turn.conjugate());
+  for (int k = 0; k < SizeOf(marks); ++k)
+    rotations.push_back(turn * pose.maps[k].rotation * turn.conjugate() * rest_turns[k]);
   MotionFrame frame;
   frame.root = path->At(pose.positions);
   if (options.method == TransferMethod::kAuto) {
     const MarkTurns turns = follower->Next(rotations);
     report.largest_turn_between = follower->largest_between();
     frame.fields = FrameFields::Turns(turns);
-    frame.marks = chain->At(pose.positions, turns);
+    frame.marks = chain->At(pose.positions, turns, rest_turns);
     if (options.stretch > 0) frame.fields.log_stretches = Stretches(pose);
   } else {
     quaternions.push_back(WithAgreeingSigns(tree, rotations));

@@ -26,6 +26,8 @@ struct TransferOptions {
   TransferMethod method = TransferMethod::kAuto;
   bool align = true;   ///< the motion is turned into the target's own directions
   bool follow = true;  ///< marks may turn by more than half a turn over several frames
+  bool rest =
+      true;  ///< auto: limbs that the target holds otherwise at rest take the template's pose
   bool volume = true;  ///< auto: closed parts keep their volume
   double stretch = 0;  ///< auto: share of the template's own stretch that is transferred, 0 to 1
   double scale = 0;    ///< of the root's path; 0: the ratio of the legs' lengths
@@ -36,9 +38,10 @@ struct TransferOptions {
 
 struct TransferReport {
   Alignment alignment;
-  bool turned = false;      ///< the motion was turned by the alignment's heading, or by all of it
-  double path_scale = 1;    ///< of the root's path
-  double least_weight = 0;  ///< of the harmonic fields
+  bool turned = false;    ///< the motion was turned by the alignment's heading, or by all of it
+  double path_scale = 1;  ///< of the root's path
+  double largest_rest_turn = 0;  ///< of a limb from the target's rest pose to the template's [rad]
+  double least_weight = 0;       ///< of the harmonic fields
   int unmarked_parts = 0;
   double largest_turn_between = 0;   ///< of two neighbouring marks [rad]
   double volume_before = 0;          ///< largest |volume / rest - 1| before the correction

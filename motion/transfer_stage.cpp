@@ -30,7 +30,7 @@ constexpr double kUsualRate = 24;  // frames per second
 
 struct TransferStageOptions {
   std::string method = "auto", align = "auto", turns = "follow";
-  bool volume = true, feet = true;
+  bool rest = true, volume = true, feet = true;
   double stretch = 0, scale = 0, fps = 0;
 
   void Describe(OptionVisitor& visit) {
@@ -49,6 +49,8 @@ struct TransferStageOptions {
                    "shortest: each frame by itself, for limbs that circle",
            .unit = "",
            .choices = {"follow", "shortest"}});
+    visit("rest", rest,
+          {.help = "auto: limbs that the target holds otherwise at rest take the template's pose"});
     visit("volume", volume, {.help = "auto: each closed part keeps its volume"});
     visit(
         "stretch", stretch,
@@ -89,6 +91,7 @@ TransferOptions OptionsOf(const TransferStageOptions& given) {
                                                : TransferMethod::kAuto;
   options.align = given.align == "auto";
   options.follow = given.turns == "follow";
+  options.rest = given.rest;
   options.volume = given.volume;
   options.stretch = given.stretch;
   options.scale = given.scale;
@@ -169,6 +172,7 @@ void ReportRun(StageContext& stage, const TransferReport& report, int frames, in
   stage.Report("heading_deg", report.turned ? report.alignment.heading / kDegree : 0.0);
   stage.Report("marks_residual", report.alignment.residual);
   stage.Report("path_scale", report.path_scale);
+  stage.Report("largest_rest_turn_deg", report.largest_rest_turn / kDegree);
   stage.Report("least_weight", report.least_weight);
   stage.Report("parts_without_marks", report.unmarked_parts);
   stage.Report("largest_turn_between_marks_deg", report.largest_turn_between / kDegree);

@@ -17,6 +17,7 @@ namespace keypose::motion {
 namespace {
 
 constexpr int kMostVertices = 2000;
+constexpr int kNeighbours = 6;
 constexpr double kNoRemainder = 1e-12;  // rad
 /// Two rotations whose difference is nearer to half a turn than this could be joined either way.
 constexpr double kEitherWay = 1e-6;
@@ -65,6 +66,15 @@ MarkTree JoinMarks(const PointsX3& points, const FacesX3& faces,
   const Eigen::VectorXd mean = between.rowwise().mean();
   std::stable_sort(tree.central.begin(), tree.central.end(),
                    [&](int a, int b) { return mean[a] < mean[b]; });
+  for (int k = 0; k < count; ++k) {
+    std::vector<int> others;
+    for (int j = 0; j < count; ++j)
+      if (j != k) others.push_back(j);
+    std::stable_sort(others.begin(), others.end(),
+                     [&](int a, int b) { return between(k, a) < between(k, b); });
+    others.resize(std::min(SizeOf(others), kNeighbours));
+    tree.nearest.push_back(std::move(others));
+  }
   std::vector<double> nearest(count, std::numeric_limits<double>::infinity());
   std::vector<int> parent(count, -1);
   std::vector<char> in(count, 0);

@@ -15,7 +15,8 @@ struct MarkTree {
   struct Step {
     int mark, parent;  ///< parent == mark at the root
   };
-  std::vector<Step> steps;   ///< each mark after its parent
+  std::vector<Step> steps;                ///< each mark after its parent
+  std::vector<std::vector<int>> nearest;  ///< of each mark the six (or fewer) nearest others
   std::vector<int> central;  ///< marks by their mean distance from all others, the nearest first
 };
 

@@ -34,19 +34,22 @@ MarkChain::MarkChain(MarkTree tree, const PointsX3& on_template, const PointsX3&
   }
 }
 
-PointsX3 MarkChain::At(const PointsX3& on_template, const MarkTurns& turns) const {
+PointsX3 MarkChain::At(const PointsX3& on_template, const MarkTurns& turns,
+                       const std::vector<Eigen::Quaterniond>& rest_turns) const {
   PointsX3 places = PointsX3::Zero(on_target_.rows(), 3);
   for (const auto& [mark, parent] : tree_.steps) {
     if (mark == parent) continue;
     const Eigen::Matrix3d half =
         turns.body * ExpOf(0.5 * (turns.turns.row(mark) + turns.turns.row(parent)).transpose());
+    // The template's own turn: that of the target without its turn at rest.
+    const Eigen::Quaterniond back = rest_turns[parent].slerp(0.5, rest_turns[mark]).conjugate();
     const Eigen::Vector3d before = turn_ *
                                    (on_template_.row(mark) - on_template_.row(parent)).transpose(),
                           now =
                               turn_ * (on_template.row(mark) - on_template.row(parent)).transpose(),
                           own = (on_target_.row(mark) - on_target_.row(parent)).transpose();
-    places.row(mark) =
-        places.row(parent) + (half * own + ratio_[mark] * (now - half * before)).transpose();
+    places.row(mark) = places.row(parent) +
+                       (half * own + ratio_[mark] * (now - half * (back * before))).transpose();
   }
   return places;
 }
