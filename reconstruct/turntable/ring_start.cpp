@@ -195,23 +195,23 @@ class Finder {
     return found;
   }
 
-  void FindAxis(int ring) {
-    const std::vector<Match> matches = RingMatches(ring);
-    const double step = result_.model.step_rad[ring];
-    const auto cost = [&](const MatchCost& match_cost, const Axis& axis, double limit) {
-      const Rigid3 pose = axis.Pose();
-      const Matrix3d r = pose.rotation.toRotationMatrix();
-      return match_cost.Cost(
-          [&](int v) {
-            return std::pair<Matrix3d, Vector3d>(r * RotationAboutZ(view(v).angle_rad),
-                                                 pose.translation);
-          },
-          limit);
-    };
-    const MatchCost few(Sampled(matches, 400)), many(Sampled(matches, 4000));
+  double AxisCost(const MatchCost& match_cost, const Axis& axis, double limit) const {
+    const Rigid3 pose = axis.Pose();
+    const Matrix3d r = pose.rotation.toRotationMatrix();
+    return match_cost.Cost(
+        [&](int v) {
+          return std::pair<Matrix3d, Vector3d>(r * RotationAboutZ(view(v).angle_rad),
+                                               pose.translation);
+        },
+        limit);
+  }
+
+  /// Axes over all directions with what they cost, the cheapest first.
+  std::vector<std::pair<double, Axis>> LikelyAxes(const MatchCost& few) const {
     const std::vector<Vector3d> directions = SphereDirections(5 * kDegree);
     // -12 to 12 degrees: the table's axis passes through the picture's middle part
     constexpr int kOffsets = 9;
+    constexpr std::size_t kKept = 24;
     std::vector<std::pair<double, Axis>> tried(directions.size());
     ParallelFor(
         std::ssize(directions),
@@ -220,35 +220,42 @@ class Finder {
           best.first = 1e300;
           for (int o = 0; o < kOffsets; ++o) {
             const Axis axis{directions[k], 3 * kDegree * (o - kOffsets / 2)};
-            if (const double c = cost(few, axis, 2 * RingSearchTuning::kWide_rad); c < best.first)
-              best = {c, axis};
+            const double c = AxisCost(few, axis, 2 * RingSearchTuning::kWide_rad);
+            if (c < best.first) best = {c, axis};
           }
         },
         8);
     std::stable_sort(tried.begin(), tried.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    tried.resize(std::min<std::size_t>(tried.size(), 24));
+    tried.resize(std::min(tried.size(), kKept));
+    return tried;
+  }
+
+  void FindAxis(int ring) {
+    const std::vector<Match> matches = RingMatches(ring);
+    const MatchCost few(Sampled(matches, 400)), many(Sampled(matches, 4000));
+    const auto refined = [&](const Axis& axis, const MatchCost& by, double limit, int evaluations) {
+      const auto cost = [&](const Axis& a) { return AxisCost(by, a, limit); };
+      return Refined(axis, cost, evaluations);
+    };
+    std::vector<std::pair<double, Axis>> tried = LikelyAxes(few);
     ParallelFor(std::ssize(tried), [&](std::int64_t k) {
       auto& [c, axis] = tried[k];
       for (const double limit : {2 * RingSearchTuning::kWide_rad, RingSearchTuning::kWide_rad})
-        axis = Refined(
-            axis, [&](const Axis& a) { return cost(few, a, limit); }, 120);
-      c = cost(many, axis, RingSearchTuning::kWide_rad);
+        axis = refined(axis, few, limit, 120);
+      c = AxisCost(many, axis, RingSearchTuning::kWide_rad);
     });
     Axis axis = std::min_element(tried.begin(), tried.end(), [](const auto& a, const auto& b) {
                   return a.first < b.first;
                 })->second;
-    axis = Refined(
-        axis, [&](const Axis& a) { return cost(many, a, RingSearchTuning::kWide_rad); }, 150);
+    axis = refined(axis, many, RingSearchTuning::kWide_rad, 150);
     for (const double limit : {RingSearchTuning::kWide_rad, 0.5 * RingSearchTuning::kWide_rad,
                                RingSearchTuning::kNarrow_rad}) {
       result_.model.rings[ring] = axis.Pose();
       RelaxAngles(matches, limit);
-      axis = Refined(
-          axis, [&](const Axis& a) { return cost(many, a, limit); }, 150);
+      axis = refined(axis, many, limit, 150);
     }
     result_.model.rings[ring] = axis.Pose();
-    (void)step;
   }
 
   template <class Cost>
@@ -324,27 +331,31 @@ class Finder {
     return Place(ring, *most);
   }
 
-  bool Place(int ring, const std::vector<Match>& matches) {
-    const Rigid3 own = result_.model.rings[ring];
-    const Vector3d axis = own.rotation * Vector3d::UnitZ();
-    const auto placed = [&](const Eigen::VectorXd& x) {
-      return Rigid3{own.rotation * Eigen::Quaterniond(RotationAboutZ(x(0))),
-                    std::exp(x(2)) * own.translation + x(1) * axis};
-    };
-    const auto cost = [&](const MatchCost& match_cost, const Eigen::VectorXd& x, double limit) {
-      RingModel model = result_.model;
-      model.rings[ring] = placed(x);
-      return match_cost.Cost(
-          [&](int v) {
-            const Rigid3 pose = model.CameraFromTable(view(v));
-            return std::pair<Matrix3d, Vector3d>(pose.rotation.toRotationMatrix(),
-                                                 pose.translation);
-          },
-          limit);
-    };
-    // Samples for the rest of the search.
-    const MatchCost few(Sampled(matches, 300)), many(Sampled(matches, 3000));
-    constexpr int kTurns = 120, kHeights = 13, kScales = 7;
+  /// A ring turned about the table's axis, moved along it and scaled: x = (turn, height, log
+  /// scale).
+  static Rigid3 Moved(const Rigid3& ring, const Eigen::VectorXd& x) {
+    const Vector3d axis = ring.rotation * Vector3d::UnitZ();
+    return {ring.rotation * Eigen::Quaterniond(RotationAboutZ(x(0))),
+            std::exp(x(2)) * ring.translation + x(1) * axis};
+  }
+
+  double MoveCost(const MatchCost& match_cost, int ring, const Eigen::VectorXd& x,
+                  double limit) const {
+    RingModel model = result_.model;
+    model.rings[ring] = Moved(model.rings[ring], x);
+    return match_cost.Cost(
+        [&](int v) {
+          const Rigid3 pose = model.CameraFromTable(view(v));
+          return std::pair<Matrix3d, Vector3d>(pose.rotation.toRotationMatrix(), pose.translation);
+        },
+        limit);
+  }
+
+  /// Moves of a ring over all turns with what they cost, the cheapest first.
+  std::vector<std::pair<double, Eigen::VectorXd>> LikelyMoves(int ring,
+                                                              const MatchCost& few) const {
+    constexpr int kTurns = 120, kHeights = 13, kScales = 7, kKept = 12;
+    const Rigid3& own = result_.model.rings[ring];
     std::vector<std::pair<double, Eigen::VectorXd>> tried(kTurns);
     // Both cameras look at the same object, so the height follows from where both see its centre,
     // within a tolerance.
@@ -357,27 +368,34 @@ class Finder {
           const Eigen::Vector3d x(2 * kPi * static_cast<double>(k) / kTurns,
                                   std::exp(scale) * middle - first + 0.04 * (h - kHeights / 2),
                                   scale);
-          if (const double c = cost(few, x, 2 * RingSearchTuning::kWide_rad); c < tried[k].first)
-            tried[k] = {c, x};
+          const double c = MoveCost(few, ring, x, 2 * RingSearchTuning::kWide_rad);
+          if (c < tried[k].first) tried[k] = {c, x};
         }
     });
     std::stable_sort(tried.begin(), tried.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    tried.resize(12);
-    ParallelFor(12, [&](std::int64_t k) {
+    tried.resize(kKept);
+    return tried;
+  }
+
+  bool Place(int ring, const std::vector<Match>& matches) {
+    // Samples for the rest of the search.
+    const MatchCost few(Sampled(matches, 300)), many(Sampled(matches, 3000));
+    std::vector<std::pair<double, Eigen::VectorXd>> tried = LikelyMoves(ring, few);
+    ParallelFor(std::ssize(tried), [&](std::int64_t k) {
       auto& [c, x] = tried[k];
       for (const double limit : {2 * RingSearchTuning::kWide_rad, RingSearchTuning::kWide_rad,
                                  RingSearchTuning::kNarrow_rad})
         x = MinimizeSimplex(
             [&](const Eigen::VectorXd& y) {
-              return cost(limit == RingSearchTuning::kNarrow_rad ? many : few, y, limit);
+              return MoveCost(limit == RingSearchTuning::kNarrow_rad ? many : few, ring, y, limit);
             },
             x, Eigen::Vector3d(2 * kDegree, 0.03, 0.06), 120);
-      c = cost(many, x, RingSearchTuning::kNarrow_rad);
+      c = MoveCost(many, ring, x, RingSearchTuning::kNarrow_rad);
     });
     const auto best = *std::min_element(
         tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    result_.model.rings[ring] = placed(best.second);
+    result_.model.rings[ring] = Moved(result_.model.rings[ring], best.second);
     return static_cast<double>(many.size()) - best.first >= RingSearchTuning::kFewestJoining;
   }
 
