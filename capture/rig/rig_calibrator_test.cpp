@@ -1,0 +1,107 @@
+#include "capture/rig/rig_calibrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/render.h"
+
+namespace keypose::capture {
+namespace {
+
+// Small errors that are the same on every machine, with a standard deviation of about `size`.
+double Wobble(int i, double size) {
+  const double x = std::sin(12.9898 * i) * 43758.5453;
+  return 3.46 * size * (x - std::floor(x) - 0.5);
+}
+
+struct Room {
+  std::vector<View> views;
+  std::vector<RigCamera> cameras;
+  std::vector<BoardSighting> sightings;
+  BoardLayout board{9, 7, 0.06, 0.045};
+};
+
+// Cameras on an arc about a place where a board is turned and moved; it lies on the floor first.
+Room MakeRoom(int cameras, int frames, double noise_px) {
+  Room room;
+  for (int c = 0; c < cameras; ++c) {
+    View view;
+    view.name = "cam" + std::to_string(c + 1);
+    view.camera = {1000, 800, 950.0 + 5 * c, 955.0 + 4 * c, 503.0 + c, 398.0 - c, -0.06, 0.02, 5e-4, -3e-4};
+    const double a = 0.6 * c - 0.9;
+    view.camera_from_world = LookAt({2.4 * std::sin(a), -2.4 * std::cos(a), 1.3}, {0, 0, 0.5});
+    room.views.push_back(view);
+    room.cameras.push_back({view.name, 1000, 800});
+  }
+  int count = 0;
+  for (int f = 0; f < frames; ++f) {
+    Rigid3 motion;
+    if (f > 0) {
+      motion.rotation = Eigen::AngleAxisd(0.5 * std::sin(1.7 * f), Eigen::Vector3d::UnitZ()) *
+                        Eigen::AngleAxisd(0.9 + 0.5 * std::sin(0.9 * f), Eigen::Vector3d::UnitX()) *
+                        Eigen::AngleAxisd(0.5 * std::cos(1.3 * f), Eigen::Vector3d::UnitY());
+      motion.translation = {0.6 * std::sin(0.7 * f), 0.4 * std::cos(1.1 * f), 0.7 + 0.4 * std::sin(0.5 * f)};
+    }
+    for (int c = 0; c < cameras; ++c) {
+      BoardSighting sighting{c, f, {}};
+      for (int id = 0; id < room.board.CornerCount(); ++id) {
+        const Eigen::Vector2d p = room.views[c].Project(motion * room.board.Corner(id));
+        if (p.x() < 2 || p.y() < 2 || p.x() > 998 || p.y() > 798) continue;
+        sighting.corners.push_back({id, p + Eigen::Vector2d(Wobble(++count, noise_px), Wobble(++count, noise_px))});
+      }
+      room.sightings.push_back(sighting);
+    }
+  }
+  return room;
+}
+
+TEST(CalibrateRig, ExactCornersGiveTheCamerasBack) {
+  const Room room = MakeRoom(4, 30, 0);
+  const RigResult result = CalibrateRig(room.sightings, room.cameras, room.board, {});
+  for (int c = 0; c < 4; ++c) {
+    // OpenCV's first estimate works on single-precision pixels; the adjustment removes its errors.
+    EXPECT_LT((result.views[c].Center() - room.views[c].Center()).norm(), 1e-5);
+    EXPECT_NEAR(result.views[c].camera.fx, room.views[c].camera.fx, 1e-2);
+    EXPECT_NEAR(result.views[c].camera.cx, room.views[c].camera.cx, 1e-2);
+    EXPECT_NEAR(result.views[c].camera.k1, room.views[c].camera.k1, 1e-4);
+    EXPECT_LT(result.cameras[c].rms_px, 1e-3);
+  }
+}
+
+TEST(CalibrateRig, NoiseOfATenthOfAPixelMovesCamerasByMillimetres) {
+  const Room room = MakeRoom(4, 40, 0.1);
+  const RigResult result = CalibrateRig(room.sightings, room.cameras, room.board, {});
+  // two coordinates of 0.1 px each
+  EXPECT_NEAR(result.rms_px, 0.141, 0.02);
+  for (int c = 0; c < 4; ++c) {
+    EXPECT_LT((result.views[c].Center() - room.views[c].Center()).norm(), 0.004);
+    EXPECT_GT(result.cameras[c].coverage, 0.3);
+    EXPECT_EQ(result.cameras[c].boards, result.cameras[c].shared);
+  }
+}
+
+TEST(CalibrateRig, ACameraThatSawNothingWithTheOthersIsNamed) {
+  Room room = MakeRoom(3, 24, 0);
+  for (BoardSighting& s : room.sightings)
+    if (s.camera == 2) s.frame += 1000;
+  try {
+    CalibrateRig(room.sightings, room.cameras, room.board, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("cam3 never saw"), std::string::npos);
+  }
+}
+
+TEST(CalibrateRig, TooFewBoardsAndNoFloorAreErrors) {
+  Room room = MakeRoom(2, 20, 0);
+  EXPECT_THROW(CalibrateRig({room.sightings.begin(), room.sightings.begin() + 4}, room.cameras, room.board, {}),
+               InputError);
+  RigCalibratorOptions options;
+  options.floor_frame = 99;
+  EXPECT_THROW(CalibrateRig(room.sightings, room.cameras, room.board, options), InputError);
+}
+
+}  // namespace
+}  // namespace keypose::capture
