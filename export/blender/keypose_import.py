@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: AGPL-3.0-or-later
-"""Brings the animation of a Keypose project into Blender, and up to date after the project ran again.
+"""Brings the animation of a Keypose project into Blender, and up to date after the project ran
+again.
 
 Install: Edit > Preferences > Add-ons > Install, choose this file, tick its box.
 Use:     File > Import > Keypose project; later: 3D View > Sidebar (N) > Keypose > Update.
 
-The add-on reads the folder `blender` of an exported animation (format `blender` of `keypose export`).
-`character.json` has the counts and times, `character.bin` the faces (int32, three corners each) and then
-the texture coordinates (float32, u and v of each corner), `character.pc2` the positions (float32) of every
-picture; axes and unit are Blender's. A picture is what one or more frames of the animation show.
+The add-on reads the folder `blender` of an exported animation (format `blender` of `keypose
+export`). `character.json` has the counts and times, `character.bin` the faces (int32, three corners
+each) and then the texture coordinates (float32, u and v of each corner), `character.pc2` the
+positions (float32) of every picture; axes and unit are Blender's. A picture is what one or more
+frames of the animation show.
 
-One number in the mesh's data, `keypose_picture`, says which picture shows. Its F-curve is the timing of the
-whole animation; shape and textures follow it through drivers, so that the object's own action stays free.
+One number in the mesh's data, `keypose_picture`, says which picture shows. Its F-curve is the
+timing of the whole animation; shape and textures follow it through drivers, so that the object's
+own action stays free.
 """
 
 bl_info = {
@@ -19,7 +22,7 @@ bl_info = {
     "version": (1, 0, 0),
     "blender": (3, 4, 0),
     "location": "File > Import > Keypose project; 3D View > Sidebar > Keypose",
-    "description": "Imports an animated clay character with its textures, keys and timing, and updates it",
+    "description": "Imports an animated clay character with textures, keys and timing; updates it",
     "support": "COMMUNITY",
     "category": "Import-Export",
 }
@@ -35,7 +38,9 @@ SCHEMA = 1
 STATE = "keypose"  # custom property of the object: what was brought in, as JSON
 PICTURE = "keypose_picture"  # custom property of the mesh: the picture that shows
 PICTURE_PATH = f'["{PICTURE}"]'
-TEXTURES = "keypose_textures"  # custom property of the mesh: the node group that blends the textures
+TEXTURES = (
+    "keypose_textures"  # custom property of the mesh: the node group that blends the textures
+)
 UV_LAYER = "Keypose"
 PC2_HEADER_BYTES = 32
 
@@ -44,7 +49,7 @@ class Unusable(Exception):
     """What is wrong and what to do, in a sentence for the artist."""
 
 
-# ---- Files ----------------------------------------------------------------------------------------------------------
+# ---- Files ---------------------------------------------------------------------------------------
 
 
 def find_files(chosen):
@@ -64,14 +69,24 @@ def why_no_files(chosen):
         return f"There is no folder {chosen}. Choose the folder of a Keypose project"
     for below in ("out/animation", "animation", "."):
         if os.path.isfile(os.path.join(chosen, below, "animation.json")):
-            return (f"The animation in {os.path.normpath(os.path.join(chosen, below))} was exported without the files for "
-                    "Blender. Add blender to the formats of `export` in the project's pipeline.yaml (or `keypose run --set "
-                    "export.formats=glb,video,blender`), run `keypose run`, and import again")
+            return (
+                f"The animation in {os.path.normpath(os.path.join(chosen, below))} was exported "
+                "without the files for "
+                "Blender. Add blender to the formats of `export` in the project's pipeline.yaml "
+                "(or `keypose run --set "
+                "export.formats=glb,video,blender`), run `keypose run`, and import again"
+            )
     if os.path.isfile(os.path.join(chosen, "pipeline.yaml")):
-        return (f"The project {chosen} has no animation yet. Run `keypose run` there, with two poses or more, "
-                "and import again")
-    return (f"{chosen} is not a Keypose project: it has neither a pipeline.yaml nor an animation. Choose the folder "
-            "in which `keypose run` works")
+        return (
+            f"The project {chosen} has no animation yet. Run `keypose run` there, with two poses "
+            "or more, "
+            "and import again"
+        )
+    return (
+        f"{chosen} is not a Keypose project: it has neither a pipeline.yaml nor an animation. "
+        "Choose the folder "
+        "in which `keypose run` works"
+    )
 
 
 class Character:
@@ -85,8 +100,11 @@ class Character:
             with open(self.json_path, encoding="utf-8") as file:
                 told = json.load(file)
             if told["schema"] > SCHEMA:
-                raise Unusable(f"{folder} was written by a newer Keypose. Install the add-on that lies beside it: "
-                               f"{os.path.join(folder, 'keypose_import.py')}")
+                raise Unusable(
+                    f"{folder} was written by a newer Keypose. Install the add-on that lies beside "
+                    "it: "
+                    f"{os.path.join(folder, 'keypose_import.py')}"
+                )
             self.name, self.fps, self.loops = told["name"], told["fps"], told["loops"]
             self.vertex_count, self.face_count = told["vertices"], told["faces"]
             self.picture_count, self.shown_count = told["pictures"], told["shown_frames"]
@@ -94,25 +112,36 @@ class Character:
             self.textures, self.weights = told["textures"], told["weights"]
             has_uvs = told["has_uvs"]
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Unusable(f"{self.json_path} cannot be used ({error!r}). Run `keypose run` again") from error
+            raise Unusable(
+                f"{self.json_path} cannot be used ({error!r}). Run `keypose run` again"
+            ) from error
         corners = 3 * self.face_count
-        sizes = {"character.bin": 4 * corners + (8 * corners if has_uvs else 0),
-                 "character.pc2": PC2_HEADER_BYTES + 12 * self.vertex_count * self.picture_count}
+        sizes = {
+            "character.bin": 4 * corners + (8 * corners if has_uvs else 0),
+            "character.pc2": PC2_HEADER_BYTES + 12 * self.vertex_count * self.picture_count,
+        }
         for name, size in sizes.items():
             path = os.path.join(folder, name)
             found = os.path.getsize(path) if os.path.isfile(path) else 0
             if found != size:
-                raise Unusable(f"{path} has {found} bytes, but {size} belong there: it was not copied or written whole. "
-                               "Copy it again, or run `keypose run` again")
+                raise Unusable(
+                    f"{path} has {found} bytes, but {size} belong there: it was not copied or "
+                    "written whole. "
+                    "Copy it again, or run `keypose run` again"
+                )
         data = numpy.fromfile(os.path.join(folder, "character.bin"), "<u1")
-        self.faces = data[:4 * corners].view("<i4").reshape(-1, 3)
-        self.uvs = data[4 * corners:].view("<f4") if has_uvs else None
+        self.faces = data[: 4 * corners].view("<i4").reshape(-1, 3)
+        self.uvs = data[4 * corners :].view("<f4") if has_uvs else None
         self.written = os.stat(self.json_path).st_mtime
 
     def points(self, picture):
         """V x 3, float32."""
-        flat = numpy.fromfile(self.cache_path, "<f4", 3 * self.vertex_count,
-                              offset=PC2_HEADER_BYTES + 12 * self.vertex_count * picture)
+        flat = numpy.fromfile(
+            self.cache_path,
+            "<f4",
+            3 * self.vertex_count,
+            offset=PC2_HEADER_BYTES + 12 * self.vertex_count * picture,
+        )
         return flat.reshape(-1, 3)
 
 
@@ -134,11 +163,15 @@ def is_character(obj):
     return obj is not None and obj.type == "MESH" and STATE in obj
 
 
-# ---- Mesh -----------------------------------------------------------------------------------------------------------
+# ---- Mesh ----------------------------------------------------------------------------------------
 
 
 def same_faces(mesh, faces, vertex_count):
-    if (len(mesh.vertices), len(mesh.polygons), len(mesh.loops)) != (vertex_count, len(faces), faces.size):
+    if (len(mesh.vertices), len(mesh.polygons), len(mesh.loops)) != (
+        vertex_count,
+        len(faces),
+        faces.size,
+    ):
         return False
     corners = numpy.empty(faces.size, numpy.int32)
     mesh.loops.foreach_get("vertex_index", corners)
@@ -161,7 +194,8 @@ def nearest(of, to):
 
 
 class Painted:
-    """What an artist put on the faces and vertices of a mesh; laid by nearest places on its successor."""
+    """What an artist put on the faces and vertices of a mesh; laid by nearest places on its
+    successor."""
 
     def __init__(self, obj):
         mesh = obj.data
@@ -171,9 +205,16 @@ class Painted:
         self.smooth = [polygon.use_smooth for polygon in mesh.polygons]
         names = [group.name for group in obj.vertex_groups]
         self.group_names = names
-        self.groups = [[(names[group.group], group.weight) for group in vertex.groups] for vertex in mesh.vertices]
-        self.lost = [f"{len(mesh.uv_layers) - 1} UV layers of yours"] if len(mesh.uv_layers) > 1 else []
-        self.lost += [f"{len(mesh.color_attributes)} colour layers"] if mesh.color_attributes else []
+        self.groups = [
+            [(names[group.group], group.weight) for group in vertex.groups]
+            for vertex in mesh.vertices
+        ]
+        self.lost = (
+            [f"{len(mesh.uv_layers) - 1} UV layers of yours"] if len(mesh.uv_layers) > 1 else []
+        )
+        self.lost += (
+            [f"{len(mesh.color_attributes)} colour layers"] if mesh.color_attributes else []
+        )
         self.lost += ["your shape keys"] if mesh.shape_keys and mesh.shape_keys.use_relative else []
 
     def lay_on(self, obj):
@@ -186,7 +227,10 @@ class Painted:
             faces = nearest(self.centers, [polygon.center for polygon in mesh.polygons])
         mesh.polygons.foreach_set("material_index", [self.materials[face] for face in faces])
         mesh.polygons.foreach_set("use_smooth", [self.smooth[face] for face in faces])
-        groups = {name: obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name) for name in self.group_names}
+        groups = {
+            name: obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name)
+            for name in self.group_names
+        }
         same_weight = {}
         for vertex, old in enumerate(nearest(self.points, rest_positions(mesh)) if groups else []):
             for pair in self.groups[old]:
@@ -200,11 +244,15 @@ def build_mesh(mesh, character):
     mesh.from_pydata(character.points(0).tolist(), [], character.faces.tolist())
     mesh.update()
     if not same_faces(mesh, character.faces, character.vertex_count):
-        raise Unusable("Blender changed the order of the faces; report this with the project and your Blender's version")
+        raise Unusable(
+            "Blender changed the order of the faces; report this with the project and your "
+            "Blender's version"
+        )
 
 
 def shape_mesh(obj, character, notes):
-    """Gives the object's mesh the faces, rest positions and texture coordinates of the character."""
+    """Gives the object's mesh the faces, rest positions and texture coordinates of the
+    character."""
     mesh = obj.data
     if not same_faces(mesh, character.faces, character.vertex_count):
         old_count, painted = len(mesh.polygons), Painted(obj)
@@ -213,9 +261,12 @@ def shape_mesh(obj, character, notes):
         build_mesh(mesh, character)
         painted.lay_on(obj)
         if old_count:
-            notes.append(f"The mesh is another one: {character.face_count} faces instead of {old_count}. Materials, modifiers "
-                         "and vertex groups were kept, by nearest places" +
-                         (f"; {', '.join(painted.lost)} were lost" if painted.lost else ""))
+            notes.append(
+                f"The mesh is another one: {character.face_count} faces instead of {old_count}. "
+                "Materials, modifiers "
+                "and vertex groups were kept, by nearest places"
+                + (f"; {', '.join(painted.lost)} were lost" if painted.lost else "")
+            )
         else:
             mesh.polygons.foreach_set("use_smooth", [True] * character.face_count)
     else:
@@ -228,7 +279,7 @@ def shape_mesh(obj, character, notes):
     mesh.update()
 
 
-# ---- Curves and drivers ---------------------------------------------------------------------------------------------
+# ---- Curves and drivers --------------------------------------------------------------------------
 
 
 def fill_curve(curve, keys):
@@ -245,19 +296,31 @@ def fill_curve(curve, keys):
 
 
 def find_curve(block, path):
-    """The F-curve of a property in the block's action, or None. Blender 4.4 and later sort curves by slots."""
+    """The F-curve of a property in the block's action, or None. Blender 4.4 and later sort curves
+    by slots."""
     data = block.animation_data
     if data is None or data.action is None:
         return None
     curves = getattr(data.action, "fcurves", None)
     if curves is None:
-        bags = [bag for layer in data.action.layers for strip in layer.strips for bag in strip.channelbags]
-        curves = [curve for bag in bags if bag.slot_handle == data.action_slot_handle for curve in bag.fcurves]
+        bags = [
+            bag
+            for layer in data.action.layers
+            for strip in layer.strips
+            for bag in strip.channelbags
+        ]
+        curves = [
+            curve
+            for bag in bags
+            if bag.slot_handle == data.action_slot_handle
+            for curve in bag.fcurves
+        ]
     return next((curve for curve in curves if curve.data_path == path), None)
 
 
 def drive(block, path, mesh, pairs=()):
-    """Lets a property follow the picture that shows, through pairs (picture, value) with straight lines in between;
+    """Lets a property follow the picture that shows, through pairs (picture, value) with straight
+    lines in between;
     without pairs it is the picture. No Python runs in it, so that it needs no trust."""
     block.driver_remove(path)
     curve = block.driver_add(path)
@@ -283,21 +346,30 @@ def without_middles(pairs):
     return kept + list(pairs[-1:] if len(pairs) > 1 else [])
 
 
-# ---- Timing ---------------------------------------------------------------------------------------------------------
+# ---- Timing --------------------------------------------------------------------------------------
 
 
 def timing_keys(character, start, scene_fps):
-    """The curve of the picture that shows: straight where pictures blend, level where one stands. Keyframes are at the
+    """The curve of the picture that shows: straight where pictures blend, level where one stands.
+    Keyframes are at the
     keys, and where the pace changes."""
-    rows = [(start + moment["seconds"] * scene_fps, moment["picture"], "CONSTANT" if moment["stands"] else "LINEAR")
-            for moment in character.moments]
+    rows = [
+        (
+            start + moment["seconds"] * scene_fps,
+            moment["picture"],
+            "CONSTANT" if moment["stands"] else "LINEAR",
+        )
+        for moment in character.moments
+    ]
     at_keys = [start + key["seconds"] * scene_fps for key in character.keys]
     kept = []
     for i, (time, value, kind) in enumerate(rows):
         inside = 0 < i < len(rows) - 1 and not any(abs(time - at) < 1e-6 for at in at_keys)
         if inside and kind == kept[-1][2] == "LINEAR":
             (last_time, last_value, _), (next_time, next_value, _) = kept[-1], rows[i + 1]
-            bend = (value - last_value) * (next_time - time) - (next_value - value) * (time - last_time)
+            bend = (value - last_value) * (next_time - time) - (next_value - value) * (
+                time - last_time
+            )
             inside = abs(bend) < 1e-6
         elif inside:
             inside = kind == kept[-1][2] and value == kept[-1][1]
@@ -307,7 +379,10 @@ def timing_keys(character, start, scene_fps):
 
 
 def curve_rows(curve):
-    return [[round(point.co[0], 3), round(point.co[1], 3), point.interpolation] for point in curve.keyframe_points]
+    return [
+        [round(point.co[0], 3), round(point.co[1], 3), point.interpolation]
+        for point in curve.keyframe_points
+    ]
 
 
 def set_timing(mesh, character, keys, state, reset, notes):
@@ -316,17 +391,25 @@ def set_timing(mesh, character, keys, state, reset, notes):
     changed = curve is not None and "timing" in state and curve_rows(curve) != state["timing"]
     if changed and not reset:
         if state["pictures"] == character.picture_count:
-            notes.append("Your timing was kept. Update with 'Timing of the project' takes the project's")
+            notes.append(
+                "Your timing was kept. Update with 'Timing of the project' takes the project's"
+            )
             return
         action = mesh.animation_data.action
         mesh.animation_data.action = action.copy()
         action.name, action.use_fake_user = f"{character.name}: timing before the update", True
-        notes.append(f"The animation has {character.picture_count} pictures instead of {state['pictures']}, so the project's timing "
-                     f"was taken. Yours is kept as the action '{action.name}'")
+        notes.append(
+            f"The animation has {character.picture_count} pictures instead of {state['pictures']}, "
+            "so the project's timing "
+            f"was taken. Yours is kept as the action '{action.name}'"
+        )
     if PICTURE not in mesh:
         mesh[PICTURE] = 0.0
-    mesh.id_properties_ui(PICTURE).update(min=0.0, max=max(1.0, character.picture_count - 1.0),
-                                          description="The picture of the animation that shows")
+    mesh.id_properties_ui(PICTURE).update(
+        min=0.0,
+        max=max(1.0, character.picture_count - 1.0),
+        description="The picture of the animation that shows",
+    )
     mesh.keyframe_insert(PICTURE_PATH, frame=keys[0][0])
     curve = find_curve(mesh, PICTURE_PATH)
     if curve.id_data.users == 1 and "timing" not in state:
@@ -339,7 +422,7 @@ def set_timing(mesh, character, keys, state, reset, notes):
     state["timing"] = curve_rows(curve)
 
 
-# ---- Where the pictures are kept ------------------------------------------------------------------------------------
+# ---- Where the pictures are kept -----------------------------------------------------------------
 
 
 def set_cache(obj, character, state, notes):
@@ -347,7 +430,10 @@ def set_cache(obj, character, state, notes):
     modifier = obj.modifiers.get(state.get("modifier", ""))
     if modifier is None or modifier.type != "MESH_CACHE":
         if "modifier" in state:
-            notes.append(f"The modifier '{state['modifier']}' that plays the animation was gone; it is back, before all others")
+            notes.append(
+                f"The modifier '{state['modifier']}' that plays the animation was gone; it is "
+                "back, before all others"
+            )
         modifier = obj.modifiers.new("Keypose", "MESH_CACHE")
         context = {"object": obj, "active_object": obj}
         with bpy.context.temp_override(**context):
@@ -369,14 +455,21 @@ def set_shape_keys(obj, character):
         if present:
             obj.shape_key_clear()
         for picture in range(character.picture_count):
-            obj.shape_key_add(name=f"picture {picture}", from_mix=False).interpolation = "KEY_LINEAR"
+            obj.shape_key_add(
+                name=f"picture {picture}", from_mix=False
+            ).interpolation = "KEY_LINEAR"
         mesh.shape_keys.use_relative = False
     for picture, block in enumerate(mesh.shape_keys.key_blocks):
         block.data.foreach_set("co", character.points(picture).reshape(-1))
-    drive(mesh.shape_keys, "eval_time", mesh, [(i, block.frame) for i, block in enumerate(mesh.shape_keys.key_blocks)])
+    drive(
+        mesh.shape_keys,
+        "eval_time",
+        mesh,
+        [(i, block.frame) for i, block in enumerate(mesh.shape_keys.key_blocks)],
+    )
 
 
-# ---- Textures -------------------------------------------------------------------------------------------------------
+# ---- Textures ------------------------------------------------------------------------------------
 
 
 def load_image(character, texture, notes):
@@ -433,7 +526,8 @@ def rebuild_group(group, textures):
 
 
 def set_textures(mesh, character, notes):
-    """A node group that shows the textures by their weights. @return it, or None; and whether it is new"""
+    """A node group that shows the textures by their weights. @return it, or None; and whether it is
+    new"""
     group = mesh.get(TEXTURES)
     if character.uvs is None or not character.textures:
         return group, False
@@ -450,7 +544,12 @@ def set_textures(mesh, character, notes):
             node.image = load_image(character, texture, notes) or node.image
         weights = [row[i] for row in character.weights] or [float(i == 0)] * character.picture_count
         if f"weight {i}" in group.nodes:
-            drive(group, f'nodes["weight {i}"].inputs[0].default_value', mesh, list(enumerate(weights)))
+            drive(
+                group,
+                f'nodes["weight {i}"].inputs[0].default_value',
+                mesh,
+                list(enumerate(weights)),
+            )
     return group, is_new
 
 
@@ -469,7 +568,7 @@ def add_material(mesh, character, group):
     mesh.materials.append(material)
 
 
-# ---- Scene ----------------------------------------------------------------------------------------------------------
+# ---- Scene ---------------------------------------------------------------------------------------
 
 
 def fps_of(scene):
@@ -480,7 +579,10 @@ def set_scene(scene, character, state, notes):
     """Frame rate and range, unless the artist changed them since."""
     if "fps" in state and abs(fps_of(scene) - state["fps"]) > 1e-3:
         if abs(fps_of(scene) - character.fps) > 1e-3:
-            notes.append(f"Your frame rate of {fps_of(scene):g} was kept; the animation was made at {character.fps:g}")
+            notes.append(
+                f"Your frame rate of {fps_of(scene):g} was kept; the animation was made at "
+                f"{character.fps:g}"
+            )
     else:
         scene.render.fps = max(1, round(character.fps))
         scene.render.fps_base = scene.render.fps / character.fps
@@ -511,11 +613,12 @@ def set_markers(scene, character, state):
             state["markers"].append(mark)
 
 
-# ---- Import and update ----------------------------------------------------------------------------------------------
+# ---- Import and update ---------------------------------------------------------------------------
 
 
 def bring_up_to_date(scene, obj, character, state, reset_timing=False):
-    """Makes an object show the character. What the artist made of it stays. @return sentences on what she should know"""
+    """Makes an object show the character. What the artist made of it stays. @return sentences on
+    what she should know"""
     notes = []
     mesh = obj.data
     if obj.library or mesh.library:
@@ -536,9 +639,16 @@ def bring_up_to_date(scene, obj, character, state, reset_timing=False):
     if is_new:
         add_material(mesh, character, group)
     elif new_group:
-        notes.append(f"The textures are in the new node group '{group.name}': add it to your material")
+        notes.append(
+            f"The textures are in the new node group '{group.name}': add it to your material"
+        )
     set_markers(scene, character, state)
-    state.update(folder=stored_path(character.folder), pictures=character.picture_count, written=character.written, notes=notes)
+    state.update(
+        folder=stored_path(character.folder),
+        pictures=character.picture_count,
+        written=character.written,
+        notes=notes,
+    )
     obj[STATE] = json.dumps(state)
     mesh.update_tag()
     obj.update_tag()
@@ -546,7 +656,8 @@ def bring_up_to_date(scene, obj, character, state, reset_timing=False):
 
 
 def folder_of(obj):
-    """Where the files of an object are: the folder that it came from, or that of its cache if files were moved together."""
+    """Where the files of an object are: the folder that it came from, or that of its cache if files
+    were moved together."""
     state = read_state(obj)
     places = [bpy.path.abspath(state["folder"])]
     modifier = obj.modifiers.get(state.get("modifier", ""))
@@ -555,8 +666,11 @@ def folder_of(obj):
     for place in places:
         if os.path.isfile(os.path.join(place, "character.json")):
             return os.path.normpath(place)
-    raise Unusable(f"The files of {obj.name} are no longer in {places[0]}. Select it, then File > Import > Keypose project, "
-                   "and choose where the project is")
+    raise Unusable(
+        f"The files of {obj.name} are no longer in {places[0]}. Select it, then File > Import > "
+        "Keypose project, "
+        "and choose where the project is"
+    )
 
 
 def object_to_update(context, folder):
@@ -572,26 +686,52 @@ def object_to_update(context, folder):
 
 
 class ImportKeypose(bpy.types.Operator):
-    """Import the character of a Keypose project: its shape at every frame, textures, keys and timing"""
+    """Import the character of a Keypose project: its shape at every frame, textures, keys and
+    timing"""
 
     bl_idname = "import_scene.keypose"
     bl_label = "Import Keypose project"
     bl_options = {"REGISTER", "UNDO"}
 
-    directory: bpy.props.StringProperty(name="Project", description="The project's folder, or its out/animation", subtype="DIR_PATH")
+    directory: bpy.props.StringProperty(
+        name="Project", description="The project's folder, or its out/animation", subtype="DIR_PATH"
+    )
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
     update_existing: bpy.props.BoolProperty(
-        name="Update if it is there", default=True,
-        description="If the scene has this project's character, bring it up to date, with your materials and modifiers kept; "
-                    "off: import another one")
+        name="Update if it is there",
+        default=True,
+        description="If the scene has this project's character, bring it up to date, with your "
+        "materials and modifiers kept; "
+        "off: import another one",
+    )
     storage: bpy.props.EnumProperty(
-        name="Keep pictures in", default="CACHE",
-        items=[("CACHE", "Point cache", "Light: a Mesh Cache modifier reads each picture from the project when it is shown"),
-               ("KEYS", "Shape keys", "Every picture can be sculpted, and is kept in the .blend file. Updates overwrite what was "
-                "sculpted")])
-    start: bpy.props.IntProperty(name="First frame", default=1, description="The frame of the scene at which the animation begins")
-    set_scene: bpy.props.BoolProperty(name="Set frame rate and range", default=True,
-                                      description="The scene takes the frame rate and length of the animation")
+        name="Keep pictures in",
+        default="CACHE",
+        items=[
+            (
+                "CACHE",
+                "Point cache",
+                "Light: a Mesh Cache modifier reads each picture from the project when it is shown",
+            ),
+            (
+                "KEYS",
+                "Shape keys",
+                "Every picture can be sculpted, and is kept in the .blend file. Updates overwrite "
+                "what was "
+                "sculpted",
+            ),
+        ],
+    )
+    start: bpy.props.IntProperty(
+        name="First frame",
+        default=1,
+        description="The frame of the scene at which the animation begins",
+    )
+    set_scene: bpy.props.BoolProperty(
+        name="Set frame rate and range",
+        default=True,
+        description="The scene takes the frame rate and length of the animation",
+    )
 
     def invoke(self, context, event):
         context.window_manager.fileselect_add(self)
@@ -628,15 +768,19 @@ class ImportKeypose(bpy.types.Operator):
 
 
 class UpdateKeypose(bpy.types.Operator):
-    """Bring the selected Keypose characters, or all if none is selected, up to date with their projects. Your materials,
+    """Bring the selected Keypose characters, or all if none is selected, up to date with their
+    projects. Your materials,
     modifiers, parents, animation and markers stay"""
 
     bl_idname = "object.keypose_update"
     bl_label = "Update from Keypose"
     bl_options = {"REGISTER", "UNDO"}
 
-    reset_timing: bpy.props.BoolProperty(name="Timing of the project", default=False,
-                                         description="Take the project's timing even if you changed the timing here")
+    reset_timing: bpy.props.BoolProperty(
+        name="Timing of the project",
+        default=False,
+        description="Take the project's timing even if you changed the timing here",
+    )
 
     @classmethod
     def poll(cls, context):
@@ -647,7 +791,9 @@ class UpdateKeypose(bpy.types.Operator):
         for obj in selected or [obj for obj in context.scene.objects if is_character(obj)]:
             try:
                 character = Character(folder_of(obj))
-                notes = bring_up_to_date(context.scene, obj, character, read_state(obj), self.reset_timing)
+                notes = bring_up_to_date(
+                    context.scene, obj, character, read_state(obj), self.reset_timing
+                )
             except Unusable as error:
                 self.report({"ERROR"}, f"{error}.")
                 return {"CANCELLED"}
@@ -658,8 +804,11 @@ class UpdateKeypose(bpy.types.Operator):
 def tell(operator, obj, character, notes):
     for note in notes:
         operator.report({"WARNING"}, f"{note}.")
-    operator.report({"INFO"}, f"{obj.name}: {character.shown_count} frames at {character.fps:g} frames per second, "
-                              f"{character.face_count} faces")
+    operator.report(
+        {"INFO"},
+        f"{obj.name}: {character.shown_count} frames at {character.fps:g} frames per second, "
+        f"{character.face_count} faces",
+    )
 
 
 class KeyposePanel(bpy.types.Panel):

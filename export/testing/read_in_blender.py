@@ -1,13 +1,17 @@
-"""Imports one format into Blender and compares every frame that shows with the frames that were exported.
+"""Imports one format into Blender and compares every frame that shows with the frames that were
+exported.
 
-    blender -b --factory-startup --python-exit-code 1 --python read_in_blender.py -- FORMAT FILE TRUTH RESULT
+    blender -b --factory-startup --python-exit-code 1 --python read_in_blender.py -- FORMAT FILE
+    TRUTH RESULT
 
-FILE is what a person opens, or the animation's folder; TRUTH the file that formats_test.py wrote: positions of every frame
-that shows, with z up. RESULT is JSON: frames, worst (largest distance of a corner, over the diagonal), uv (largest
-difference of a texture coordinate), and what else the program found.
+FILE is what a person opens, or the animation's folder; TRUTH the file that formats_test.py wrote:
+positions of every frame that shows, with z up. RESULT is JSON: frames, worst (largest distance of a
+corner, over the diagonal), uv (largest difference of a texture coordinate), and what else the
+program found.
 
-Corner k of face f in Blender is compared with corner k of face f of the frames: all formats keep the order of the faces.
-Where a format has texture coordinates, those of all corners must agree, or the order is not what it seems.
+Corner k of face f in Blender is compared with corner k of face f of the frames: all formats keep
+the order of the faces. Where a format has texture coordinates, those of all corners must agree, or
+the order is not what it seems.
 """
 import json
 import pathlib
@@ -20,7 +24,7 @@ import numpy
 if "bool" not in vars(numpy):
     numpy.bool = bool
 
-FORMAT, FILE, TRUTH, RESULT = sys.argv[sys.argv.index("--") + 1:]
+FORMAT, FILE, TRUTH, RESULT = sys.argv[sys.argv.index("--") + 1 :]
 opened = pathlib.Path(FILE)
 truth = dict(numpy.load(TRUTH))
 fps, shown, corners = float(truth["fps"]), truth["shown"], truth["faces"].reshape(-1)
@@ -50,7 +54,9 @@ def corner_positions(obj):
 
 
 def distance(obj, points):
-    return float(numpy.linalg.norm(corner_positions(obj) - points[corners], axis=1).max() / diagonal)
+    return float(
+        numpy.linalg.norm(corner_positions(obj) - points[corners], axis=1).max() / diagonal
+    )
 
 
 def uv_difference(mesh):
@@ -68,11 +74,21 @@ def playback(obj, first_frame):
         at = first_frame + i * (scene.render.fps / scene.render.fps_base) / fps
         scene.frame_set(int(at + 1e-6), subframe=max(0.0, at - int(at + 1e-6)))
         worst = max(worst, distance(obj, points))
-    return {"frames": len(shown), "worst": worst, "uv": uv_difference(obj.data), "texture": shows_texture(obj.data)}
+    return {
+        "frames": len(shown),
+        "worst": worst,
+        "uv": uv_difference(obj.data),
+        "texture": shows_texture(obj.data),
+    }
 
 
 def shows_texture(mesh):
-    nodes = [node for material in mesh.materials if material and material.node_tree for node in material.node_tree.nodes]
+    nodes = [
+        node
+        for material in mesh.materials
+        if material and material.node_tree
+        for node in material.node_tree.nodes
+    ]
     return any(node.type == "TEX_IMAGE" and node.image and node.image.size[0] > 0 for node in nodes)
 
 
@@ -107,7 +123,8 @@ def fbx():
 
 
 def cache():
-    """The mesh beside the cache by the importer's own settings; a Mesh Cache modifier that is only given the file."""
+    """The mesh beside the cache by the importer's own settings; a Mesh Cache modifier that is only
+    given the file."""
     bpy.ops.wm.obj_import(filepath=str(opened.with_suffix(".obj")))
     scene.render.fps = round(fps)
     modifier = character().modifiers.new("cache", "MESH_CACHE")
@@ -147,31 +164,51 @@ def read_ply(path):
 def add_on():
     sys.path.insert(0, str(folder() / "blender"))
     import keypose_import
+
     keypose_import.register()
     scene.render.fps = 7
     bpy.ops.import_scene.keypose(directory=str(folder()))
     group = character().data["keypose_textures"]
     result = playback(character(), 1)
     result["fps"] = scene.render.fps / scene.render.fps_base
-    result["texture"] = all(node.image.size[0] > 0 for node in group.nodes if node.type == "TEX_IMAGE")
+    result["texture"] = all(
+        node.image.size[0] > 0 for node in group.nodes if node.type == "TEX_IMAGE"
+    )
     result["markers"] = [[marker.name, marker.frame - 1] for marker in scene.timeline_markers]
     if scene.frame_end - scene.frame_start + 1 != len(shown):
-        raise SystemExit(f"the scene shows {scene.frame_start} to {scene.frame_end}, not {len(shown)} frames")
+        raise SystemExit(
+            f"the scene shows {scene.frame_start} to {scene.frame_end}, not {len(shown)} frames"
+        )
     return result
 
 
 def folder():
     """Of the whole animation."""
-    return next(place for place in [opened, *opened.parents] if (place / "animation.json").is_file())
+    return next(
+        place for place in [opened, *opened.parents] if (place / "animation.json").is_file()
+    )
 
 
 def film():
     clip = bpy.data.movieclips.load(FILE)
-    return {"frames": clip.frame_duration, "fps": clip.fps, "seconds": {opened.name: clip.frame_duration / clip.fps}}
+    return {
+        "frames": clip.frame_duration,
+        "fps": clip.fps,
+        "seconds": {opened.name: clip.frame_duration / clip.fps},
+    }
 
 
-READERS = {"glb": gltf, "glb-few": gltf, "fbx": fbx, "pc2": cache, "mdd": cache, "obj": lambda: sequence(read_obj),
-           "ply": lambda: sequence(read_ply), "blender": add_on, "video": film}
+READERS = {
+    "glb": gltf,
+    "glb-few": gltf,
+    "fbx": fbx,
+    "pc2": cache,
+    "mdd": cache,
+    "obj": lambda: sequence(read_obj),
+    "ply": lambda: sequence(read_ply),
+    "blender": add_on,
+    "video": film,
+}
 
 for thing in list(bpy.data.objects):
     bpy.data.objects.remove(thing)

@@ -35,14 +35,16 @@ class Frames {
   /** The way from frame a to frame b, `share` of it done. */
   between(a, b, share) {
     if (share === 0 || a === b) return this.at(a);
-    const from = this.at(a), to = this.at(b);
+    const from = this.at(a),
+      to = this.at(b);
     return from.map((x, i) => x + share * (to[i] - x));
   }
 }
 
 /**
- * `faces`: corners as indices of drawn vertices; `source`: the mesh's vertex that each drawn one is a copy of (seams of the texture part
- * them); `uv`: two numbers in 0 to 1 each. `moments`: one picture of the animation each, {a, b, share, weights}.
+ * `faces`: corners as indices of drawn vertices; `source`: the mesh's vertex that each drawn one is
+ * a copy of (seams of the texture part them); `uv`: two numbers in 0 to 1 each. `moments`: one
+ * picture of the animation each, {a, b, share, weights}.
  */
 export function unpack(data) {
   const uv = Float32Array.from(words(data.uv), (x) => x / 65535);

@@ -1,8 +1,21 @@
 // The figure: its surface with the blended textures of the poses, its edges, and its keys as pale
 // onion skins.
 import {
-  BackSide, BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, DynamicDrawUsage, Group, LinearFilter,
-  LinearMipmapLinearFilter, Mesh, MeshBasicMaterial, ShaderMaterial, SRGBColorSpace, Texture,
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DoubleSide,
+  DynamicDrawUsage,
+  Group,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  Mesh,
+  MeshBasicMaterial,
+  ShaderMaterial,
+  SRGBColorSpace,
+  Texture,
 } from 'three';
 
 const vertexShader = `
@@ -25,8 +38,9 @@ void main() {
   vec3 n = normalize(gl_FrontFacing ? normal_in_view : -normal_in_view);
   float light = 0.30 + 0.62 * max(0.0, dot(n, normalize(vec3(-0.45, 0.65, 0.75))))
                      + 0.24 * max(0.0, dot(n, normalize(vec3(0.75, -0.10, 0.60))));
-  vec3 painted = mix(texture2D(first, spot).rgb, texture2D(second, spot).rgb, share) * mix(1.0, light, 0.2);
-  gl_FragColor = linearToOutputTexel(vec4(mix(vec3(0.50, 0.48, 0.45) * light, painted, textured), 1.0));
+  vec3 paint = mix(texture2D(first, spot).rgb, texture2D(second, spot).rgb, share);
+  vec3 painted = paint * mix(1.0, light, 0.2), plain = vec3(0.50, 0.48, 0.45) * light;
+  gl_FragColor = linearToOutputTexel(vec4(mix(plain, painted, textured), 1.0));
 }`;
 
 function pictureTexture(uri, changed) {
@@ -54,7 +68,8 @@ function greyTexture() {
 /** The two textures that weigh most, and the share of the second. */
 export function twoOf(weights) {
   const order = weights.map((_, i) => i).sort((a, b) => weights[b] - weights[a] || a - b);
-  const first = order[0] ?? 0, second = order[1] ?? first;
+  const first = order[0] ?? 0,
+    second = order[1] ?? first;
   const sum = (weights[first] ?? 0) + (weights[second] ?? 0);
   if (second === first || !(sum > 0)) return { first, second: first, share: 0 };
   return { first, second, share: weights[second] / sum };
@@ -68,14 +83,26 @@ export class Figure extends Group {
     this.textures = data.textures.map((uri) => pictureTexture(uri, changed));
     const grey = this.textures[0] ?? greyTexture();
     this.uniforms = {
-      first: { value: grey }, second: { value: grey }, share: { value: 0 },
+      first: { value: grey },
+      second: { value: grey },
+      share: { value: 0 },
       textured: { value: this.textures.length > 0 ? 1 : 0 },
     };
-    const material = new ShaderMaterial({ uniforms: this.uniforms, vertexShader, fragmentShader, side: DoubleSide });
+    const material = new ShaderMaterial({
+      uniforms: this.uniforms,
+      vertexShader,
+      fragmentShader,
+      side: DoubleSide,
+    });
     material.polygonOffset = true;
     material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
     this.add(new Mesh(this.geometry, material));
-    const lines = new MeshBasicMaterial({ color: 0x1d3b57, wireframe: true, transparent: true, opacity: 0.45 });
+    const lines = new MeshBasicMaterial({
+      color: 0x1d3b57,
+      wireframe: true,
+      transparent: true,
+      opacity: 0.45,
+    });
     this.edges = new Mesh(this.geometry, lines);
     this.edges.visible = false;
     this.add(this.edges);
@@ -112,13 +139,20 @@ export class Figure extends Group {
     const { faces, source } = this.data;
     const normals = new Float32Array(points.length);
     for (let f = 0; f < faces.length; f += 3) {
-      const a = 3 * source[faces[f]], b = 3 * source[faces[f + 1]], c = 3 * source[faces[f + 2]];
-      const ux = points[b] - points[a], uy = points[b + 1] - points[a + 1], uz = points[b + 2] - points[a + 2];
-      const vx = points[c] - points[a], vy = points[c + 1] - points[a + 1], vz = points[c + 2] - points[a + 2];
+      const a = 3 * source[faces[f]],
+        b = 3 * source[faces[f + 1]],
+        c = 3 * source[faces[f + 2]];
+      const ux = points[b] - points[a],
+        uy = points[b + 1] - points[a + 1],
+        uz = points[b + 2] - points[a + 2];
+      const vx = points[c] - points[a],
+        vy = points[c + 1] - points[a + 1],
+        vz = points[c + 2] - points[a + 2];
       const n = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
       for (const corner of [a, b, c]) for (let k = 0; k < 3; ++k) normals[corner + k] += n[k];
     }
-    const to = geometry.attributes.position, of = geometry.attributes.normal;
+    const to = geometry.attributes.position,
+      of = geometry.attributes.normal;
     for (let i = 0; i < source.length; ++i) {
       const v = 3 * source[i];
       to.setXYZ(i, points[v], points[v + 1], points[v + 2]);
@@ -136,12 +170,26 @@ export class Figure extends Group {
     keys.forEach((key, i) => {
       const geometry = this.makeGeometry(false);
       this.place(geometry, this.data.frames.at(key));
-      const color = new Color().setHSL(0.6 - 0.58 * (keys.length > 1 ? i / (keys.length - 1) : 0), 0.7, 0.5);
-      const material = new MeshBasicMaterial({ color, transparent: true, opacity: 0.22, depthWrite: false, side: BackSide });
+      const color = new Color().setHSL(
+        0.6 - 0.58 * (keys.length > 1 ? i / (keys.length - 1) : 0),
+        0.7,
+        0.5,
+      );
+      const material = new MeshBasicMaterial({
+        color,
+        transparent: true,
+        opacity: 0.22,
+        depthWrite: false,
+        side: BackSide,
+      });
       this.skins.add(new Mesh(geometry, material));
     });
   }
 
-  set textured(on) { this.uniforms.textured.value = on && this.textures.length > 0 ? 1 : 0; }
-  set wireframe(on) { this.edges.visible = on; }
+  set textured(on) {
+    this.uniforms.textured.value = on && this.textures.length > 0 ? 1 : 0;
+  }
+  set wireframe(on) {
+    this.edges.visible = on;
+  }
 }

@@ -5,7 +5,8 @@ import { unpack } from './data.js';
 import { Figure } from './figure.js';
 
 const kSecondsATurn = 24;
-const kRest = 0.7;  // seconds that the first and last picture are held if the animation is not a loop
+/** Seconds that the first and last picture are held if the animation is not a loop. */
+const kRest = 0.7;
 
 function startRenderer() {
   try {
@@ -13,7 +14,7 @@ function startRenderer() {
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     return renderer;
   } catch {
-    return null;  // no WebGL: keep the poster
+    return null; // no WebGL: keep the poster
   }
 }
 
@@ -22,18 +23,22 @@ function aim(camera, controls, data) {
   const points = [];
   for (let f = 0; f < data.frames.count; ++f) {
     const at = data.frames.at(f);
-    for (let i = 0; i < at.length; i += 3 * Math.ceil(at.length / 6000)) points.push(new Vector3(at[i], at[i + 1], at[i + 2]));
+    for (let i = 0; i < at.length; i += 3 * Math.ceil(at.length / 6000))
+      points.push(new Vector3(at[i], at[i + 1], at[i + 2]));
   }
   const ball = new Sphere().setFromPoints(points);
   const up = new Vector3(...data.up);
   const side = Math.abs(up.x) > 0.5 ? new Vector3(0, -1, 0) : new Vector3(1, 0, 0);
   const front = new Vector3().crossVectors(side, up).negate();
   if (Math.abs(up.z) > 0.5) front.set(0, -1, 0);
-  const away = 1.02 * ball.radius / Math.sin(camera.fov * Math.PI / 360);
+  const away = (1.02 * ball.radius) / Math.sin((camera.fov * Math.PI) / 360);
   camera.up.copy(up);
   camera.near = away / 100;
   camera.far = 10 * away;
-  camera.position.copy(ball.center).addScaledVector(front, away).addScaledVector(up, 0.25 * away);
+  camera.position
+    .copy(ball.center)
+    .addScaledVector(front, away)
+    .addScaledVector(up, 0.25 * away);
   camera.updateProjectionMatrix();
   controls.target.copy(ball.center);
   controls.minDistance = 0.3 * away;
@@ -47,7 +52,8 @@ class Player {
     this.data = data;
     this.renderer = renderer;
     this.moment = 0;
-    const first = data.moments[0], last = data.moments[data.moments.length - 1];
+    const first = data.moments[0],
+      last = data.moments[data.moments.length - 1];
     this.rest = first.a === last.b ? 0 : kRest;
     this.clock = this.rest;
     this.playing = data.moments.length > 1;
@@ -58,7 +64,9 @@ class Player {
     this.controls.enableDamping = true;
     this.controls.autoRotate = true;
     this.controls.autoRotateSpeed = 60 / kSecondsATurn;
-    this.controls.addEventListener('start', () => { this.turn(false); });
+    this.controls.addEventListener('start', () => {
+      this.turn(false);
+    });
     this.figure = new Figure(data, () => {});
     this.scene.add(this.figure);
     this.stage = host.querySelector('.stage');
@@ -70,23 +78,37 @@ class Player {
     new ResizeObserver(() => this.fit()).observe(this.stage);
     this.fit();
     this.visible = true;
-    new IntersectionObserver((seen) => { this.visible = seen[seen.length - 1].isIntersecting; }).observe(host);
+    new IntersectionObserver((seen) => {
+      this.visible = seen[seen.length - 1].isIntersecting;
+    }).observe(host);
     this.last = performance.now();
     renderer.render(this.scene, this.camera);
     renderer.setAnimationLoop((now) => this.tick(now));
     host.dataset.state = 'live';
   }
 
-  control(name) { return this.host.querySelector(`[data-control=${name}]`); }
+  control(name) {
+    return this.host.querySelector(`[data-control=${name}]`);
+  }
 
   wire() {
-    const on = (name, event, act) => this.control(name)?.addEventListener(event, (e) => act(e.target));
+    const on = (name, event, act) =>
+      this.control(name)?.addEventListener(event, (e) => act(e.target));
     on('play', 'click', () => this.play(!this.playing));
-    on('scrub', 'input', (input) => { this.play(false); this.show(Number(input.value)); });
-    on('speed', 'change', (select) => { this.speed = Number(select.value); });
+    on('scrub', 'input', (input) => {
+      this.play(false);
+      this.show(Number(input.value));
+    });
+    on('speed', 'change', (select) => {
+      this.speed = Number(select.value);
+    });
     on('turn', 'change', (box) => this.turn(box.checked));
-    on('texture', 'change', (box) => { this.figure.textured = box.checked; });
-    on('edges', 'change', (box) => { this.figure.wireframe = box.checked; });
+    on('texture', 'change', (box) => {
+      this.figure.textured = box.checked;
+    });
+    on('edges', 'change', (box) => {
+      this.figure.wireframe = box.checked;
+    });
     on('skins', 'change', (box) => this.figure.showSkins(box.checked));
     this.play(this.playing);
     this.host.querySelector('.controls').hidden = false;
@@ -109,9 +131,12 @@ class Player {
   show(index) {
     this.moment = index;
     this.figure.show(this.data.moments[index]);
-    const scrub = this.control('scrub'), time = this.control('time');
+    const scrub = this.control('scrub'),
+      time = this.control('time');
     if (scrub) scrub.value = String(index);
-    if (time) time.textContent = `${(index / this.data.fps).toFixed(2)} s, picture ${index + 1} of ${this.data.moments.length}`;
+    if (time)
+      const seconds = (index / this.data.fps).toFixed(2);
+      time.textContent = `${seconds} s, picture ${index + 1} of ${this.data.moments.length}`;
     this.host.dataset.moment = String(index);
   }
 
@@ -132,7 +157,10 @@ class Player {
       const count = this.data.moments.length;
       this.clock = (this.clock + seconds * this.speed) % (count / this.data.fps + 2 * this.rest);
       // Each picture is held as long as in the film, without interpolation between two.
-      const next = Math.min(count - 1, Math.max(0, Math.floor((this.clock - this.rest) * this.data.fps + 1e-6)));
+      const next = Math.min(
+        count - 1,
+        Math.max(0, Math.floor((this.clock - this.rest) * this.data.fps + 1e-6)),
+      );
       if (next !== this.moment) this.show(next);
     }
     this.controls.update(seconds);

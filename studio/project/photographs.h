@@ -12,8 +12,8 @@
 
 namespace keypose::studio {
 
-/// Names of the photographs in a pose's folder, as capture takes them: a RAW file counts if no other
-/// photograph has its stem.
+/// Names of the photographs in a pose's folder, as capture takes them: a RAW file counts if no
+/// other photograph has its stem.
 std::vector<std::string> OriginalPhotographs(const std::filesystem::path& folder);
 
 /// All photographs of a pose: what capture and masks measured, and those that are not made yet.

@@ -77,7 +77,12 @@ void RunControl::Start(const RunSelection& selection) {
   if (follower_.joinable()) follower_.join();
   fs::create_directories(File(""));
   std::vector<std::string> words = {
-      (pipeline::ProgramFolder() / "keypose").string(), "run", "-C", project_.string(), "--progress", "jsonl"};
+      (pipeline::ProgramFolder() / "keypose").string(),
+      "run",
+      "-C",
+      project_.string(),
+      "--progress",
+      "jsonl"};
   Add(words, "--from", selection.from);
   Add(words, "--until", selection.until);
   Add(words, "--only", selection.only);

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Sends 1,000 hostile requests to a studio and checks that nothing changes and that it goes on answering.
+"""Sends 1,000 hostile requests to a studio and checks that nothing changes and that it goes on
+answering.
 
     hostile_test.py BIN_DIR
 
-Kinds: paths that lead out of the project, no or wrong cookies, other origins and host names, wrong tokens,
-changes without the page's header, unknown methods, JSON that is malformed or nested without end, texts of other
-types than asked, bodies larger than allowed, heads without end, clients that stop in mid-request, 200 connections
-at once. Each kind has the statuses that it must get. Needs only Python.
+Kinds: paths that lead out of the project, no or wrong cookies, other origins and host names, wrong
+tokens, changes without the page's header, unknown methods, JSON that is malformed or nested without
+end, texts of other types than asked, bodies larger than allowed, heads without end, clients that
+stop in mid-request, 200 connections at once. Each kind has the statuses that it must get. Needs
+only Python.
 """
 import hashlib
 import json
@@ -23,17 +25,25 @@ COUNT = 1000
 
 class Studio:
     def __init__(self, bin_dir, folder):
-        self.program = subprocess.Popen([str(pathlib.Path(bin_dir) / 'keypose'), 'studio', '-C', str(folder), '--no-browser'],
-                                        stdout=subprocess.PIPE, text=True)
+        self.program = subprocess.Popen(
+            [str(pathlib.Path(bin_dir) / 'keypose'), 'studio', '-C', str(folder), '--no-browser'],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         address = self.program.stdout.readline().strip()
         self.port = int(address.split(':')[2].split('/')[0])
         self.token = address.split('token=')[1]
         answer = self.ask('GET', f'/enter?token={self.token}', cookie='')
         assert answer[0] == 302, answer
-        self.cookie = next(line.split(': ', 1)[1].split(';')[0] for line in answer[1].split('\r\n') if line.lower().startswith('set-cookie'))
+        self.cookie = next(
+            line.split(': ', 1)[1].split(';')[0]
+            for line in answer[1].split('\r\n')
+            if line.lower().startswith('set-cookie')
+        )
 
     def raw(self, data, wait=10.0):
-        """Status, head and body of the answer to these bytes; status 0: the connection was closed without one."""
+        """Status, head and body of the answer to these bytes; status 0: the connection was closed
+        without one."""
         with socket.create_connection(('127.0.0.1', self.port), timeout=wait) as connection:
             got = b''
             try:
@@ -41,7 +51,11 @@ class Studio:
                 while chunk := connection.recv(65536):
                     got += chunk
                     head, _, body = got.partition(b'\r\n\r\n')
-                    length = [line for line in head.split(b'\r\n') if line.lower().startswith(b'content-length:')]
+                    length = [
+                        line
+                        for line in head.split(b'\r\n')
+                        if line.lower().startswith(b'content-length:')
+                    ]
                     if b'\r\n\r\n' in got and length and len(body) >= int(length[0].split(b':')[1]):
                         break
             except (TimeoutError, ConnectionError):
@@ -52,10 +66,16 @@ class Studio:
         return int(head[9:12]), head.decode('latin-1'), body
 
     def ask(self, method, path, cookie=None, body=b'', **headers):
-        lines = {'Host': f'127.0.0.1:{self.port}', 'Cookie': self.cookie if cookie is None else cookie, 'X-Keypose': '1',
-                 'Content-Length': str(len(body))}
+        lines = {
+            'Host': f'127.0.0.1:{self.port}',
+            'Cookie': self.cookie if cookie is None else cookie,
+            'X-Keypose': '1',
+            'Content-Length': str(len(body)),
+        }
         lines.update({name.replace('_', '-'): value for name, value in headers.items()})
-        head = f'{method} {path} HTTP/1.1\r\n' + ''.join(f'{name}: {value}\r\n' for name, value in lines.items() if value is not None)
+        head = f'{method} {path} HTTP/1.1\r\n' + ''.join(
+            f'{name}: {value}\r\n' for name, value in lines.items() if value is not None
+        )
         return self.raw(head.encode('latin-1', 'replace') + b'\r\n' + body)
 
     def alive(self):
@@ -64,35 +84,85 @@ class Studio:
 
 def contents(folder):
     """Hashes of all files of the project, but the studio's own notes."""
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.rglob('*'))
-            if path.is_file() and '.keypose' not in path.parts}
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob('*'))
+        if path.is_file() and '.keypose' not in path.parts
+    }
 
 
-OUTSIDE = ['../secret.txt', '../../etc/passwd', '/etc/passwd', '..%2f..%2fetc/passwd', '....//secret.txt', '%2e%2e/%2e%2e/secret.txt', 'a/../../secret.txt',
-           '..\\secret.txt', 'rest/../../secret.txt', '\x00secret', '%00', 'link/secret.txt']
-CHANGES = [('POST', '/api/run'), ('POST', '/api/stop'), ('POST', '/api/options'), ('PUT', '/api/mask?pose=rest&name=a.jpg'), ('PUT', '/api/timeline'),
-           ('PUT', '/api/landmarks?pose=rest'), ('POST', '/api/landmarks/import?pose=rest'), ('POST', '/api/project'), ('POST', '/api/reveal'),
-           ('PUT', '/api/photos?pose=rest&name=b.jpg'), ('PUT', '/api/stiffness'), ('PUT', '/api/regions'),
-           ('POST', '/api/shoot/start'), ('POST', '/api/shoot/command')]
-LOOKS = ['/api/project', '/api/steps', '/api/timeline', '/api/results', '/', '/studio.js', '/api/events', '/results/a.txt']
+OUTSIDE = [
+    '../secret.txt',
+    '../../etc/passwd',
+    '/etc/passwd',
+    '..%2f..%2fetc/passwd',
+    '....//secret.txt',
+    '%2e%2e/%2e%2e/secret.txt',
+    'a/../../secret.txt',
+    '..\\secret.txt',
+    'rest/../../secret.txt',
+    '\x00secret',
+    '%00',
+    'link/secret.txt',
+]
+CHANGES = [
+    ('POST', '/api/run'),
+    ('POST', '/api/stop'),
+    ('POST', '/api/options'),
+    ('PUT', '/api/mask?pose=rest&name=a.jpg'),
+    ('PUT', '/api/timeline'),
+    ('PUT', '/api/landmarks?pose=rest'),
+    ('POST', '/api/landmarks/import?pose=rest'),
+    ('POST', '/api/project'),
+    ('POST', '/api/reveal'),
+    ('PUT', '/api/photos?pose=rest&name=b.jpg'),
+    ('PUT', '/api/stiffness'),
+    ('PUT', '/api/regions'),
+    ('POST', '/api/shoot/start'),
+    ('POST', '/api/shoot/command'),
+]
+LOOKS = [
+    '/api/project',
+    '/api/steps',
+    '/api/timeline',
+    '/api/results',
+    '/',
+    '/studio.js',
+    '/api/events',
+    '/results/a.txt',
+]
 
 
 def path_tricks(studio, pick):
     path = pick.choice(OUTSIDE)
-    ways = [('GET', f'/results/{path}'), ('GET', f'/report/{path}'), ('GET', f'/{path}'), ('GET', f'/api/photo?pose=rest&name={path}'),
-            ('GET', f'/api/photo?pose={path}&name=a.jpg'), ('GET', f'/api/mask?pose=rest&name={path}'), ('GET', f'/api/mesh?pose={path}&what=mesh'),
-            ('GET', f'/api/log?step={path}'), ('GET', f'/api/shoot/picture?path={path}'), ('GET', f'/api/shoot/picture?path=photos/rest/{path}'),
-            ('GET', f'/api/confidence?pose={path}'), ('GET', f'/api/landmarks/fit?pose={path}')]
+    ways = [
+        ('GET', f'/results/{path}'),
+        ('GET', f'/report/{path}'),
+        ('GET', f'/{path}'),
+        ('GET', f'/api/photo?pose=rest&name={path}'),
+        ('GET', f'/api/photo?pose={path}&name=a.jpg'),
+        ('GET', f'/api/mask?pose=rest&name={path}'),
+        ('GET', f'/api/mesh?pose={path}&what=mesh'),
+        ('GET', f'/api/log?step={path}'),
+        ('GET', f'/api/shoot/picture?path={path}'),
+        ('GET', f'/api/shoot/picture?path=photos/rest/{path}'),
+        ('GET', f'/api/confidence?pose={path}'),
+        ('GET', f'/api/landmarks/fit?pose={path}'),
+    ]
     status, _, body = studio.ask(*pick.choice(ways))
     return status in (400, 404) and b'TOP SECRET' not in body and b'root:' not in body
 
 
 def writing_outside(studio, pick):
     path = pick.choice(OUTSIDE)
-    ways = [('PUT', f'/api/photos?pose=rest&name={path}', b'x'), ('PUT', f'/api/photos?pose={path}&name=a.jpg', b'x'),
-            ('PUT', f'/api/mask?pose=rest&name={path}', b'\x89PNG'), ('PUT', f'/api/landmarks?pose={path}', b'{"picks": [], "revision": ""}'),
-            ('POST', '/api/reveal', json.dumps({'path': path}).encode()),
-            ('POST', '/api/run', json.dumps({'until': ['--set', path]}).encode())]
+    ways = [
+        ('PUT', f'/api/photos?pose=rest&name={path}', b'x'),
+        ('PUT', f'/api/photos?pose={path}&name=a.jpg', b'x'),
+        ('PUT', f'/api/mask?pose=rest&name={path}', b'\x89PNG'),
+        ('PUT', f'/api/landmarks?pose={path}', b'{"picks": [], "revision": ""}'),
+        ('POST', '/api/reveal', json.dumps({'path': path}).encode()),
+        ('POST', '/api/run', json.dumps({'until': ['--set', path]}).encode()),
+    ]
     method, way, body = pick.choice(ways)
     status, _, words = studio.ask(method, way, body=body)
     if status not in (400, 404):
@@ -101,24 +171,56 @@ def writing_outside(studio, pick):
 
 
 def no_cookie(studio, pick):
-    wrong = pick.choice(['', 'keypose=1', studio.cookie[:-1], studio.cookie + '0', studio.cookie.replace('=', '=x'), 'a=b; c=d', studio.token])
+    wrong = pick.choice(
+        [
+            '',
+            'keypose=1',
+            studio.cookie[:-1],
+            studio.cookie + '0',
+            studio.cookie.replace('=', '=x'),
+            'a=b; c=d',
+            studio.token,
+        ]
+    )
     method, path = pick.choice(CHANGES + [('GET', look) for look in LOOKS])
     return studio.ask(method, path, cookie=wrong, body=b'{}')[0] == 403
 
 
 def other_origin(studio, pick):
-    origin = pick.choice(['http://evil.example', 'null', f'http://localhost:{studio.port + 1}', f'https://127.0.0.1:{studio.port}', 'file://'])
+    origin = pick.choice(
+        [
+            'http://evil.example',
+            'null',
+            f'http://localhost:{studio.port + 1}',
+            f'https://127.0.0.1:{studio.port}',
+            'file://',
+        ]
+    )
     method, path = pick.choice(CHANGES)
     return studio.ask(method, path, body=b'{}', Origin=origin)[0] == 403
 
 
 def other_site(studio, pick):
-    return studio.ask('GET', pick.choice(LOOKS), Sec_Fetch_Site=pick.choice(['cross-site', 'same-site']))[0] == 403
+    return (
+        studio.ask(
+            'GET', pick.choice(LOOKS), Sec_Fetch_Site=pick.choice(['cross-site', 'same-site'])
+        )[0]
+        == 403
+    )
 
 
 def other_host(studio, pick):
-    host = pick.choice(['evil.example', f'evil.example:{studio.port}', '127.0.0.1', f'127.0.0.1:{studio.port + 1}', '', f'[::1]:{studio.port}',
-                        f'127.0.0.1:{studio.port}.evil.example'])
+    host = pick.choice(
+        [
+            'evil.example',
+            f'evil.example:{studio.port}',
+            '127.0.0.1',
+            f'127.0.0.1:{studio.port + 1}',
+            '',
+            f'[::1]:{studio.port}',
+            f'127.0.0.1:{studio.port}.evil.example',
+        ]
+    )
     method, path = pick.choice(CHANGES + [('GET', look) for look in LOOKS])
     return studio.ask(method, path, body=b'{}', Host=host)[0] in (400, 403)
 
@@ -130,35 +232,89 @@ def wrong_token(studio, pick):
 
 def no_header(studio, pick):
     method, path = pick.choice(CHANGES)
-    return studio.ask(method, path, body=b'{}', X_Keypose=pick.choice([None, '', '0', '2']))[0] == 403
+    return (
+        studio.ask(method, path, body=b'{}', X_Keypose=pick.choice([None, '', '0', '2']))[0] == 403
+    )
 
 
 def odd_method(studio, pick):
-    method = pick.choice(['DELETE', 'PATCH', 'TRACE', 'CONNECT', 'OPTIONS', 'get', 'FOO', 'PROPFIND'])
+    method = pick.choice(
+        ['DELETE', 'PATCH', 'TRACE', 'CONNECT', 'OPTIONS', 'get', 'FOO', 'PROPFIND']
+    )
     return studio.ask(method, pick.choice(LOOKS), body=b'{}')[0] in (0, 400, 403, 404, 405)
 
 
 def bad_json(studio, pick):
-    body = pick.choice([b'', b'{', b'[]', b'null', b'{"a": 1}', b'[' * 100000, b'{"poses": ' + b'[' * 5000, b'\xff\xfe{}', b'{"picks": 5, "revision": 7}',
-                        b'{"step": [], "option": {}, "pose": 1, "value": {}, "revision": null}', b'{"keys": "no"}', b'1e999',
-                        b'{"picks": [{"name": "a", "face": 1e300, "barycentric": "x"}], "revision": ""}', b'{"until": {"a": 1}}', b'{"path": 3}'])
-    method, path = pick.choice([change for change in CHANGES if change[1].split('?')[0] not in ('/api/mask', '/api/photos', '/api/stop', '/api/run')])
+    body = pick.choice(
+        [
+            b'',
+            b'{',
+            b'[]',
+            b'null',
+            b'{"a": 1}',
+            b'[' * 100000,
+            b'{"poses": ' + b'[' * 5000,
+            b'\xff\xfe{}',
+            b'{"picks": 5, "revision": 7}',
+            b'{"step": [], "option": {}, "pose": 1, "value": {}, "revision": null}',
+            b'{"keys": "no"}',
+            b'1e999',
+            b'{"picks": [{"name": "a", "face": 1e300, "barycentric": "x"}], "revision": ""}',
+            b'{"until": {"a": 1}}',
+            b'{"path": 3}',
+        ]
+    )
+    method, path = pick.choice(
+        [
+            change
+            for change in CHANGES
+            if change[1].split('?')[0] not in ('/api/mask', '/api/photos', '/api/stop', '/api/run')
+        ]
+    )
     return studio.ask(method, path, body=body)[0] in (400, 404, 409)
 
 
 def too_large(studio, pick):
-    method, path = pick.choice([change for change in CHANGES if change[1].split('?')[0] not in ('/api/mask', '/api/photos')])
-    return studio.ask(method, path, body=b'{}', Content_Length=pick.choice(['40000000', '99999999999', '9' * 30]))[0] in (0, 400, 413)
+    method, path = pick.choice(
+        [
+            change
+            for change in CHANGES
+            if change[1].split('?')[0] not in ('/api/mask', '/api/photos')
+        ]
+    )
+    return studio.ask(
+        method, path, body=b'{}', Content_Length=pick.choice(['40000000', '99999999999', '9' * 30])
+    )[0] in (0, 400, 413)
 
 
 def endless_head(studio, pick):
     head = f'GET / HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n'.encode()
-    tricks = [head + b'X: ' + b'a' * 100000 + b'\r\n\r\n', b'GET /' + b'a' * 100000 + b' HTTP/1.1\r\n\r\n', b'\x00' * 1000, b'GET\r\n\r\n',
-              b'GET / HTTP/9.9\r\n\r\n', head + b'X: b\r\n' * 5000 + b'\r\n', b'\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03']
+    tricks = [
+        head + b'X: ' + b'a' * 100000 + b'\r\n\r\n',
+        b'GET /' + b'a' * 100000 + b' HTTP/1.1\r\n\r\n',
+        b'\x00' * 1000,
+        b'GET\r\n\r\n',
+        b'GET / HTTP/9.9\r\n\r\n',
+        head + b'X: b\r\n' * 5000 + b'\r\n',
+        b'\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03',
+    ]
     return studio.raw(pick.choice(tricks), wait=8)[0] in (0, 400, 403, 404, 413, 414, 431)
 
 
-KINDS = [path_tricks, writing_outside, no_cookie, other_origin, other_site, other_host, wrong_token, no_header, odd_method, bad_json, too_large, endless_head]
+KINDS = [
+    path_tricks,
+    writing_outside,
+    no_cookie,
+    other_origin,
+    other_site,
+    other_host,
+    wrong_token,
+    no_header,
+    odd_method,
+    bad_json,
+    too_large,
+    endless_head,
+]
 
 
 def stop_in_the_middle(studio):
@@ -167,7 +323,9 @@ def stop_in_the_middle(studio):
     for i in range(200):
         connection = socket.create_connection(('127.0.0.1', studio.port), timeout=10)
         if i % 2:
-            connection.sendall(f'POST /api/run HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\nContent-Le'.encode())
+            connection.sendall(
+                f'POST /api/run HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\nContent-Le'.encode()
+            )
         silent.append(connection)
     begin = time.monotonic()
     answered = studio.alive()
@@ -184,7 +342,10 @@ def make_project(folder):
     (folder / 'out').mkdir()
     (folder / 'out/a.txt').write_text('a result')
     (folder / 'out/link').symlink_to(folder.parent)
-    (folder / 'pipeline.yaml').write_text('name: "<img src=x onerror=alert(1)>"\nposes:\n  rest: photos/rest\n  wave: photos/wave\ntimeline: [rest, wave]\n')
+    (folder / 'pipeline.yaml').write_text(
+        'name: "<img src=x onerror=alert(1)>"\nposes:\n  rest: photos/rest\n  wave: '
+        'photos/wave\ntimeline: [rest, wave]\n'
+    )
     (folder.parent / 'secret.txt').write_text('TOP SECRET')
 
 
@@ -214,7 +375,11 @@ def main():
             code = studio.program.wait(20)
         if code != 0:
             wrong.append(f'the studio ended with exit code {code}')
-    print('\n'.join(wrong) or f'{COUNT} hostile requests of {len(KINDS)} kinds and 200 silent connections: nothing changed, all refused')
+    print(
+        '\n'.join(wrong)
+        or f'{COUNT} hostile requests of {len(KINDS)} kinds and 200 silent connections: '
+        'nothing changed, all refused'
+    )
     return 1 if wrong else 0
 
 

@@ -1,9 +1,19 @@
-// Shooting on the studio's page, with the simulated camera and turntable: a ring by itself, a photograph again, the next
-// pose under onion skin, a page that is opened in mid-ring, a studio that is killed in mid-ring, a camera that comes late.
+// Shooting on the studio's page, with the simulated camera and turntable: a ring by itself, a
+// photograph again, the next pose under onion skin, a page that is opened in mid-ring, a studio
+// that is killed in mid-ring, a camera that comes late.
 //
 //   node shoot_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from 'node:fs';
+import {
+  copyFileSync,
+  existsSync,
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+  statSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
@@ -34,7 +44,9 @@ const landed = (pose) => {
   return existsSync(place) ? readdirSync(place).filter((name) => name.endsWith('.jpg')) : [];
 };
 /** Changes when a photograph is replaced, and only then. */
-const stampOf = (pose, name) => `${statSync(join(folder, 'photos', pose, name)).ino} ${statSync(join(folder, 'photos', pose, name)).mtimeMs}`;
+const stampOf = (pose, name) =>
+  `${statSync(join(folder, 'photos', pose, name)).ino} ` +
+  `${statSync(join(folder, 'photos', pose, name)).mtimeMs}`;
 const stamps = (pose) => new Map(landed(pose).map((name) => [name, stampOf(pose, name)]));
 const slots = (state) => page.locator(`.shoot-rings g[data-state="${state}"]`).count();
 const rows = () => page.locator('.shoot-landed ol > li').count();
@@ -69,11 +81,15 @@ async function setUp() {
 
 /** Answers what is asked for until `over`. */
 async function shootUntil(over, seconds = 120) {
-  await until('the ring is shot', async () => {
-    if (await over()) return true;
-    if (await ask().count()) await page.keyboard.press('Space');
-    return false;
-  }, seconds);
+  await until(
+    'the ring is shot',
+    async () => {
+      if (await over()) return true;
+      if (await ask().count()) await page.keyboard.press('Space');
+      return false;
+    },
+    seconds,
+  );
 }
 
 async function firstRing() {
@@ -81,8 +97,13 @@ async function firstRing() {
   await until('the session can begin', () => button('Shoot Space').isEnabled());
   check(existsSync(join(folder, 'pipeline.yaml')), 'no project was made');
   await page.keyboard.press('Space');
-  await ask().getByText(/Put the figure in its pose 'rest'.*12 degrees/).waitFor();
-  await until('the live picture is drawn', async () => (await page.locator('.shoot-picture canvas').evaluate((one) => one.width)) > 150);
+  await ask()
+    .getByText(/Put the figure in its pose 'rest'.*12 degrees/)
+    .waitFor();
+  await until(
+    'the live picture is drawn',
+    async () => (await page.locator('.shoot-picture canvas').evaluate((one) => one.width)) > 150,
+  );
   await record(page, 'shoot_ask', null);
   await page.keyboard.press('Space');
   await until('some have landed', async () => (await rows()) >= 5);
@@ -95,10 +116,15 @@ async function openLate() {
   const there = landed('rest').length;
   await until('the page shows what is on the disk', async () => (await rows()) === there);
   const seen = [await rows(), await slots('done'), await slots('warned')];
-  check(seen[1] + seen[2] === there, `${there} photographs, the diagram shows ${seen[1]} + ${seen[2]}`);
+  check(
+    seen[1] + seen[2] === there,
+    `${there} photographs, the diagram shows ${seen[1]} + ${seen[2]}`,
+  );
   await page.reload();
-  await until('it is the same after it is loaded again', async () =>
-    [await rows(), await slots('done'), await slots('warned')].join() === seen.join());
+  await until(
+    'it is the same after it is loaded again',
+    async () => [await rows(), await slots('done'), await slots('warned')].join() === seen.join(),
+  );
   await page.getByText('Paused').waitFor();
   await record(page, 'shoot', options.pictures);
 }
@@ -119,8 +145,14 @@ async function kill() {
   await studio.start();
   await button('Go on with rest').waitFor({ timeout: 30000 });
   browser.away = false;
-  check((await page.getByLabel('Angles in a ring').inputValue()) === String(kAngles), 'the set-up is forgotten');
-  check(await page.getByLabel('Rings, heights').isDisabled(), 'the plan of a pose that was begun could be changed');
+  check(
+    (await page.getByLabel('Angles in a ring').inputValue()) === String(kAngles),
+    'the set-up is forgotten',
+  );
+  check(
+    await page.getByLabel('Rings, heights').isDisabled(),
+    'the plan of a pose that was begun could be changed',
+  );
   await button('Go on with rest').click();
   await until('what was shot is there', async () => (await rows()) === before.size);
   await page.keyboard.press('Space');
@@ -144,22 +176,34 @@ async function again() {
 
 async function nextPose() {
   await page.keyboard.press('n');
-  await until('the name can be typed', () => page.getByLabel('Next pose').evaluate((one) => one === document.activeElement));
+  await until('the name can be typed', () =>
+    page.getByLabel('Next pose').evaluate((one) => one === document.activeElement),
+  );
   await page.keyboard.type('bent');
   await page.keyboard.press('Enter');
-  await ask().getByText(/pose 'bent'/).waitFor();
+  await ask()
+    .getByText(/pose 'bent'/)
+    .waitFor();
   const onion = page.locator('.shoot-picture img.onion');
-  await until('the last pose lies over the live picture', () => onion.evaluate((one) => one.naturalWidth > 0));
+  await until('the last pose lies over the live picture', () =>
+    onion.evaluate((one) => one.naturalWidth > 0),
+  );
   const slider = page.getByRole('slider', { name: /Over it: rest/ });
   await slider.focus();
   await page.keyboard.press('Home');
   await onion.waitFor({ state: 'detached' });
   for (let i = 0; i < 45; ++i) await page.keyboard.press('ArrowRight');
-  check((await onion.evaluate((one) => getComputedStyle(one).opacity)) === '0.45', 'the slider does not fade the onion skin');
+  check(
+    (await onion.evaluate((one) => getComputedStyle(one).opacity)) === '0.45',
+    'the slider does not fade the onion skin',
+  );
   await slider.evaluate((one) => one.blur());
   await page.keyboard.press('Space');
   await until('the next pose lands', async () => (await rows()) >= 2);
-  check((await page.locator('.shoot-page h2').first().textContent()) === 'bent', 'the page shows another pose');
+  check(
+    (await page.locator('.shoot-page h2').first().textContent()) === 'bent',
+    'the page shows another pose',
+  );
   await page.keyboard.press('p');
   await page.getByText('Paused').waitFor();
   await record(page, 'shoot_onion', options.pictures);
@@ -173,7 +217,10 @@ async function end() {
   await record(page, 'shoot_ended', null);
   await page.getByRole('link', { name: 'Look at them' }).click();
   const there = landed('bent').length;
-  await until('the page of poses has them', async () => (await page.locator('.sheet li').count()) === there);
+  await until(
+    'the page of poses has them',
+    async () => (await page.locator('.sheet li').count()) === there,
+  );
 }
 
 /** A camera that is not there yet: said in words, and gone on with when it comes. */
@@ -196,10 +243,13 @@ async function comesLate() {
   await page.keyboard.press('Space');
   await until('a photograph lands', async () => {
     if (await ask().count()) await page.keyboard.press('Space');
-    if (!existsSync(join(watched, 'a.jpg'))) copyFileSync(join(drawn, 'photos/rest/IMG_0001.jpg'), join(watched, 'a.jpg'));
+    if (!existsSync(join(watched, 'a.jpg')))
+      copyFileSync(join(drawn, 'photos/rest/IMG_0001.jpg'), join(watched, 'a.jpg'));
     return rows();
   });
-  await ask().getByText(/Turn the table to 30 degrees/).waitFor();
+  await ask()
+    .getByText(/Turn the table to 30 degrees/)
+    .waitFor();
 }
 
 /** With a session at work, an idle connection and a tab that listens. */
@@ -215,29 +265,67 @@ async function stop() {
 
 async function walk() {
   mkdirSync(folder);
-  execFileSync(join(bin, 'keypose-synth'), ['photos', '--output', drawn, '--poses', 'rest,bent', '--views', String(kAll),
-    '--elevations', '12,40', ...(options.pictures ? ['--width', '800'] : ['--width', '240', '--spacing', '0.003'])], { stdio: 'ignore' });
+  execFileSync(
+    join(bin, 'keypose-synth'),
+    [
+      'photos',
+      '--output',
+      drawn,
+      '--poses',
+      'rest,bent',
+      '--views',
+      String(kAll),
+      '--elevations',
+      '12,40',
+      ...(options.pictures ? ['--width', '800'] : ['--width', '240', '--spacing', '0.003']),
+    ],
+    { stdio: 'ignore' },
+  );
   await browser.start();
-  const parts = { enter, 'set up': setUp, 'first ring': firstRing, 'open late': openLate, kill, again, 'next pose': nextPose, end,
-    'comes late': comesLate, stop };
+  const parts = {
+    enter,
+    'set up': setUp,
+    'first ring': firstRing,
+    'open late': openLate,
+    kill,
+    again,
+    'next pose': nextPose,
+    end,
+    'comes late': comesLate,
+    stop,
+  };
   for (const [name, act] of Object.entries(parts)) {
     const began = Date.now();
     await act();
     console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
   }
-  check(browser.faults.length === 0, `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`);
+  check(
+    browser.faults.length === 0,
+    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
+  );
   const side = JSON.parse(readFileSync(join(folder, 'photos/rest/shoot.json'), 'utf8'));
-  check(Object.keys(side.photographs).length === kAll, 'the side file does not have all photographs');
+  check(
+    Object.keys(side.photographs).length === kAll,
+    'the side file does not have all photographs',
+  );
 }
 
 try {
   await walk();
   console.log('all of it went well');
 } catch (error) {
-  console.error(`FAILED: ${error.message}\n${error.stack?.split('\n').filter((line) => line.includes('testing/')).join('\n')}`);
+  console.error(
+    `FAILED: ${error.message}\n${error.stack
+      ?.split('\n')
+      .filter((line) => line.includes('testing/'))
+      .join('\n')}`,
+  );
   for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
   const shown = join(tmpdir(), 'keypose_shoot_failed.png');
-  await page?.screenshot({ path: shown }).then(() => console.error(`what the page showed: ${shown}`), () => undefined);
+  await page?.screenshot({ path: shown }).then(
+    () => console.error(`what the page showed: ${shown}`),
+    () => undefined,
+  );
   process.exitCode = 1;
 } finally {
   await browser.end();

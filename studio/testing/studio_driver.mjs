@@ -7,9 +7,19 @@ import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 
 const kBrowser = '/usr/bin/chromium';
-const kArguments = ['--headless', '--no-sandbox', '--disable-gpu', '--use-gl=angle', '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking',
-  '--disable-component-update', '--disable-sync'];
+const kArguments = [
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--use-gl=angle',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+];
 const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 /** @throws Error with these words */
@@ -43,18 +53,33 @@ export class StudioProgram {
 
   /** The address to enter at. Started again, it listens on the same port. */
   async start() {
-    const words = ['studio', '-C', this.folder, '--no-browser', ...(this.port ? ['--port', String(this.port)] : [])];
-    this.program = spawn(join(this.bin, 'keypose'), words, { stdio: ['ignore', 'pipe', 'inherit'] });
-    this.ended = new Promise((resolve) => this.program.once('exit', (code, signal) => resolve(signal ?? code)));
+    const words = [
+      'studio',
+      '-C',
+      this.folder,
+      '--no-browser',
+      ...(this.port ? ['--port', String(this.port)] : []),
+    ];
+    this.program = spawn(join(this.bin, 'keypose'), words, {
+      stdio: ['ignore', 'pipe', 'inherit'],
+    });
+    this.ended = new Promise((resolve) =>
+      this.program.once('exit', (code, signal) => resolve(signal ?? code)),
+    );
     const line = await new Promise((resolve, reject) => {
       let text = '';
       this.program.stdout.on('data', (piece) => {
         text += piece;
         if (text.includes('\n')) resolve(text.split('\n')[0]);
       });
-      this.program.once('exit', (code) => reject(new Error(`keypose studio ended with ${code} before it gave an address`)));
+      this.program.once('exit', (code) =>
+        reject(new Error(`keypose studio ended with ${code} before it gave an address`)),
+      );
     });
-    check(/^http:\/\/127\.0\.0\.1:\d+\/enter\?token=[0-9a-f]{32}$/.test(line), `the first line is no address: ${line}`);
+    check(
+      /^http:\/\/127\.0\.0\.1:\d+\/enter\?token=[0-9a-f]{32}$/.test(line),
+      `the first line is no address: ${line}`,
+    );
     this.port = Number(new URL(line).port);
     return line;
   }
@@ -62,7 +87,10 @@ export class StudioProgram {
   /** The exit code, or the name of the signal. */
   async end(signal) {
     this.program.kill(signal);
-    return Promise.race([this.ended, new Promise((resolve) => setTimeout(resolve, 20000, 'it goes on after 20 s'))]);
+    return Promise.race([
+      this.ended,
+      new Promise((resolve) => setTimeout(resolve, 20000, 'it goes on after 20 s')),
+    ]);
   }
 }
 
@@ -75,20 +103,32 @@ export class Browser {
 
   async start() {
     this.browser = await chromium.launch({ executablePath: kBrowser, args: kArguments });
-    this.context = await this.browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'light' });
+    this.context = await this.browser.newContext({
+      viewport: { width: 1280, height: 800 },
+      colorScheme: 'light',
+    });
   }
 
   async tab() {
     const page = await this.context.newPage();
-    page.on('pageerror', (error) => this.faults.push(`${page.url()}: ${error.stack ?? error.message}`));
+    page.on('pageerror', (error) =>
+      this.faults.push(`${page.url()}: ${error.stack ?? error.message}`),
+    );
     page.on('console', (message) => {
       const text = message.text();
-      if (message.type() === 'error' && !this.away && !/the server responded with a status of/.test(text))
+      if (
+        message.type() === 'error' &&
+        !this.away &&
+        !/the server responded with a status of/.test(text)
+      )
         this.faults.push(`${page.url()}: ${text}`);
     });
     page.on('response', (response) => {
       if (response.status() >= 400 && !this.expected?.test(response.url()))
-        this.faults.push(`${page.url()}: ${response.status()} for ${response.request().method()} ${response.url()}`);
+        this.faults.push(
+          `${page.url()}: ${response.status()} for ${response.request().method()} ` +
+          `${response.url()}`,
+        );
     });
     page.on('request', (request) => {
       const url = new URL(request.url());
@@ -110,9 +150,16 @@ export class Browser {
 /** @throws Error with each thing that axe-core finds on the page */
 export async function checkAccess(page, name) {
   await page.evaluate(kAxe);
-  const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  const found = await page.evaluate(() =>
+    globalThis.axe.run(document, { resultTypes: ['violations'] }),
+  );
   const lines = found.violations.flatMap((rule) =>
-    rule.nodes.map((node) => `  ${rule.id}: ${rule.help}\n    ${node.html.slice(0, 200)}\n    ${node.failureSummary?.split('\n').slice(1, 3).join(' ')}`));
+    rule.nodes.map(
+      (node) =>
+        `  ${rule.id}: ${rule.help}\n    ${node.html.slice(0, 200)}\n    ` +
+        `${node.failureSummary?.split('\n').slice(1, 3).join(' ')}`,
+    ),
+  );
   check(lines.length === 0, `axe-core on ${name}:\n${lines.join('\n')}`);
 }
 

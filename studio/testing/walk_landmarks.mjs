@@ -1,9 +1,19 @@
-// The walk's part on landmarks: pairs picked by clicks on places that the truth names, suggestions, registration, paint.
+// The walk's part on landmarks: pairs picked by clicks on places that the truth names, suggestions,
+// registration, paint.
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { check, record, until } from './studio_driver.mjs';
-import { firstHit, length, meshOf, placeOn, similarity, sub, trueCentres, View } from './walk_geometry.mjs';
+import {
+  firstHit,
+  length,
+  meshOf,
+  placeOn,
+  similarity,
+  sub,
+  trueCentres,
+  View,
+} from './walk_geometry.mjs';
 
 const kPairs = 6;
 const kMost_ms = 5;
@@ -45,12 +55,19 @@ export class Landmarks {
     this.meshes = {};
     this.places = {};
     for (const [pose, what] of Object.entries(kSides)) {
-      this.meshes[pose] = meshOf(await (await this.ask(`/api/mesh?pose=${pose}&what=${what}`)).body());
+      this.meshes[pose] = meshOf(
+        await (await this.ask(`/api/mesh?pose=${pose}&what=${what}`)).body(),
+      );
       const cameras = await (await this.ask(`/api/cameras?pose=${pose}`)).json();
       const truth = trueCentres(this.data, pose);
       const known = cameras.filter((camera) => truth.has(camera.name));
-      const map = similarity(known.map((camera) => truth.get(camera.name)), known.map(({ pose: m }) => [m[3], m[7], m[11]]));
-      const { landmarks } = JSON.parse(readFileSync(join(this.data, 'truth', pose, 'landmarks.json'), 'utf8'));
+      const map = similarity(
+        known.map((camera) => truth.get(camera.name)),
+        known.map(({ pose: m }) => [m[3], m[7], m[11]]),
+      );
+      const { landmarks } = JSON.parse(
+        readFileSync(join(this.data, 'truth', pose, 'landmarks.json'), 'utf8'),
+      );
       this.places[pose] = new Map(landmarks.map(({ name, position }) => [name, map(position)]));
     }
   }
@@ -64,7 +81,8 @@ export class Landmarks {
     for (const tilts of this.tilts)
       for (let by = 0; by <= 26; ++by)
         for (const turns of [by, -by])
-          if ((await this.view(pose, [turns, tilts])).sees(place, kSlack * this.meshes[pose].size)) return [turns, tilts];
+          if ((await this.view(pose, [turns, tilts])).sees(place, kSlack * this.meshes[pose].size))
+            return [turns, tilts];
     return null;
   }
 
@@ -72,7 +90,10 @@ export class Landmarks {
 
   async turnTo(pose, wanted) {
     await this.canvas(pose).focus();
-    for (const [axis, [more, less]] of [['ArrowRight', 'ArrowLeft'], ['ArrowUp', 'ArrowDown']].entries()) {
+    for (const [axis, [more, less]] of [
+      ['ArrowRight', 'ArrowLeft'],
+      ['ArrowUp', 'ArrowDown'],
+    ].entries()) {
       const by = wanted[axis] - this.turns[pose][axis];
       for (let i = 0; i < Math.abs(by); ++i) await this.page.keyboard.press(by > 0 ? more : less);
     }
@@ -98,7 +119,10 @@ export class Landmarks {
     const place = placeOn(this.meshes[pose], pick);
     const seen = view.pointOf(place);
     const off = Math.hypot(seen.x - point[0], seen.y - point[1]);
-    check(off < 1, `${pick.name} on ${pose} lies ${off.toFixed(1)} pixels from where it was clicked`);
+    check(
+      off < 1,
+      `${pick.name} on ${pose} lies ${off.toFixed(1)} pixels from where it was clicked`,
+    );
     const towards = sub(place, view.eye);
     const gap = Math.abs(firstHit(this.meshes[pose], view.eye, towards) - 1) * length(towards);
     check(gap < 1e-3 * this.meshes[pose].size, `${pick.name} on ${pose} lies behind the surface`);
@@ -106,13 +130,23 @@ export class Landmarks {
 
   pairs = async () => pairsIn(await this.page.locator('.lm-pairs h2').textContent());
 
-  /** Landmarks that are seen on both, far from each other and from the places that the page marks as advice. */
+  /**
+   * Landmarks that are seen on both, far from each other and from the places that the page marks as
+   * advice.
+   */
   async choose() {
-    const taken = (await (await this.ask('/api/landmarks/advice?pose=bent')).json()).map((advice) => advice.place);
+    const taken = (await (await this.ask('/api/landmarks/advice?pose=bent')).json()).map(
+      (advice) => advice.place,
+    );
     const names = [];
     for (const [name, place] of this.places.rest) {
-      const far = taken.every((other) => length(sub(other, place)) > kApart * this.meshes.rest.size);
-      const seen = far && (await this.turnsFor('rest', name)) !== null && (await this.turnsFor('bent', name)) !== null;
+      const far = taken.every(
+        (other) => length(sub(other, place)) > kApart * this.meshes.rest.size,
+      );
+      const seen =
+        far &&
+        (await this.turnsFor('rest', name)) !== null &&
+        (await this.turnsFor('bent', name)) !== null;
       if (!seen || names.length === kPairs) continue;
       names.push(name);
       taken.push(place);
@@ -128,13 +162,21 @@ export class Landmarks {
       await this.page.getByText(`now click the same place on bent`).waitFor();
       const second = await this.click('bent', name);
       await until(`pair ${i + 1} is made`, async () => (await this.pairs()) === i + 1);
-      const at = async (pose, point) => this.checkPlace(pose, (await until('it is saved', async () => (await this.picks(pose))[i])), point);
+      const at = async (pose, point) =>
+        this.checkPlace(
+          pose,
+          await until('it is saved', async () => (await this.picks(pose))[i]),
+          point,
+        );
       await at('rest', first);
       await at('bent', second);
     }
     const sorted = [...this.times].sort((a, b) => a - b);
     const median = sorted[sorted.length >> 1];
-    console.log(`    ${chosen.length} pairs; a pick takes ${median.toFixed(2)} ms, at most ${sorted.at(-1).toFixed(2)} ms`);
+    console.log(
+      `    ${chosen.length} pairs; a pick takes ${median.toFixed(2)} ms, at most ` +
+      `${sorted.at(-1).toFixed(2)} ms`,
+    );
     check(sorted.length > 0 && sorted.at(-1) > 0 && median < kMost_ms, `a pick takes ${median} ms`);
   }
 
@@ -151,11 +193,18 @@ export class Landmarks {
     await page.keyboard.press('F2');
     await page.keyboard.type('big toe');
     await page.keyboard.press('Enter');
-    await until('the new name is in both files', async () =>
-      (await this.picks('rest'))[0].name === 'big toe' && (await this.picks('bent')).some((pick) => pick.name === 'big toe'));
+    await until(
+      'the new name is in both files',
+      async () =>
+        (await this.picks('rest'))[0].name === 'big toe' &&
+        (await this.picks('bent')).some((pick) => pick.name === 'big toe'),
+    );
     await this.drag();
     await page.keyboard.press('Control+z');
-    await until('the drag is undone', async () => JSON.stringify((await this.picks('rest'))[0]) === JSON.stringify(this.before));
+    await until(
+      'the drag is undone',
+      async () => JSON.stringify((await this.picks('rest'))[0]) === JSON.stringify(this.before),
+    );
     await page.getByText('Undone: move big toe.').waitFor();
   }
 
@@ -203,8 +252,15 @@ export class Landmarks {
     }
     const refuse = page.getByRole('button', { name: 'Refuse all' });
     if (await refuse.count()) await refuse.click();
-    await until('the file has the accepted ones', async () => (await this.picks('bent')).length === before + 3);
-    for (const pose of Object.keys(kSides)) check(JSON.stringify(this.file(pose)).includes('big toe'), `landmarks/${pose}.json lacks a pick`);
+    await until(
+      'the file has the accepted ones',
+      async () => (await this.picks('bent')).length === before + 3,
+    );
+    for (const pose of Object.keys(kSides))
+      check(
+        JSON.stringify(this.file(pose)).includes('big toe'),
+        `landmarks/${pose}.json lacks a pick`,
+      );
   }
 
   /** Median and 95 % of the distance to the scan, and how far the pairs are apart. */
@@ -216,13 +272,26 @@ export class Landmarks {
     check(now.length === 3, `the page shows no fit of the first registration: ${now}`);
     await page.getByRole('button', { name: 'Register bent' }).click();
     await page.getByRole('button', { name: 'Registering…' }).waitFor();
-    await until('the fit before and after is shown', async () =>
-      (await this.figures('before')).length === 3 && (await this.figures('after')).length === 3, 400);
+    await until(
+      'the fit before and after is shown',
+      async () =>
+        (await this.figures('before')).length === 3 && (await this.figures('after')).length === 3,
+      400,
+    );
     const [before, after] = [await this.figures('before'), await this.figures('after')];
-    console.log(`    distance to the scan, median and 95 %, and of pairs: ${before.join(', ')} before, ${after.join(', ')} after`);
-    check(before.slice(0, 2).join() === now.slice(0, 2).join(), `the fit before was ${now}, the page says ${before}`);
+    console.log(
+      `    distance to the scan, median and 95 %, and of pairs: ${before.join(', ')} before, ` +
+      `${after.join(', ')} after`,
+    );
+    check(
+      before.slice(0, 2).join() === now.slice(0, 2).join(),
+      `the fit before was ${now}, the page says ${before}`,
+    );
     const [was, is] = [before, after].map((one) => parseFloat(one[1]));
-    check(is < 1.5 * was + 0.2, `landmarks on true places make the fit worse: ${before} to ${after}`);
+    check(
+      is < 1.5 * was + 0.2,
+      `landmarks on true places make the fit worse: ${before} to ${after}`,
+    );
     await record(page, 'register', null);
   }
 }
@@ -230,7 +299,12 @@ export class Landmarks {
 export async function walkLandmarks(context) {
   const { page, go } = context;
   await go('#/landmarks');
-  await until('both meshes are shown', async () => (await page.locator('.lm-wait').count()) === 0 && (await page.locator('.lm-drop canvas').count()) === 2);
+  await until(
+    'both meshes are shown',
+    async () =>
+      (await page.locator('.lm-wait').count()) === 0 &&
+      (await page.locator('.lm-drop canvas').count()) === 2,
+  );
   const landmarks = new Landmarks(context);
   await landmarks.load();
   await page.getByRole('button', { name: 'Turn together' }).click();
@@ -247,7 +321,10 @@ export async function walkPaint(context) {
   const { page, pictures, folder } = context;
   await page.getByRole('button', { name: 'Paint', exact: true }).first().click();
   const canvas = page.locator('.lm-work canvas');
-  await until('the template is shown', async () => (await page.locator('.lm-wait').count()) === 0 && (await canvas.count()) === 1);
+  await until(
+    'the template is shown',
+    async () => (await page.locator('.lm-wait').count()) === 0 && (await canvas.count()) === 1,
+  );
   await page.waitForTimeout(500);
   const stroke = async (name) => {
     const box = await canvas.boundingBox();

@@ -1,8 +1,10 @@
-// The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion skin.
+// The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion
+// skin.
 import { check, record, until } from './studio_driver.mjs';
 
 /** A PNG of one red pixel. */
-const kRedPixel = 'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC';
+const kRedPixel =
+  'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC';
 const kPlay_ms = 3000;
 const kFramesSeconds = 400;
 
@@ -11,7 +13,9 @@ const frameIn = (label) => Number(/frame (\d+)/.exec(label)?.[1]);
 
 /** The button for ones, twos or threes of the whole timeline. */
 export const picturesStand = (page, name) =>
-  page.getByRole('group', { name: 'Frames that each picture stands' }).getByRole('button', { name });
+  page
+    .getByRole('group', { name: 'Frames that each picture stands' })
+    .getByRole('button', { name });
 
 class Timeline {
   constructor(context) {
@@ -24,7 +28,11 @@ class Timeline {
   counter = async () => Number(await this.page.locator('.tl-now').textContent());
 
   async written(words, pattern) {
-    await until(`${words} is in pipeline.yaml; it is\n${this.pipeline()}`, () => pattern.test(this.pipeline()), 15);
+    await until(
+      `${words} is in pipeline.yaml; it is\n${this.pipeline()}`,
+      () => pattern.test(this.pipeline()),
+      15,
+    );
   }
 
   async edit() {
@@ -34,9 +42,17 @@ class Timeline {
     await page.keyboard.press('Shift+ArrowRight');
     await page.keyboard.press('ArrowRight');
     await page.keyboard.press('ArrowRight');
-    await until('the key has moved by twelve frames', async () => (await this.frameOf(1)) === before + 12);
+    await until(
+      'the key has moved by twelve frames',
+      async () => (await this.frameOf(1)) === before + 12,
+    );
     this.seconds = (before + 12) / 24;
-    await this.written('the time of the key', new RegExp(`\\{pose: bent, at: ${String(Number(this.seconds.toFixed(4))).replace('.', '\\.')}`));
+    await this.written(
+      'the time of the key',
+      new RegExp(
+        `\\{pose: bent, at: ${String(Number(this.seconds.toFixed(4))).replace('.', '\\.')}`,
+      ),
+    );
     await page.keyboard.press('ArrowUp');
     await page.keyboard.press('Alt+ArrowRight');
     await this.button('In-out').click();
@@ -51,7 +67,9 @@ class Timeline {
     check(this.pipeline().startsWith('#'), 'pipeline.yaml has lost its comment');
   }
 
-  /** A pin and a turn of the painted region come into the file with its vertices, and go with them. */
+  /**
+   * A pin and a turn of the painted region come into the file with its vertices, and go with them.
+   */
   async regions() {
     const { page } = this;
     await page.getByRole('tab', { name: 'Regions' }).click();
@@ -72,7 +90,9 @@ class Timeline {
     const { page } = this;
     await page.getByText('the timeline has changed since').waitFor();
     await this.button('Make frames').click();
-    await page.getByText('the timeline has changed since').waitFor({ state: 'detached', timeout: 1000 * kFramesSeconds });
+    await page
+      .getByText('the timeline has changed since')
+      .waitFor({ state: 'detached', timeout: 1000 * kFramesSeconds });
     const frames = await (await page.request.get(new URL('/api/frames', page.url()).href)).json();
     const last = Number((await page.locator('.tl-counter .soft').textContent()).replace('/', ''));
     check(frames.count === last + 1, `${frames.count} frames were made, the ruler has ${last + 1}`);
@@ -101,10 +121,13 @@ class Timeline {
     await page.keyboard.press('Home');
     await this.button('Play').click();
     const seen = new Set();
-    for (const end = Date.now() + kPlay_ms; Date.now() < end; await page.waitForTimeout(40)) seen.add(await this.counter());
+    for (const end = Date.now() + kPlay_ms; Date.now() < end; await page.waitForTimeout(40))
+      seen.add(await this.counter());
     await this.button('Pause').click();
     const dropped = await page.locator('main').getAttribute('data-dropped');
-    console.log(`    ${kPlay_ms / 1000} s played, ${seen.size} frames seen here, ${dropped} dropped`);
+    console.log(
+      `    ${kPlay_ms / 1000} s played, ${seen.size} frames seen here, ${dropped} dropped`,
+    );
     check(seen.size > 3, `playing showed only the frames ${[...seen]}`);
     check(/^\d+$/.test(dropped), `data-dropped is '${dropped}'`);
   }
@@ -121,7 +144,8 @@ class Timeline {
       context.drawImage(image, 0, 0);
       const { data } = context.getImageData(0, 0, image.width, image.height);
       let red = 0;
-      for (let i = 0; i < data.length; i += 4) red += data[i] > 250 && data[i + 1] < 5 && data[i + 2] < 5;
+      for (let i = 0; i < data.length; i += 4)
+        red += data[i] > 250 && data[i + 1] < 5 && data[i + 2] < 5;
       return red / (data.length / 4);
     }, picture.toString('base64'));
   }
@@ -130,7 +154,9 @@ class Timeline {
   async blend() {
     const { page } = this;
     const red = Buffer.from(kRedPixel, 'base64');
-    await page.route(/api\/texture\?pose=bent/, (route) => route.fulfill({ contentType: 'image/png', body: red }));
+    await page.route(/api\/texture\?pose=bent/, (route) =>
+      route.fulfill({ contentType: 'image/png', body: red }),
+    );
     await page.reload();
     await this.button('Play').waitFor();
     await page.keyboard.press('End');
@@ -150,7 +176,10 @@ class Timeline {
     await page.keyboard.press('Home');
     for (let i = 0; i < 8; ++i) await page.keyboard.press('.');
     await page.keyboard.press('o');
-    check((await this.button('Onion skin').getAttribute('aria-pressed')) === 'true', 'the key O does not switch the onion skin on');
+    check(
+      (await this.button('Onion skin').getAttribute('aria-pressed')) === 'true',
+      'the key O does not switch the onion skin on',
+    );
     await page.getByRole('button', { name: 'Frames after: one more' }).waitFor();
     await page.waitForTimeout(600);
     await this.block(0).focus();

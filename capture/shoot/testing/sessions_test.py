@@ -29,10 +29,27 @@ DRAWN = os.path.join(SCRATCH.name, "drawn")
 
 
 def setUpModule():
-    subprocess.run([f"{BIN}/keypose-synth", "photos", "--output", DRAWN, "--poses", ",".join(POSES),
-                    "--views", str(ANGLES), "--elevations", "12", "--width", "160",
-                    "--spacing", "0.004"], check=True, stdout=subprocess.DEVNULL,
-                   stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [
+            f"{BIN}/keypose-synth",
+            "photos",
+            "--output",
+            DRAWN,
+            "--poses",
+            ",".join(POSES),
+            "--views",
+            str(ANGLES),
+            "--elevations",
+            "12",
+            "--width",
+            "160",
+            "--spacing",
+            "0.004",
+        ],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
 
 
 def tearDownModule():
@@ -44,14 +61,34 @@ def tearDownModule():
 
 def shoot_command(project, pose, *flags, turntable="simulated"):
     # The set stands beside the project: its table keeps its angle when the program is killed.
-    return [f"{BIN}/keypose-shoot", "-C", project, "--pose", pose, "--camera", f"simulated:{DRAWN}",
-            "--turntable", turntable, "--rings", "12", "--angles", str(ANGLES),
-            "--world", project + "_set", *flags]
+    return [
+        f"{BIN}/keypose-shoot",
+        "-C",
+        project,
+        "--pose",
+        pose,
+        "--camera",
+        f"simulated:{DRAWN}",
+        "--turntable",
+        turntable,
+        "--rings",
+        "12",
+        "--angles",
+        str(ANGLES),
+        "--world",
+        project + "_set",
+        *flags,
+    ]
 
 
 def shoot(project, pose, *flags, expect=0, **more):
-    done = subprocess.run(shoot_command(project, pose, *flags, **more), stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        shoot_command(project, pose, *flags, **more),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     assert done.returncode == expect, (done.returncode, done.stdout, done.stderr)
     return done.stdout + done.stderr
 
@@ -95,8 +132,12 @@ class Conversation:
     all = []
 
     def __init__(self, project, pose, *flags, **more):
-        self.process = subprocess.Popen(shoot_command(project, pose, "--commands", *flags, **more),
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            shoot_command(project, pose, "--commands", *flags, **more),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         self.events, self.lines = [], queue.Queue()
         threading.Thread(target=self.read, daemon=True).start()
         Conversation.all.append(self.process)
@@ -137,8 +178,11 @@ def landed(project, pose):
     folder = os.path.join(project, "photos", pose)
     if not os.path.isdir(folder):
         return {}
-    return {name: os.stat(os.path.join(folder, name)).st_ino for name in os.listdir(folder)
-            if name.startswith("r")}
+    return {
+        name: os.stat(os.path.join(folder, name)).st_ino
+        for name in os.listdir(folder)
+        if name.startswith("r")
+    }
 
 
 def wait_for_photographs(project, pose, count):
@@ -159,8 +203,11 @@ class Sessions(unittest.TestCase):
         self.assertEqual(sorted(got), sorted(expected))
         for name in expected:
             if got[name] != expected[name]:
-                self.assertEqual(got[name].decode(errors="replace"),
-                                 expected[name].decode(errors="replace"), name)
+                self.assertEqual(
+                    got[name].decode(errors="replace"),
+                    expected[name].decode(errors="replace"),
+                    name,
+                )
 
     def test_three_poses_through_five_faults_end_in_the_undisturbed_project(self):
         project = Folder("five").path
@@ -169,8 +216,9 @@ class Sessions(unittest.TestCase):
         said = shoot(project, "bent", "--faults", "unplug@11,card-full@7")
         self.assertIn("cable", said)
         self.assertIn("card is full", said)
-        process = subprocess.Popen(shoot_command(project, "wave"), stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            shoot_command(project, "wave"), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+        )
         wait_for_photographs(project, "wave", 13)
         process.kill()
         process.wait()
@@ -185,15 +233,22 @@ class Sessions(unittest.TestCase):
 
     def test_every_fault_of_both_protocols_ends_in_the_undisturbed_project(self):
         # Apart, because a turn that is started anew counts as a further one.
-        faults = ("lost-reply@2,lost-line@4,garbage@6,stall@8,unplug@11,reset@15,mute@19,half-file@3,"
-                  "card-full@5,battery@7,grabbed@9,camera-unplugged@11")
+        faults = (
+            "lost-reply@2,lost-line@4,garbage@6,stall@8,unplug@11,reset@15,mute@19,half-file@3,"
+            "card-full@5,battery@7,grabbed@9,camera-unplugged@11"
+        )
         for turntable in ["simulated", "simulated:grbl"]:
             with self.subTest(turntable=turntable):
                 project = Folder("faults_" + turntable.replace(":", "_")).path
                 said = shoot(project, "rest", "--faults", faults, turntable=turntable)
-                for words in ["by hand until its mark", "only in part",
-                              "card is full", "battery is empty", "another program holds",
-                              "does not answer"]:
+                for words in [
+                    "by hand until its mark",
+                    "only in part",
+                    "card is full",
+                    "battery is empty",
+                    "another program holds",
+                    "does not answer",
+                ]:
                     self.assertIn(words, said)
                 self.expect_same(project, Undisturbed.of(["rest"], turntable))
 
@@ -207,7 +262,9 @@ class Sessions(unittest.TestCase):
                     before = landed(project, "rest")
                     process = subprocess.Popen(
                         shoot_command(project, "rest", turntable=turntable),
-                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                        stdin=subprocess.DEVNULL,
+                        stdout=subprocess.DEVNULL,
+                    )
                     # Some photographs later, at any moment of the next one.
                     more = len(before) + rng.randrange(5)
                     while process.poll() is None and len(landed(project, "rest")) < more:
@@ -269,8 +326,9 @@ class Sessions(unittest.TestCase):
         said = shoot(project, "rest", turntable="none")
         self.assertIn("turn the table to 345 degrees", said)
         expected = dict(Undisturbed.of(["rest"]))
-        side = expected.pop("photos/rest/shoot.json").replace(b'"turntable": "simulated"',
-                                                              b'"turntable": "none"')
+        side = expected.pop("photos/rest/shoot.json").replace(
+            b'"turntable": "simulated"', b'"turntable": "none"'
+        )
         self.expect_same(project, {**expected, "photos/rest/shoot.json": side})
 
     def test_rings_and_flips_ask_for_the_camera_and_the_figure(self):
@@ -280,13 +338,20 @@ class Sessions(unittest.TestCase):
         os.makedirs(drawn)
         for i in range(ANGLES):
             for name in ["IMG", "LYING"]:
-                shutil.copy(f"{DRAWN}/photos/rest/IMG_{i + 1:04}.jpg", f"{drawn}/{name}_{i + 1:04}.jpg")
+                shutil.copy(
+                    f"{DRAWN}/photos/rest/IMG_{i + 1:04}.jpg", f"{drawn}/{name}_{i + 1:04}.jpg"
+                )
         command = shoot_command(project, "rest")
         command[command.index(f"simulated:{DRAWN}")] = f"simulated:{drawn}"
         command[command.index("--rings") + 1] = "12,40"
         command[command.index("--angles") + 1] = "12"
-        done = subprocess.run(command + ["--flips", "1"], stdin=subprocess.DEVNULL, text=True,
-                              capture_output=True, timeout=120)
+        done = subprocess.run(
+            command + ["--flips", "1"],
+            stdin=subprocess.DEVNULL,
+            text=True,
+            capture_output=True,
+            timeout=120,
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.count("40 degrees above the table"), 2)
         self.assertEqual(done.stdout.count("lay the figure on its side"), 1)
@@ -294,16 +359,19 @@ class Sessions(unittest.TestCase):
         self.assertEqual(len([n for n in names if n.startswith("lying_r2_a")]), 12)
         with open(os.path.join(project, "photos", "rest", "shoot.json")) as file:
             entry = json.load(file)["photographs"]["lying_r2_a030"]
-        self.assertEqual((entry["flip"], entry["ring"], entry["tilt_deg"], entry["angle_deg"]),
-                         (1, 2, 40, 30))
+        self.assertEqual(
+            (entry["flip"], entry["ring"], entry["tilt_deg"], entry["angle_deg"]), (1, 2, 40, 30)
+        )
 
     def test_a_program_drives_it_by_json_lines(self):
         project = Folder("commands").path
         live = os.path.join(SCRATCH.name, "live.jpg")
         talk = Conversation(project, "rest", "--live", live)
         session = talk.until("session")
-        self.assertEqual((session["pose"], session["total"], session["done"], session["resumed"]),
-                         ("rest", ANGLES, 0, False))
+        self.assertEqual(
+            (session["pose"], session["total"], session["done"], session["resumed"]),
+            ("rest", ANGLES, 0, False),
+        )
         talk.until("state", state="paused")
         talk.say("live", on=True, id=4)
         self.assertEqual(talk.until("accepted")["id"], 4)
@@ -360,8 +428,13 @@ class Sessions(unittest.TestCase):
 
     def test_interrupted_by_ctrl_c_it_says_so_and_goes_on_later(self):
         project = Folder("ctrl_c").path
-        process = subprocess.Popen(shoot_command(project, "rest"), stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            shoot_command(project, "rest"),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         wait_for_photographs(project, "rest", 3)
         process.send_signal(signal.SIGINT)
         said = process.communicate(timeout=30)[1]
@@ -379,7 +452,10 @@ class Sessions(unittest.TestCase):
 
     def test_the_pose_is_added_to_an_existing_project_and_comments_stay(self):
         project = Folder("yaml").path
-        text = "# our hero\nname: hero   # shown\nposes:\n  rest: photos/rest  # first\ntemplate: rest\n"
+        text = (
+            "# our hero\nname: hero   # shown\nposes:\n  rest: photos/rest  # first\n"
+            "template: rest\n"
+        )
         with open(os.path.join(project, "pipeline.yaml"), "w") as file:
             file.write(text)
         talk = Conversation(project, "bent")
@@ -394,8 +470,14 @@ class Sessions(unittest.TestCase):
 
     def test_wrong_flags_and_missing_devices_have_their_exit_codes(self):
         project = Folder("wrong").path
-        for flags in [["--angles", "2"], ["--rings", "12,x"], ["--turntable", "lathe"],
-                      ["--camera", "obscura"], ["--faults", "lost-replay@3"], ["--again", "7"]]:
+        for flags in [
+            ["--angles", "2"],
+            ["--rings", "12,x"],
+            ["--turntable", "lathe"],
+            ["--camera", "obscura"],
+            ["--faults", "lost-replay@3"],
+            ["--again", "7"],
+        ]:
             with self.subTest(flags=flags):
                 # A flag that is given twice is refused, so what is tried replaces the default.
                 command = shoot_command(project, "rest")
@@ -403,12 +485,14 @@ class Sessions(unittest.TestCase):
                     command[command.index(flags[0]) + 1] = flags[1]
                 else:
                     command += flags
-                done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True,
-                                      text=True, timeout=60)
+                done = subprocess.run(
+                    command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60
+                )
                 self.assertEqual(done.returncode, USAGE, done.stderr)
         command = shoot_command(project, "rest", turntable="steps:/dev/no_such_port")
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              timeout=60)
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60
+        )
         self.assertEqual(done.returncode, TOOL, done.stderr)
         self.assertIn("/dev/no_such_port", done.stderr)
 
@@ -420,8 +504,9 @@ class Sessions(unittest.TestCase):
         talk.end()
         command = shoot_command(project, "rest")
         command[command.index("--angles") + 1] = "12"
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              timeout=60)
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60
+        )
         self.assertEqual(done.returncode, INPUT, done.stderr)
         self.assertIn("was begun with --rings 12 --angles 24", done.stderr)
         command = shoot_command(project, "rest", "--commands")

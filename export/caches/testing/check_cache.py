@@ -1,10 +1,12 @@
 """Imports the mesh of a point cache into Blender, binds the cache to it, and compares every frame.
 
-    blender -b --factory-startup --python-exit-code 1 --python check_cache.py -- CACHE TRUTH [IMPORTER] [PICTURE.png FRAME]
+    blender -b --factory-startup --python-exit-code 1 --python check_cache.py -- CACHE TRUTH
+    [IMPORTER] [PICTURE.png FRAME]
 
-CACHE is a .pc2 or .mdd file beside its .obj. TRUTH is a folder that WriteTruth made. IMPORTER is `new` (File >
-Import > Wavefront, Blender 3.3 and later) or `legacy`, with "Keep Vert Order". All other settings, of the importer
-and of the Mesh Cache modifier, stay as they are. Prints error_over_diagonal=NUMBER.
+CACHE is a .pc2 or .mdd file beside its .obj. TRUTH is a folder that WriteTruth made. IMPORTER is
+`new` (File > Import > Wavefront, Blender 3.3 and later) or `legacy`, with "Keep Vert Order". All
+other settings, of the importer and of the Mesh Cache modifier, stay as they are. Prints
+error_over_diagonal=NUMBER.
 """
 import json
 import os
@@ -14,7 +16,7 @@ import bpy
 import mathutils
 import numpy
 
-arguments = sys.argv[sys.argv.index("--") + 1:]
+arguments = sys.argv[sys.argv.index("--") + 1 :]
 cache, truth_folder = arguments[:2]
 importer = arguments[2] if len(arguments) > 2 else "new"
 
@@ -51,7 +53,9 @@ def points_at(character, frame):
 def compare(character):
     with open(os.path.join(truth_folder, "truth.json")) as file:
         truth = json.load(file)
-    with_y_up = numpy.fromfile(os.path.join(truth_folder, "points.f64")).reshape(truth["frames"], -1, 3)
+    with_y_up = numpy.fromfile(os.path.join(truth_folder, "points.f64")).reshape(
+        truth["frames"], -1, 3
+    )
     expected = numpy.stack([with_y_up[..., 0], -with_y_up[..., 2], with_y_up[..., 1]], axis=-1)
     error, moved = 0, 0
     for frame in range(truth["frames"]):
@@ -65,7 +69,9 @@ def compare(character):
 
 
 def check_faces(character):
-    faces = numpy.fromfile(os.path.join(truth_folder, "faces.i32"), dtype=numpy.int32).reshape(-1, 3)
+    faces = numpy.fromfile(os.path.join(truth_folder, "faces.i32"), dtype=numpy.int32).reshape(
+        -1, 3
+    )
     found = numpy.array([polygon.vertices[:] for polygon in character.data.polygons])
     if not numpy.array_equal(found, faces):
         sys.exit("the faces differ")
@@ -81,7 +87,9 @@ def draw(character, path, frame):
     corners = [character.matrix_world @ mathutils.Vector(corner) for corner in character.bound_box]
     center = (corners[0] + corners[6]) / 2
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location = center + 1.6 * (corners[6] - corners[0]).length * mathutils.Vector((0.5, -1, 0.35))
+    camera.location = center + 1.6 * (corners[6] - corners[0]).length * mathutils.Vector(
+        (0.5, -1, 0.35)
+    )
     camera.data.clip_start = (corners[6] - corners[0]).length / 100
     camera.rotation_euler = (center - camera.location).to_track_quat("-Z", "Y").to_euler()
     lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "SUN"))

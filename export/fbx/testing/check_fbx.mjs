@@ -9,14 +9,19 @@ import { join } from 'node:path';
 // The loader hands embedded images to the page; here there is none, so they are only counted.
 let images = 0;
 globalThis.window = { URL: { createObjectURL: (blob) => `blob:${(images += 1)}:${blob.size}` } };
-globalThis.document = { createElementNS: () => ({ addEventListener() {}, removeEventListener() {} }) };
+globalThis.document = {
+  createElementNS: () => ({ addEventListener() {}, removeEventListener() {} }),
+};
 
 const { AnimationMixer, LoopOnce, Vector3 } = await import('three');
 const { FBXLoader } = await import('three/examples/jsm/loaders/FBXLoader.js');
 
 const [path, truthFolder] = process.argv.slice(2);
 const file = await readFile(path);
-const scene = new FBXLoader().parse(file.buffer.slice(file.byteOffset, file.byteOffset + file.length), '');
+const scene = new FBXLoader().parse(
+  file.buffer.slice(file.byteOffset, file.byteOffset + file.length),
+  '',
+);
 const meshes = [];
 scene.traverse((node) => node.isMesh && meshes.push(node));
 if (meshes.length !== 1) throw new Error(`expected one mesh, found ${meshes.length}`);
@@ -41,7 +46,8 @@ const cornerAt = (i) => {
   const corner = new Vector3().fromBufferAttribute(position, i);
   const targets = mesh.geometry.morphAttributes.position ?? [];
   mesh.morphTargetInfluences?.forEach((weight, k) => {
-    if (weight !== 0) corner.addScaledVector(new Vector3().fromBufferAttribute(targets[k], i), weight);
+    if (weight !== 0)
+      corner.addScaledVector(new Vector3().fromBufferAttribute(targets[k], i), weight);
   });
   return corner.applyMatrix4(mesh.matrixWorld);
 };
@@ -53,12 +59,25 @@ for (let frame = 0; frame < truth.frames; frame += 1) {
   if (action) mixer.setTime(Math.fround(frame / truth.fps));
   for (let i = 0; i < faces.length; i += 1) {
     const at = 3 * (frame * truth.vertices + faces[i]);
-    error = Math.max(error, cornerAt(i).distanceTo(new Vector3(points[at], points[at + 1], points[at + 2])));
+    error = Math.max(
+      error,
+      cornerAt(i).distanceTo(new Vector3(points[at], points[at + 1], points[at + 2])),
+    );
   }
 }
 let uvError = 0;
-for (let i = 0; i < uvs.length; i += 1) uvError = Math.max(uvError, Math.abs(mesh.geometry.attributes.uv.array[i] - uvs[i]));
-console.log(`corners=${mesh.geometry.attributes.position.count} targets=${mesh.morphTargetInfluences?.length ?? 0}`);
-console.log(`frames=${truth.frames} error_over_diagonal=${(error / truth.diagonal).toPrecision(3)} uv_error=${uvError.toPrecision(3)}`);
-console.log(`clips=${scene.animations.length} seconds=${scene.animations[0]?.duration ?? 0} images=${images} map=${mesh.material.map ? 1 : 0}`);
+for (let i = 0; i < uvs.length; i += 1)
+  uvError = Math.max(uvError, Math.abs(mesh.geometry.attributes.uv.array[i] - uvs[i]));
+console.log(
+  `corners=${mesh.geometry.attributes.position.count} ` +
+  `targets=${mesh.morphTargetInfluences?.length ?? 0}`,
+);
+console.log(
+  `frames=${truth.frames} error_over_diagonal=${(error / truth.diagonal).toPrecision(3)} ` +
+  `uv_error=${uvError.toPrecision(3)}`,
+);
+console.log(
+  `clips=${scene.animations.length} seconds=${scene.animations[0]?.duration ?? 0} ` +
+  `images=${images} map=${mesh.material.map ? 1 : 0}`,
+);
 console.log(`unit=${scene.userData.unitScaleFactor} name=${mesh.name}`);

@@ -1,9 +1,11 @@
 """Imports an FBX file into Blender with the default settings and compares all of it with the truth.
 
-    blender -b --factory-startup --python-exit-code 1 --python check_fbx.py -- FILE.fbx TRUTH STANDS [PICTURE.png FRAME]
+    blender -b --factory-startup --python-exit-code 1 --python check_fbx.py -- FILE.fbx TRUTH STANDS
+    [PICTURE.png FRAME]
 
-TRUTH is a folder that WriteTruth made. STANDS has a 1 for each shown frame that is held until the next, else 0; no
-character for the last. Prints figures as name=NUMBER, and the names of the shape keys as shape_keys=A,B,...
+TRUTH is a folder that WriteTruth made. STANDS has a 1 for each shown frame that is held until the
+next, else 0; no character for the last. Prints figures as name=NUMBER, and the names of the shape
+keys as shape_keys=A,B,...
 """
 import json
 import os
@@ -12,7 +14,7 @@ import sys
 import bpy
 import numpy
 
-arguments = sys.argv[sys.argv.index("--") + 1:]
+arguments = sys.argv[sys.argv.index("--") + 1 :]
 path, truth_folder, stands = arguments[:3]
 
 
@@ -57,24 +59,37 @@ def compare_frames(character, truth):
         error = max(error, farthest(found, expected[frame]))
         moved = max(moved, farthest(found, expected[0]))
         if frame + 1 < truth["frames"]:
-            goal = expected[frame] if stands[frame] == "1" else (expected[frame] + expected[frame + 1]) / 2
+            goal = (
+                expected[frame]
+                if stands[frame] == "1"
+                else (expected[frame] + expected[frame + 1]) / 2
+            )
             between = max(between, farthest(points_at(character, frame, 0.5), goal))
     print(f"frames={truth['frames']} moved_over_diagonal={moved / truth['diagonal']:.3g}")
-    print(f"error_over_diagonal={error / truth['diagonal']:.3g} between_over_diagonal={between / truth['diagonal']:.3g}")
+    print(
+        f"error_over_diagonal={error / truth['diagonal']:.3g} "
+        f"between_over_diagonal={between / truth['diagonal']:.3g}"
+    )
 
 
 def compare_corners(character, truth):
     mesh = character.data
     faces = raw("faces.i32", numpy.int32, 3)
-    if not numpy.array_equal(numpy.array([polygon.vertices[:] for polygon in mesh.polygons]), faces):
+    if not numpy.array_equal(
+        numpy.array([polygon.vertices[:] for polygon in mesh.polygons]), faces
+    ):
         sys.exit("the faces differ")
     normals = numpy.zeros((truth["vertices"], 3))
-    normals[raw("split_source.i32", numpy.int32, 1)[:, 0]] = \
-        with_z_up(raw("split_normals.f64", numpy.float64, 3)[:truth["split_vertices"]])
+    normals[raw("split_source.i32", numpy.int32, 1)[:, 0]] = with_z_up(
+        raw("split_normals.f64", numpy.float64, 3)[: truth["split_vertices"]]
+    )
     mesh.calc_normals_split()
     turn = numpy.array(character.matrix_world)[:3, :3]
     found = numpy.array([loop.normal[:] for loop in mesh.loops]) @ turn.T
-    print(f"normal_error={numpy.abs(found - normals[faces.ravel()]).max():.3g} smooth={mesh.polygons[0].use_smooth:d}")
+    print(
+        f"normal_error={numpy.abs(found - normals[faces.ravel()]).max():.3g} "
+        f"smooth={mesh.polygons[0].use_smooth:d}"
+    )
     uvs = raw("corner_uvs.f64", numpy.float64, 2)
     print(f"uv_layers={len(mesh.uv_layers)}")
     if len(uvs):
@@ -84,22 +99,34 @@ def compare_corners(character, truth):
 
 def tell(character):
     render = bpy.context.scene.render
-    print(f"fps={render.fps / render.fps_base:.9g} scale={max(abs(s - 1) for s in character.scale):.3g}")
-    print(f"object={character.name} mesh={character.data.name} materials={','.join(m.name for m in character.data.materials)}")
+    print(
+        f"fps={render.fps / render.fps_base:.9g} "
+        f"scale={max(abs(s - 1) for s in character.scale):.3g}"
+    )
+    print(
+        f"object={character.name} mesh={character.data.name} "
+        f"materials={','.join(m.name for m in character.data.materials)}"
+    )
     keys = character.data.shape_keys
     print(f"shape_keys={','.join(block.name for block in keys.key_blocks[1:]) if keys else ''}")
     print(f"actions={','.join(action.name for action in bpy.data.actions)}")
     material = character.data.materials[0]
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    print(f"roughness={shader.inputs['Roughness'].default_value:.3g} alpha={shader.inputs['Alpha'].default_value:.3g}")
+    print(
+        f"roughness={shader.inputs['Roughness'].default_value:.3g} "
+        f"alpha={shader.inputs['Alpha'].default_value:.3g}"
+    )
     links = shader.inputs["Base Color"].links
     images = [link.from_node.image for link in links if link.from_node.type == "TEX_IMAGE"]
     print(f"images={len(bpy.data.images)} shown={len(images)}")
     for image in images:
         pixels = numpy.array(image.pixels[:]).reshape(image.size[1], image.size[0], -1)
-        print(f"image={image.name} packed={image.packed_file is not None:d} width={image.size[0]} height={image.size[1]} "
-              f"lower_left={','.join(str(round(255 * c)) for c in pixels[0, 0, :3])} "
-              f"upper_right={','.join(str(round(255 * c)) for c in pixels[-1, -1, :3])}")
+        print(
+            f"image={image.name} packed={image.packed_file is not None:d} width={image.size[0]} "
+            f"height={image.size[1]} "
+            f"lower_left={','.join(str(round(255 * c)) for c in pixels[0, 0, :3])} "
+            f"upper_right={','.join(str(round(255 * c)) for c in pixels[-1, -1, :3])}"
+        )
 
 
 def draw(character, picture, frame):
@@ -109,7 +136,9 @@ def draw(character, picture, frame):
     center, size = (low + high) / 2, (high - low).max()
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location = center + 2.2 * size * numpy.array([0.5, -1, 0.35])
-    camera.rotation_euler = (camera.location - type(camera.location)(center)).to_track_quat("Z", "Y").to_euler()
+    camera.rotation_euler = (
+        (camera.location - type(camera.location)(center)).to_track_quat("Z", "Y").to_euler()
+    )
     lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "SUN"))
     lamp.rotation_euler, lamp.data.energy = (0.6, 0.4, 0), 3
     for item in (camera, lamp):

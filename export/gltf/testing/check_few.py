@@ -1,6 +1,8 @@
-"""Imports a GLB into Blender and compares every frame that shows with the frames that were exported.
+"""Imports a GLB into Blender and compares every frame that shows with the frames that were
+exported.
 
-    blender -b --factory-startup --python-exit-code 1 --python check_few.py -- FILE.glb TRUTH [PICTURE.png]
+    blender -b --factory-startup --python-exit-code 1 --python check_few.py -- FILE.glb TRUTH
+    [PICTURE.png]
 
 TRUTH is a folder as of WriteTruth. With PICTURE a middle frame is rendered.
 """
@@ -15,11 +17,13 @@ import numpy
 if "bool" not in vars(numpy):
     numpy.bool = bool
 
-arguments = sys.argv[sys.argv.index("--") + 1:]
+arguments = sys.argv[sys.argv.index("--") + 1 :]
 folder = pathlib.Path(arguments[1])
 truth = json.loads((folder / "truth.json").read_text())
 # The truth has +y up, Blender's world +z.
-points = numpy.fromfile(folder / "points.f64", "<f8").reshape(truth["frames"], truth["vertices"], 3)[:, :, [0, 2, 1]] * [1, -1, 1]
+points = numpy.fromfile(folder / "points.f64", "<f8").reshape(
+    truth["frames"], truth["vertices"], 3
+)[:, :, [0, 2, 1]] * [1, -1, 1]
 faces = numpy.fromfile(folder / "faces.i32", "<i4")
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -32,7 +36,9 @@ keys = character.data.shape_keys.key_blocks[1:]
 
 def corners():
     mesh = character.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    flat, index = numpy.empty(3 * len(mesh.vertices), numpy.float32), numpy.empty(len(mesh.loops), numpy.int32)
+    flat, index = numpy.empty(3 * len(mesh.vertices), numpy.float32), numpy.empty(
+        len(mesh.loops), numpy.int32
+    )
     mesh.vertices.foreach_get("co", flat)
     mesh.loops.foreach_get("vertex_index", index)
     matrix = numpy.array(character.matrix_world)
@@ -50,7 +56,9 @@ worst, between, least, most = 0, 0, 0, 0
 for i, stands in enumerate(truth["stands"]):
     scene.frame_set(i)  # the importer puts time 0 on frame 0
     worst = max(worst, distance(i))
-    least, most = min(least, min(key.value for key in keys)), max(most, max(key.value for key in keys))
+    least, most = min(least, min(key.value for key in keys)), max(
+        most, max(key.value for key in keys)
+    )
     if i + 1 < truth["frames"]:
         scene.frame_set(i, subframe=0.95 if stands else 0.5)
         between = max(between, distance(i, 0 if stands else 0.5))
@@ -76,5 +84,9 @@ if len(arguments) > 2:
     scene.world = bpy.data.worlds.new("world")
     scene.render.engine, scene.cycles.samples = "CYCLES", 32
     scene.cycles.use_denoising = False
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.filepath = 640, 640, arguments[2]
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.filepath = (
+        640,
+        640,
+        arguments[2],
+    )
     bpy.ops.render.render(write_still=True)

@@ -1,9 +1,11 @@
-"""Imports a numbered sequence into Blender with the importers' default settings and compares all frames.
+"""Imports a numbered sequence into Blender with the importers' default settings and compares all
+frames.
 
-    blender -b --factory-startup --python-exit-code 1 --python check_sequence.py -- TRUTH FOLDER obj|ply
+    blender -b --factory-startup --python-exit-code 1 --python check_sequence.py -- TRUTH FOLDER
+    obj|ply
 
-TRUTH is a folder as of WriteTruth. Files are found and ordered as the add-on Stop-motion-OBJ does: all that begin
-with "frame", by the numbers in their names.
+TRUTH is a folder as of WriteTruth. Files are found and ordered as the add-on Stop-motion-OBJ does:
+all that begin with "frame", by the numbers in their names.
 """
 import json
 import pathlib
@@ -13,7 +15,7 @@ import sys
 import bpy
 import numpy
 
-truth_folder, folder, kind = sys.argv[sys.argv.index("--") + 1:]
+truth_folder, folder, kind = sys.argv[sys.argv.index("--") + 1 :]
 truth = json.loads((pathlib.Path(truth_folder) / "truth.json").read_text())
 
 
@@ -22,7 +24,9 @@ def raw(name, kind_of_number):
 
 
 # The truth has +y up, Blender's world +z.
-points = raw("points.f64", "<f8").reshape(truth["frames"], truth["vertices"], 3)[:, :, [0, 2, 1]] * [1, -1, 1]
+points = raw("points.f64", "<f8").reshape(truth["frames"], truth["vertices"], 3)[
+    :, :, [0, 2, 1]
+] * [1, -1, 1]
 faces = raw("faces.i32", "<i4").reshape(-1, 3)
 corner_uvs = raw("corner_uvs.f64", "<f8").reshape(-1, 2)
 
@@ -58,6 +62,11 @@ for i, path in enumerate(files):
     if kind == "obj" and len(corner_uvs):
         uvs = numpy.array([tuple(loop.uv) for loop in mesh.uv_layers[0].data])
         worst_uv = max(worst_uv, abs(uvs - corner_uvs).max())
-        nodes = [node for slot in mesh.materials for node in slot.node_tree.nodes if node.type == "TEX_IMAGE"]
+        nodes = [
+            node
+            for slot in mesh.materials
+            for node in slot.node_tree.nodes
+            if node.type == "TEX_IMAGE"
+        ]
         textures += any(node.image and node.image.size[0] > 0 for node in nodes)
 print(f"files={len(files)} worst={worst} uv={worst_uv} textures={textures} smooth={smooth}")

@@ -1,6 +1,16 @@
-// A page of run_in_browser.mjs: draws frames by the documented three.js code, and from the true points.
+// A page of run_in_browser.mjs: draws frames by the documented three.js code, and from the true
+// points.
 import {
-  AmbientLight, Box3, BufferAttribute, Color, DirectionalLight, Mesh, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+  AmbientLight,
+  Box3,
+  BufferAttribute,
+  Color,
+  DirectionalLight,
+  Mesh,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
 } from 'three';
 
 import { loadVat } from '/keypose-vat.js';
@@ -14,7 +24,9 @@ async function numbers(file, Type) {
 
 function findMesh(object) {
   let found = null;
-  object.traverse((child) => { if (child.isMesh) found = child; });
+  object.traverse((child) => {
+    if (child.isMesh) found = child;
+  });
   return found;
 }
 
@@ -24,9 +36,17 @@ function trueMesh(mesh, truth, frame) {
   const count = truth.source.length;
   const points = new Float32Array(3 * count);
   for (let v = 0; v < count; ++v)
-    for (let axis = 0; axis < 3; ++axis) points[3 * v + axis] = truth.points[3 * (frame * truth.json.vertices + truth.source[v]) + axis];
+    for (let axis = 0; axis < 3; ++axis)
+      points[3 * v + axis] =
+        truth.points[3 * (frame * truth.json.vertices + truth.source[v]) + axis];
   geometry.setAttribute('position', new BufferAttribute(points, 3));
-  geometry.setAttribute('normal', new BufferAttribute(new Float32Array(truth.normals.slice(3 * frame * count, 3 * (frame + 1) * count)), 3));
+  geometry.setAttribute(
+    'normal',
+    new BufferAttribute(
+      new Float32Array(truth.normals.slice(3 * frame * count, 3 * (frame + 1) * count)),
+      3,
+    ),
+  );
   const material = mesh.material.clone();
   material.onBeforeCompile = () => {};
   const made = new Mesh(geometry, material);
@@ -62,7 +82,14 @@ function makeStage(truth) {
 function share(a, b) {
   let count = 0;
   for (let i = 0; i < a.length; i += 4)
-    count += Math.max(Math.abs(a[i] - b[i]), Math.abs(a[i + 1] - b[i + 1]), Math.abs(a[i + 2] - b[i + 2])) > 16 ? 1 : 0;
+    count +=
+      Math.max(
+        Math.abs(a[i] - b[i]),
+        Math.abs(a[i + 1] - b[i + 1]),
+        Math.abs(a[i + 2] - b[i + 2]),
+      ) > 16
+        ? 1
+        : 0;
   return (4 * count) / a.length;
 }
 
@@ -99,4 +126,6 @@ async function run() {
   globalThis.figures = figures;
 }
 
-run().catch((error) => { globalThis.fault = error.stack ?? String(error); });
+run().catch((error) => {
+  globalThis.fault = error.stack ?? String(error);
+});

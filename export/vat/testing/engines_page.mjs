@@ -1,5 +1,5 @@
-// A page of run_in_browser.mjs: the documented shaders of Godot and Unity, translated to GLSL word by
-// word, run on every vertex of every frame.
+// A page of run_in_browser.mjs: the documented shaders of Godot and Unity, translated to GLSL word
+// by word, run on every vertex of every frame.
 import { FloatType } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -15,34 +15,54 @@ const numbers = async (url, Type) => new Type(await (await fetch(url)).arrayBuff
 
 /** Godot's shading language is GLSL with hints and defaults at the uniforms. */
 function fromGodot(code) {
-  const vertex = code.slice(code.indexOf('shader_type'), code.indexOf('void fragment()')).replace('shader_type spatial;', '')
+  const vertex = code
+    .slice(code.indexOf('shader_type'), code.indexOf('void fragment()'))
+    .replace('shader_type spatial;', '')
     .replace(/^uniform (\w+) (\w+)\s*[:=][^;]*;/gm, 'uniform $1 $2;');
   return `${header} vec2 UV2; float TIME; vec3 VERTEX, NORMAL; ${vertex}
-    void main() { UV2 = uvOfTexel; TIME = secondsShown; vertex(); foundPosition = VERTEX; foundNormal = NORMAL; }`;
+    void main() {
+      UV2 = uvOfTexel; TIME = secondsShown; vertex();
+      foundPosition = VERTEX; foundNormal = NORMAL;
+    }`;
 }
 
 function fromUnity(code) {
-  const translated = code.replace(/\bfloat([23])\b/g, 'vec$1').replace(/\bint3\b/g, 'ivec3').replace(/\bUnityTexture2D\b/g, 'sampler2D')
-    .replace('positions.tex.GetDimensions(columns, rows);', 'columns = float(textureSize(positions, 0).x); rows = float(textureSize(positions, 0).y);')
+  const translated = code
+    .replace(/\bfloat([23])\b/g, 'vec$1')
+    .replace(/\bint3\b/g, 'ivec3')
+    .replace(/\bUnityTexture2D\b/g, 'sampler2D')
+    .replace(
+      'positions.tex.GetDimensions(columns, rows);',
+      'columns = float(textureSize(positions, 0).x); rows = float(textureSize(positions, 0).y);',
+    )
     .replace(/(\w+)\.tex\.Load\((\w+)\)/g, 'texelFetch($1, $2.xy, $2.z)');
-  return `${header} uniform sampler2D positions, normals; uniform float frames, rows_per_frame, fps; uniform vec3 minimum, maximum;
+  return `${header} uniform sampler2D positions, normals;
+    uniform float frames, rows_per_frame, fps; uniform vec3 minimum, maximum;
     ${translated}
-    void main() { KeyposeVat_float(uvOfTexel, secondsShown, positions, normals, frames, rows_per_frame, fps, minimum, maximum, foundPosition, foundNormal); }`;
+    void main() {
+      KeyposeVat_float(uvOfTexel, secondsShown, positions, normals, frames, rows_per_frame, fps,
+        minimum, maximum, foundPosition, foundNormal);
+    }`;
 }
 
 function compile(vertex) {
   const program = gl.createProgram();
-  const stages = [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, '#version 300 es\nvoid main() {}']];
+  const stages = [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, '#version 300 es\nvoid main() {}'],
+  ];
   for (const [kind, code] of stages) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, code);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(`${gl.getShaderInfoLog(shader)}\n${code}`);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+      throw new Error(`${gl.getShaderInfoLog(shader)}\n${code}`);
     gl.attachShader(program, shader);
   }
   gl.transformFeedbackVaryings(program, ['foundPosition', 'foundNormal'], gl.INTERLEAVED_ATTRIBS);
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS))
+    throw new Error(gl.getProgramInfoLog(program));
   gl.useProgram(program);
   return program;
 }
@@ -59,7 +79,8 @@ function bindTexture(unit, upload) {
 function upsideDown(values, width, height) {
   const out = new Float32Array(values.length);
   const stride = values.length / height;
-  for (let y = 0; y < height; ++y) out.set(values.subarray(y * stride, (y + 1) * stride), (height - 1 - y) * stride);
+  for (let y = 0; y < height; ++y)
+    out.set(values.subarray(y * stride, (y + 1) * stride), (height - 1 - y) * stride);
   return out;
 }
 
@@ -84,14 +105,22 @@ function setUniforms(program, vat) {
   gl.uniform1i(at('positions'), 0);
   gl.uniform1i(at('normals'), 1);
   gl.uniform1f(at('fps'), vat.fps);
-  const whole = gl.getActiveUniform(program, [...Array(gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS)).keys()]
-    .find((i) => gl.getActiveUniform(program, i).name === 'frames')).type === gl.INT;
-  for (const key of ['frames', 'rows_per_frame']) whole ? gl.uniform1i(at(key), vat[key]) : gl.uniform1f(at(key), vat[key]);
+  const whole =
+    gl.getActiveUniform(
+      program,
+      [...Array(gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS)).keys()].find(
+        (i) => gl.getActiveUniform(program, i).name === 'frames',
+      ),
+    ).type === gl.INT;
+  for (const key of ['frames', 'rows_per_frame'])
+    whole ? gl.uniform1i(at(key), vat[key]) : gl.uniform1f(at(key), vat[key]);
   gl.uniform3fv(at('minimum'), vat.positions.minimum);
   gl.uniform3fv(at('maximum'), vat.positions.maximum);
 }
 
-/** The largest errors over all frames. `mirror` is -1 where the engine's x is the other way round. */
+/**
+ * The largest errors over all frames. `mirror` is -1 where the engine's x is the other way round.
+ */
 function compare(code, uvs, vat, truth, mirror) {
   const program = compile(code);
   const attribute = gl.getAttribLocation(program, 'uvOfTexel');
@@ -101,15 +130,21 @@ function compare(code, uvs, vat, truth, mirror) {
   gl.vertexAttribPointer(attribute, 2, gl.FLOAT, false, 0, 0);
   setUniforms(program, vat);
   let [error, normal] = [0, 0];
-  for (let shown = 0; shown < 2 * vat.frames; ++shown) {  // twice round
+  for (let shown = 0; shown < 2 * vat.frames; ++shown) {
+    // twice round
     const frame = shown % vat.frames;
     const found = run(program, (shown + 0.5) / vat.fps, vat.vertices);
     for (let v = 0; v < vat.vertices; ++v) {
       const [point, direction] = [[], []];
       for (let axis = 0; axis < 3; ++axis) {
         const sign = axis === 0 ? mirror : 1;
-        point.push(found[6 * v + axis] - sign * truth.points[3 * (frame * truth.json.vertices + truth.source[v]) + axis]);
-        direction.push(found[6 * v + 3 + axis] - sign * truth.normals[3 * (frame * vat.vertices + v) + axis]);
+        point.push(
+          found[6 * v + axis] -
+            sign * truth.points[3 * (frame * truth.json.vertices + truth.source[v]) + axis],
+        );
+        direction.push(
+          found[6 * v + 3 + axis] - sign * truth.normals[3 * (frame * vat.vertices + v) + axis],
+        );
       }
       error = Math.max(error, Math.hypot(...point));
       normal = Math.max(normal, Math.hypot(...direction));
@@ -127,13 +162,18 @@ async function main() {
     source: await numbers('/truth/split_source.i32', Int32Array),
   };
   let uvs = null;
-  (await new GLTFLoader().loadAsync(`/vat/${vat.mesh}`)).scene.traverse((mesh) => { uvs ??= mesh.geometry?.getAttribute('uv1').array; });
+  (await new GLTFLoader().loadAsync(`/vat/${vat.mesh}`)).scene.traverse((mesh) => {
+    uvs ??= mesh.geometry?.getAttribute('uv1').array;
+  });
   const exr = await new EXRLoader().setDataType(FloatType).loadAsync(`/vat/${vat.positions.exr}`);
-  const image = await createImageBitmap(await (await fetch(`/vat/${vat.normals.png}`)).blob(), { colorSpaceConversion: 'none' });
+  const image = await createImageBitmap(await (await fetch(`/vat/${vat.normals.png}`)).blob(), {
+    colorSpaceConversion: 'none',
+  });
   const turnedImage = await createImageBitmap(image, { imageOrientation: 'flipY' });
   const positions = await numbers('/positions.f32', Float32Array);
   const { columns, rows } = vat;
-  const upload = (inside, format, values) => gl.texImage2D(gl.TEXTURE_2D, 0, inside, columns, rows, 0, format, gl.FLOAT, values);
+  const upload = (inside, format, values) =>
+    gl.texImage2D(gl.TEXTURE_2D, 0, inside, columns, rows, 0, format, gl.FLOAT, values);
 
   // Godot: the top row first. three.js's loader gives the bottom row first.
   bindTexture(0, () => upload(gl.RGBA32F, gl.RGBA, upsideDown(exr.image.data, columns, rows)));
@@ -142,14 +182,20 @@ async function main() {
 
   // Unity: the bottom row first, and glTFast turns the v axis.
   bindTexture(0, () => upload(gl.RGB32F, gl.RGB, upsideDown(positions, columns, rows)));
-  bindTexture(1, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, turnedImage));
+  bindTexture(1, () =>
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, turnedImage),
+  );
   const turned = uvs.map((value, i) => (i % 2 === 0 ? value : 1 - value));
   const unity = compare(fromUnity(await text('/KeyposeVat.hlsl')), turned, vat, truth, -1);
   globalThis.figures = {
     vertices: vat.vertices,
-    godot_error_over_diagonal: godot.error, godot_normal_error: godot.normal,
-    unity_error_over_diagonal: unity.error, unity_normal_error: unity.normal,
+    godot_error_over_diagonal: godot.error,
+    godot_normal_error: godot.normal,
+    unity_error_over_diagonal: unity.error,
+    unity_normal_error: unity.normal,
   };
 }
 
-main().catch((error) => { globalThis.fault = error.stack ?? String(error); });
+main().catch((error) => {
+  globalThis.fault = error.stack ?? String(error);
+});

@@ -5,7 +5,9 @@ import { inflateSync } from 'node:zlib';
 /** The numbers of a PNG with three channels, top row first, and the kinds of its chunks. */
 export function readPng(path) {
   const bytes = readFileSync(path);
-  const view = new DataView(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+  const view = new DataView(
+    bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength),
+  );
   const chunks = [];
   for (let at = 8; at < view.byteLength;) {
     const size = view.getUint32(at);
@@ -14,11 +16,24 @@ export function readPng(path) {
     at += size + 12;
   }
   const header = new DataView(chunks[0].data.buffer, chunks[0].data.byteOffset);
-  const [width, height, bits, colour] = [header.getUint32(0), header.getUint32(4), header.getUint8(8), header.getUint8(9)];
+  const [width, height, bits, colour] = [
+    header.getUint32(0),
+    header.getUint32(4),
+    header.getUint8(8),
+    header.getUint8(9),
+  ];
   if (colour !== 2 || header.getUint8(12) !== 0) throw new Error(`${path} is not plain RGB`);
-  const packed = Buffer.concat(chunks.filter((chunk) => chunk.kind === 'IDAT').map((chunk) => chunk.data));
+  const packed = Buffer.concat(
+    chunks.filter((chunk) => chunk.kind === 'IDAT').map((chunk) => chunk.data),
+  );
   const kinds = new Set(chunks.map((chunk) => chunk.kind));
-  return { width, height, bits, kinds, values: unfiltered(inflateSync(packed), width, height, bits) };
+  return {
+    width,
+    height,
+    bits,
+    kinds,
+    values: unfiltered(inflateSync(packed), width, height, bits),
+  };
 }
 
 /** Undoes PNG's row filters (PNG specification, section 9). */

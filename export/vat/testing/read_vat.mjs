@@ -29,7 +29,9 @@ function readGlb(path) {
     const { bufferView, count, type, componentType } = json.accessors[number];
     const at = 28 + jsonSize + (json.bufferViews[bufferView].byteOffset ?? 0);
     const size = count * { SCALAR: 1, VEC2: 2, VEC3: 3 }[type];
-    return componentType === 5126 ? new Float32Array(bytes.slice(at, at + 4 * size)) : new Uint32Array(bytes.slice(at, at + 4 * size));
+    return componentType === 5126
+      ? new Float32Array(bytes.slice(at, at + 4 * size))
+      : new Uint32Array(bytes.slice(at, at + 4 * size));
   };
   const primitive = json.meshes[0].primitives[0];
   return {
@@ -48,38 +50,54 @@ const faces = new Int32Array(read('truth', 'faces.i32'));
 
 check(vat.frames === truth.frames, `${vat.frames} frames instead of ${truth.frames}`);
 check(vat.fps === truth.fps, `${vat.fps} frames a second instead of ${truth.fps}`);
-check(vat.vertices === truth.split_vertices, `${vat.vertices} vertices instead of ${truth.split_vertices}`);
+check(
+  vat.vertices === truth.split_vertices,
+  `${vat.vertices} vertices instead of ${truth.split_vertices}`,
+);
 
 const glb = readGlb(vat.mesh);
 check(glb.faces.length === faces.length, 'the mesh has another number of faces');
-check(glb.faces.every((vertex, i) => source[vertex] === faces[i]), 'the faces of the mesh differ');
+check(
+  glb.faces.every((vertex, i) => source[vertex] === faces[i]),
+  'the faces of the mesh differ',
+);
 
 const png = readPng(join(folder, 'vat', vat.positions.png));
 const normalPng = readPng(join(folder, 'vat', vat.normals.png));
 check(png.bits === 16 && normalPng.bits === 8, 'wrong number of bits');
 for (const { kinds } of [png, normalPng])
-  for (const kind of ['gAMA', 'sRGB', 'cHRM', 'iCCP']) check(!kinds.has(kind), `a browser would change the numbers, because of ${kind}`);
-for (const { width, height } of [png, normalPng]) check(width === vat.columns && height === vat.rows, `a picture has ${width} x ${height} pixels`);
+  for (const kind of ['gAMA', 'sRGB', 'cHRM', 'iCCP'])
+    check(!kinds.has(kind), `a browser would change the numbers, because of ${kind}`);
+for (const { width, height } of [png, normalPng])
+  check(width === vat.columns && height === vat.rows, `a picture has ${width} x ${height} pixels`);
 
 const exrBytes = read('vat', vat.positions.exr);
 const exr = new EXRLoader().setDataType(FloatType).parse(exrBytes);
-check(exr.width === vat.columns && exr.height === vat.rows, `the EXR has ${exr.width} x ${exr.height} pixels`);
+check(
+  exr.width === vat.columns && exr.height === vat.rows,
+  `the EXR has ${exr.width} x ${exr.height} pixels`,
+);
 const exrChannels = exr.data.length / (exr.width * exr.height);
 
 // The shaders' arithmetic, in single precision.
 const single = Math.fround;
 const { minimum, maximum } = vat.positions;
-const decode = (code, axis) => single(single(minimum[axis]) + single(single(maximum[axis] - minimum[axis]) * single(code / 65535)));
+const decode = (code, axis) =>
+  single(
+    single(minimum[axis]) + single(single(maximum[axis] - minimum[axis]) * single(code / 65535)),
+  );
 
 const worst = { error: 0, exr: 0, normal: 0, moved: 0 };
 for (let frame = 0; frame < vat.frames; ++frame) {
   for (let v = 0; v < vat.vertices; ++v) {
     const column = Math.floor(single(glb.texels[2 * v] * vat.columns));
-    const row = Math.floor(single(glb.texels[2 * v + 1] * vat.rows_per_frame)) + frame * vat.rows_per_frame;
+    const row =
+      Math.floor(single(glb.texels[2 * v + 1] * vat.rows_per_frame)) + frame * vat.rows_per_frame;
     const at = row * vat.columns + column;
     const fromBottom = (vat.rows - 1 - row) * vat.columns + column;
     const sums = [0, 0, 0];
-    let along = 0, length = 0;
+    let along = 0,
+      length = 0;
     for (let axis = 0; axis < 3; ++axis) {
       const expected = points[3 * (frame * truth.vertices + source[v]) + axis];
       const first = points[3 * source[v] + axis];

@@ -342,8 +342,7 @@ export const api = {
   saveTimeline: (timeline: Timeline) => send<Timeline>('PUT', '/api/timeline', timeline),
   frames: () => get<Frames>('/api/frames'),
   /** count x vertices x 3, in the order of the template's vertices */
-  positions: async () =>
-    new Float32Array(await (await ask('/api/frames/positions')).arrayBuffer()),
+  positions: async () => new Float32Array(await (await ask('/api/frames/positions')).arrayBuffer()),
   results: () => get<{ path: string; label: string; bytes: number }[]>('/api/results'),
   /** Shows the folder in the desktop's file manager. */
   reveal: (path: string) => send<{ shown: boolean }>('POST', '/api/reveal', { path }),
@@ -354,8 +353,7 @@ export const api = {
   saveStiffness: (values: number[] | null, revision: string) =>
     send<{ revision: string }>('PUT', '/api/stiffness', { values, revision }),
   /** Vertices by the region's name. */
-  regions: () =>
-    get<{ revision: string; regions: Record<string, number[]> }>('/api/regions'),
+  regions: () => get<{ revision: string; regions: Record<string, number[]> }>('/api/regions'),
   saveRegions: (regions: Record<string, number[]>, revision: string) =>
     send<{ revision: string }>('PUT', '/api/regions', { regions, revision }),
 }
@@ -385,7 +383,9 @@ export interface RunLine {
   [key: string]: unknown
 }
 
-/** Calls `listen` with every event until the returned function is called. Connects again by itself. */
+/**
+ * Calls `listen` with every event until the returned function is called. Connects again by itself.
+ */
 export function events(listen: (event: StudioEvent) => void): () => void {
   const source = new EventSource('/api/events')
   for (const type of ['run', 'run_ended', 'project', 'writers', 'shoot', 'shoot_ended']) {

@@ -12,7 +12,13 @@ export interface Running {
   notes: string[]
 }
 
-export const kNoRun: Running = { overall: 0, seconds_left: null, steps: {}, finished: {}, notes: [] }
+export const kNoRun: Running = {
+  overall: 0,
+  seconds_left: null,
+  steps: {},
+  finished: {},
+  notes: [],
+}
 
 /** The run's state after one more line. */
 export function afterLine(run: Running, line: RunLine): Running {

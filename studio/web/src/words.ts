@@ -31,10 +31,14 @@ export function sentence(words: string): string {
   const text = words.trim()
   if (!text) return ''
   const first = String.fromCodePoint(text.codePointAt(0)!)
-  return first.toLocaleUpperCase('en') + text.slice(first.length) + (/[.!?…]$/.test(text) ? '' : '.')
+  return (
+    first.toLocaleUpperCase('en') + text.slice(first.length) + (/[.!?…]$/.test(text) ? '' : '.')
+  )
 }
 
-/** A share as a width for CSS: "45%". The text of `percent` has a space, which CSS does not take. */
+/**
+ * A share as a width for CSS: "45%". The text of `percent` has a space, which CSS does not take.
+ */
 export function cssShare(share: number): string {
   return `${(100 * Math.min(1, Math.max(0, share))).toFixed(1)}%`
 }

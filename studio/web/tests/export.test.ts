@@ -2,26 +2,53 @@ import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
 import type { Stage, Step } from '../src/api'
-import { askedBy, errorWords, formatsOf, noteWords, otherOptions } from '../src/pages/export/formats'
+import {
+  askedBy,
+  errorWords,
+  formatsOf,
+  noteWords,
+  otherOptions,
+} from '../src/pages/export/formats'
 import { notesOf } from '../src/pages/export/notes'
 
 const kStage = {
   stage: 'export',
   summary: '',
   options: [
-    { name: 'formats', type: 'string', default: 'glb,video', unit: '', help: 'formats to write: glb, glb-few, video, sculpture' },
+    {
+      name: 'formats',
+      type: 'string',
+      default: 'glb,video',
+      unit: '',
+      help: 'formats to write: glb, glb-few, video, sculpture',
+    },
     { name: 'fps', type: 'double', default: '24', unit: '1/s', help: '' },
   ],
 } as Stage
-const step = (formats?: string) => ({ options: formats === undefined ? {} : { formats } }) as unknown as Step
+const step = (formats?: string) =>
+  ({ options: formats === undefined ? {} : { formats } }) as unknown as Step
 
-test('formats are those that the stage offers, in its order, also ones that the page does not know', () => {
+test('formats are those that the stage offers, in its order, also ones that are new to the page', () => {
   const formats = formatsOf(kStage, step('glb-few,glb'))
-  assert.deepEqual(formats.map((one) => one.id), ['glb', 'glb-few', 'video', 'sculpture'])
-  assert.deepEqual(formats.map((one) => one.on), [true, true, false, false])
+  assert.deepEqual(
+    formats.map((one) => one.id),
+    ['glb', 'glb-few', 'video', 'sculpture'],
+  )
+  assert.deepEqual(
+    formats.map((one) => one.on),
+    [true, true, false, false],
+  )
   assert.equal(formats[3].title, 'sculpture')
-  assert.deepEqual(formatsOf(kStage, step()).filter((one) => one.on).map((one) => one.id), ['glb', 'video'])
-  assert.deepEqual(otherOptions(kStage).map((one) => one.name), ['fps'])
+  assert.deepEqual(
+    formatsOf(kStage, step())
+      .filter((one) => one.on)
+      .map((one) => one.id),
+    ['glb', 'video'],
+  )
+  assert.deepEqual(
+    otherOptions(kStage).map((one) => one.name),
+    ['fps'],
+  )
 })
 
 test('only a change asks for something', () => {
@@ -41,7 +68,13 @@ test('an error is said on a figure that one can hold in the hand', () => {
 test('a note says what was measured, and nothing else', () => {
   assert.equal(noteWords({ format: 'video', files: [], bytes: 3 }), '')
   assert.equal(
-    noteWords({ format: 'glb-few', files: [], bytes: 3, error_over_diagonal: 0.001, morph_targets: 8 }),
+    noteWords({
+      format: 'glb-few',
+      files: [],
+      bytes: 3,
+      error_over_diagonal: 0.001,
+      morph_targets: 8,
+    }),
     'Off by at most 0.2 mm on a figure of 20 cm (0.1 %), 8 shapes',
   )
 })

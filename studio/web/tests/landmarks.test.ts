@@ -31,13 +31,19 @@ class Disk {
   }
   private answer(pose: string) {
     const file = this.file(pose)
-    return { pose, revision: String(file.revision), picks: structuredClone(file.picks), problems: [] }
+    return {
+      pose,
+      revision: String(file.revision),
+      picks: structuredClone(file.picks),
+      problems: [],
+    }
   }
 }
 
 test('deleting a pair keeps the template pick that another pose uses', () => {
   let sheet = history.kEmptyHistory.now
-  for (const pose of ['template', 'wave', 'bow']) sheet = history.withPick(sheet, pose, pick('nose'))
+  for (const pose of ['template', 'wave', 'bow'])
+    sheet = history.withPick(sheet, pose, pick('nose'))
   assert.deepEqual(history.otherUsers(sheet, 'template', 'wave', 'nose'), ['bow'])
   const without = history.withoutPair(sheet, 'template', 'wave', 'nose')
   assert.equal(history.picksOf(without, 'template').length, 1)
@@ -52,7 +58,11 @@ test('names of the language are names like any other', () => {
 
 test('changes are saved in order, undone and redone', async () => {
   const disk = new Disk()
-  const files = new PickFiles(disk.api, () => undefined, () => undefined)
+  const files = new PickFiles(
+    disk.api,
+    () => undefined,
+    () => undefined,
+  )
   await files.load(['template', 'wave'])
   files.change('pick a', history.withPick(files.history.now, 'wave', pick('a')))
   files.change('pick b', history.withPick(files.history.now, 'template', pick('b')))
@@ -70,14 +80,21 @@ test('changes are saved in order, undone and redone', async () => {
 test('what somebody else has written meanwhile is told and never overwritten', async () => {
   const disk = new Disk()
   const told: string[] = []
-  const files = new PickFiles(disk.api, () => undefined, (text: string) => told.push(text))
+  const files = new PickFiles(
+    disk.api,
+    () => undefined,
+    (text: string) => told.push(text),
+  )
   await files.load(['template', 'wave'])
   disk.files.set('wave', { revision: 99, picks: [pick('theirs')] })
   files.change('pick', history.withPick(files.history.now, 'wave', pick('ours')))
   await files.save()
   assert.equal(told.length, 1)
   assert.deepEqual(disk.names('wave'), ['theirs'])
-  assert.deepEqual(history.picksOf(files.history.now, 'wave').map((one) => one.name), ['theirs'])
+  assert.deepEqual(
+    history.picksOf(files.history.now, 'wave').map((one) => one.name),
+    ['theirs'],
+  )
 })
 
 test('paint is undone stroke by stroke, and stays on the part that was touched', () => {
@@ -97,7 +114,6 @@ test('paint is undone stroke by stroke, and stays on the part that was touched',
 test('the median of a fit leaves out vertices without a distance', () => {
   assert.equal(figuresOf(new Float32Array([3, 1, NaN, 2]))?.median, 2)
 })
-
 
 test('pairs apart are a mean, and nothing without pairs', () => {
   assert.equal(pairsApart([]), null)

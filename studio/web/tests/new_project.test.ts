@@ -8,16 +8,30 @@ const found = (path: string, bytes = 1) => ({ file: new File([new Uint8Array(byt
 
 test('only what the server takes is offered and sent', () => {
   assert.equal(kAccept, '.jpg,.jpeg,.png,.tif,.tiff,.heic,.heif,.hif')
-  const { photos } = sorted(['b10.JPG', 'b9.heic', 'a.tiff', 'c.webp', 'd.CR2'].map((path) => found(path)))
-  assert.deepEqual(photos.map((one) => one.path), ['a.tiff', 'b9.heic', 'b10.JPG'])
+  const { photos } = sorted(
+    ['b10.JPG', 'b9.heic', 'a.tiff', 'c.webp', 'd.CR2'].map((path) => found(path)),
+  )
+  assert.deepEqual(
+    photos.map((one) => one.path),
+    ['a.tiff', 'b9.heic', 'b10.JPG'],
+  )
 })
 
 test('what is left out is told with what to do', () => {
   const { leftOut } = sorted([
-    found('d.CR2'), found('c.webp'), found('notes.txt'), found('README'), found('a.jpg', 0),
-    found('rest/masks/a.png'), found('.DS_Store'), found('Thumbs.db'),
+    found('d.CR2'),
+    found('c.webp'),
+    found('notes.txt'),
+    found('README'),
+    found('a.jpg', 0),
+    found('rest/masks/a.png'),
+    found('.DS_Store'),
+    found('Thumbs.db'),
   ])
-  assert.deepEqual(leftOut.map((one) => one.path), ['d.CR2', 'c.webp', 'notes.txt', 'README', 'a.jpg', 'rest/masks/a.png'])
+  assert.deepEqual(
+    leftOut.map((one) => one.path),
+    ['d.CR2', 'c.webp', 'notes.txt', 'README', 'a.jpg', 'rest/masks/a.png'],
+  )
   assert.match(leftOut[0].why, /RAW files go into the pose’s folder by hand/)
   assert.equal(leftOut[1].why, 'save it as JPEG or PNG')
   assert.equal(leftOut[2].why, '.txt is no photograph')

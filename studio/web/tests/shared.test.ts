@@ -24,9 +24,17 @@ test('a mesh is read as the server writes it', () => {
 })
 
 test('a run is followed line by line', () => {
-  let run = { overall: 0, seconds_left: null, steps: {}, finished: {}, notes: [] } as Parameters<typeof afterLine>[0]
+  let run = { overall: 0, seconds_left: null, steps: {}, finished: {}, notes: [] } as Parameters<
+    typeof afterLine
+  >[0]
   run = afterLine(run, { event: 'start', step: 'sfm/rest', overall: 0.1, seconds_left: 9 })
-  run = afterLine(run, { event: 'progress', step: 'sfm/rest', fraction: 0.5, what: 'matching', overall: 0.2 })
+  run = afterLine(run, {
+    event: 'progress',
+    step: 'sfm/rest',
+    fraction: 0.5,
+    what: 'matching',
+    overall: 0.2,
+  })
   assert.deepEqual(run.steps['sfm/rest'], { fraction: 0.5, what: 'matching' })
   run = afterLine(run, { event: 'finish', step: 'sfm/rest', status: 'made', overall: 0.3 })
   assert.deepEqual(run.steps, {})

@@ -25,13 +25,22 @@ test('the share of the surface by confidence is its area, with the layout’s v 
 test('grey levels become the scale’s colours, and are kept', () => {
   const pixels = new Uint8ClampedArray([0, 0, 0, 255, 255, 255, 255, 255])
   assert.deepEqual([...inScaleColors(pixels)], [0, 255])
-  assert.deepEqual([...pixels.slice(0, 3)], scaleColor(0).map((part) => Math.round(255 * part)))
-  assert.deepEqual([...pixels.slice(4)], [...scaleColor(1).map((part) => Math.round(255 * part)), 255])
+  assert.deepEqual(
+    [...pixels.slice(0, 3)],
+    scaleColor(0).map((part) => Math.round(255 * part)),
+  )
+  assert.deepEqual(
+    [...pixels.slice(4)],
+    [...scaleColor(1).map((part) => Math.round(255 * part)), 255],
+  )
 })
 
 test('words say what was seen badly and what is made up', () => {
   const bins = new Array<number>(64).fill(0)
-  assert.equal(confidenceWords([...bins.slice(0, 63), 1]), 'Photographs show all of the surface well.')
+  assert.equal(
+    confidenceWords([...bins.slice(0, 63), 1]),
+    'Photographs show all of the surface well.',
+  )
   const some = [0.02, 0.08, ...bins.slice(0, 61), 0.9]
   assert.equal(
     confidenceWords(some),

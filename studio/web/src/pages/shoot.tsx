@@ -115,8 +115,8 @@ function Ended({ session }: { session: Session }) {
 
 function Advice({ draft }: { draft: Draft }) {
   const steps = [
-    'Camera on a tripod, so near that the figure fills the picture. Do not move it between poses: ' +
-      'all of them then have one scale.',
+    'Camera on a tripod, so near that the figure fills the picture. Do not move it ' +
+      'between poses: all of them then have one scale.',
     'Exposure, white balance, focus and zoom on manual.',
     'The figure in the middle of the table, the table’s mark at 0°.',
     draft.table === 'none'

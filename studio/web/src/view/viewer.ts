@@ -29,7 +29,9 @@ import type { Hit, Look, Pictures } from './surface'
 
 export type { Hit, Look, Marker }
 
-/** The camera's place relative to the shown thing, in its sizes: the same for meshes of any size. */
+/**
+ * The camera's place relative to the shown thing, in its sizes: the same for meshes of any size.
+ */
 export interface Turn {
   direction: [number, number, number]
   distance: number
@@ -162,8 +164,7 @@ export class Viewer {
 
   /** Textures by name, for blendTextures. */
   async loadBlends(urls: Map<string, string>): Promise<void> {
-    const load = async ([name, url]: [string, string]) =>
-      [name, await loadedTexture(url)] as const
+    const load = async ([name, url]: [string, string]) => [name, await loadedTexture(url)] as const
     const loaded = await Promise.all([...urls].map(load))
     for (const texture of this.blends.values()) texture.dispose()
     this.blends = new Map(loaded)
@@ -176,7 +177,9 @@ export class Viewer {
     this.draw()
   }
 
-  /** A picture of values in the mesh's layout, for the look 'confidence', in the scale's colours. */
+  /**
+   * A picture of values in the mesh's layout, for the look 'confidence', in the scale's colours.
+   */
   async loadConfidence(url: string): Promise<GreyPicture> {
     const { texture, grey } = await scalePicture(url)
     this.setPicture('confidence', texture)
@@ -233,7 +236,8 @@ export class Viewer {
     this.camera.position.copy(eye)
     this.controls.target.copy(eye.clone().addScaledVector(forward, along))
     this.camera.fov = (2 * Math.atan(camera.height / 2 / camera.focal_px) * 180) / Math.PI
-    // The principal point need not be the middle: the window moves off it, in the photograph's pixels.
+    // The principal point need not be the middle: the window moves off it, in the photograph's
+    // pixels.
     const across = camera.width / 2 - camera.cx
     const down_px = camera.height / 2 - camera.cy
     const wide = camera.height * this.camera.aspect
@@ -379,7 +383,8 @@ export class Viewer {
   private readonly down = (event: PointerEvent) => {
     if (event.button !== 0) return
     this.pressed = { x: event.clientX, y: event.clientY }
-    if (this.onMarkerDrag || this.onMarker) this.dragged = this.markerAt(event.clientX, event.clientY)
+    if (this.onMarkerDrag || this.onMarker)
+      this.dragged = this.markerAt(event.clientX, event.clientY)
     const hit = this.onBrush && !event.altKey ? this.hitAt(event.clientX, event.clientY) : null
     this.brushing = hit !== null
     this.controls.enabled = !this.brushing && !(this.dragged && this.onMarkerDrag)

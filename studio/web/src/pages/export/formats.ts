@@ -71,8 +71,7 @@ function words(id: string): { title: string; use: string } {
   return kKnown[id] ?? { title: id, use: '' }
 }
 
-const listOf = (text: string): string[] =>
-  text.split(/[\s,]+/).filter((one) => one !== '')
+const listOf = (text: string): string[] => text.split(/[\s,]+/).filter((one) => one !== '')
 
 /** What `formats` can hold, as the option's help lists it: "formats to write, ...: glb, video". */
 function namesIn(help: string, now: string): string[] {
@@ -113,7 +112,8 @@ export function errorWords(error_over_diagonal: number): string {
   if (off_mm < kLeast_mm) return 'Exact: off by less than 0.001 mm on a figure of 20 cm'
   const short = (value: number) =>
     value >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(2)))
-  return `Off by at most ${short(off_mm)} mm on a figure of 20 cm (${short(100 * error_over_diagonal)} %)`
+  return `Off by at most ${short(off_mm)} mm on a figure of 20 cm ` +
+    `(${short(100 * error_over_diagonal)} %)`
 }
 
 /** Size and error of what was written, as one line. */

@@ -8,7 +8,9 @@ import { kScan, nameProblem } from './rows'
 import type { Row } from './rows'
 
 const kThumbnails = 5
-/** Fewer are refused by the step capture: of a scan, and of a pose that the template is bent into. */
+/**
+ * Fewer are refused by the step capture: of a scan, and of a pose that the template is bent into.
+ */
 const kFewest = 8
 const kFewestFitted = 2
 

@@ -54,7 +54,9 @@ export function withFiles(row: Row, found: Found[], rows: Row[]): Row {
   }
 }
 
-/** With fewer photographs a pose other than the template is not scanned, as `keypose init` decides. */
+/**
+ * With fewer photographs a pose other than the template is not scanned, as `keypose init` decides.
+ */
 export const kScan = 16
 
 /** Poses of few photographs, which the template will be bent into. */

@@ -111,9 +111,7 @@ export function PoseView({ pose, results }: { pose: Pose; results: string }) {
             {used === 'confidence' && seen && <ConfidenceLegend bins={seen} />}
           </div>
         </ViewerStage>
-        {cameras.length > 0 && (
-          <CameraList cameras={cameras} current={through} choose={lookFrom} />
-        )}
+        {cameras.length > 0 && <CameraList cameras={cameras} current={through} choose={lookFrom} />}
       </div>
     </>
   )
@@ -147,8 +145,8 @@ export function useCameras(pose: Pose, results: string): CameraView[] {
 }
 
 /**
- * Shows the mesh; the view stays turned as it is while the pose stays the same. Returns the share of
- * the surface by confidence, when that is shown.
+ * Shows the mesh; the view stays turned as it is while the pose stays the same. Returns the share
+ * of the surface by confidence, when that is shown.
  */
 function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, look: Look) {
   const { complain } = useStudio()
