@@ -112,11 +112,16 @@ class GraphBuilder {
 
  private:
   void CheckHead() {
+    const bool performance = file_.kind == ProjectKind::kPerformance;
+    if (file_.poses.empty() && performance)
+      throw UsageError(
+          "pipeline.yaml names no shot; add one, as in\n  shots:\n    walk: shots/walk");
     if (file_.poses.empty()) {
       throw UsageError(
           "pipeline.yaml names no pose; add one, as in\n  poses:\n    rest: photos/rest");
     }
     if (file_.template_pose) CheckPose(file_, *file_.template_pose, "the template");
+    graph_.kind = file_.kind;
     graph_.template_pose = file_.template_pose ? file_.template_pose->text : file_.poses[0].name;
     CheckTemplateIsScanned();
     graph_.name_given = file_.name.has_value();
@@ -125,7 +130,7 @@ class GraphBuilder {
     graph_.timeline_json = file_.timeline_json;
     for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
     if (graph_.keys.empty()) graph_.keys = graph_.poses;
-    CheckPhotographs();
+    if (!performance) CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
   }
@@ -190,9 +195,19 @@ class GraphBuilder {
     AddInstance(rule, pose, source_pose);
   }
 
+  /// Whether the project gives what the step exists for.
+  bool IsWanted(const StepRule& rule) const {
+    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
+      if (!word.text.starts_with("$"))
+        Fail(word.where, fmt::format("step '{}': `when` takes words such as $scan, not '{}'",
+                                     rule.name, word.text));
+      return ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
+    });
+  }
+
   void MakeInstances() {
     for (const StepRule& rule : file_.steps) {
-      if (!rule.enabled) continue;
+      if (!rule.enabled || !IsWanted(rule)) continue;
       if (!rule.fan_out)
         Fail(rule.where,
              fmt::format("step '{}' needs `for:` with pose, template, pair, animation or project",
@@ -264,6 +279,7 @@ class GraphBuilder {
   /// A path below out/ with its pose placeholders replaced.
   std::string WithNames(std::string path, const Step& step) const {
     for (const auto& [word, value] : {std::pair<std::string, std::string>{"{pose}", step.pose},
+                                      {"{shot}", step.pose},
                                       {"{template}", graph_.template_pose}}) {
       for (std::size_t at; (at = path.find(word)) != std::string::npos;)
         path.replace(at, word.size(), value);

@@ -28,8 +28,14 @@ struct InitOptions {
   std::vector<std::string> poses;  ///< NAME=PHOTO_DIR
   std::string template_pose;
   std::vector<std::string> few, scan;  ///< names of poses: how they are found
+  std::string kind = "poses";          ///< poses | performance
+  std::vector<std::string> shots;      ///< NAME=FOLDER with films; of a performance
+  /// files of a performance; empty: none
+  std::string calibration, scan_mesh, texture, marks;
 };
 ExitCode InitCommand(const InitOptions& options);
+/// The project of a performance. Films stay where they are; the other files are copied.
+ExitCode InitPerformance(const InitOptions& options);
 
 ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set);
 ExitCode ExplainCommand(const std::string& folder, const std::string& step,

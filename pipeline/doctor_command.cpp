@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdio>
 #include <opencv2/core/version.hpp>
 #include <sstream>
@@ -75,11 +76,25 @@ std::string CpuText() {
   return fmt::format("{}", fmt::join(features, " "));
 }
 
+/// One step of each stage that a default pipeline has.
+std::vector<StepRule> StepsOfAllKinds() {
+  std::vector<StepRule> steps;
+  for (const ProjectKind kind : {ProjectKind::kPoses, ProjectKind::kPerformance}) {
+    const std::string text = RealDisk().Read(DefaultPipelineFile(kind));
+    for (const StepRule& rule : ParsePipelineFile(text, "the default pipeline").steps) {
+      const auto same = [&](const StepRule& known) {
+        return known.stage->text == rule.stage->text;
+      };
+      if (std::none_of(steps.begin(), steps.end(), same)) steps.push_back(rule);
+    }
+  }
+  return steps;
+}
+
 bool CheckStages(ProcessRunner& processes) {
-  const PipelineFile defaults =
-      ParsePipelineFile(RealDisk().Read(DefaultPipelineFile()), "the default pipeline");
+  const std::vector<StepRule> steps = StepsOfAllKinds();
   std::vector<std::vector<std::string>> questions;
-  for (const StepRule& rule : defaults.steps)
+  for (const StepRule& rule : steps)
     questions.push_back(
         {(ProgramFolder() / ("keypose-" + rule.stage->text)).string(), "--describe"});
   const auto answers = processes.Ask(questions);
@@ -99,7 +114,7 @@ bool CheckStages(ProcessRunner& processes) {
       verdict = std::string("FAULT: ") + error.what();
       well = false;
     }
-    fmt::print("stage {:<12} {}\n", defaults.steps[i].name, verdict);
+    fmt::print("stage {:<12} {}\n", steps[i].name, verdict);
   }
   return well;
 }

@@ -67,8 +67,9 @@ struct Step {
 };
 
 struct Graph {
-  std::string name;         ///< from the file, else the folder's name
-  bool name_given = false;  ///< a name from the folder must not affect any result
+  ProjectKind kind = ProjectKind::kPoses;  ///< kPerformance: `poses` are its shots
+  std::string name;                        ///< from the file, else the folder's name
+  bool name_given = false;                 ///< a name from the folder must not affect any result
   std::string template_pose;
   /// template first, then in the order of the timeline, then of the file
   std::vector<std::string> poses;

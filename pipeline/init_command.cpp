@@ -125,6 +125,8 @@ std::set<std::string> FewPhotographPoses(const std::vector<NewPose>& poses,
 
 std::vector<NewPose> ParsePoses(const InitOptions& options) {
   if (options.poses.empty()) throw UsageError("init needs at least one --pose NAME=PHOTO_DIR");
+  if (!options.shots.empty() || !options.scan_mesh.empty() || !options.marks.empty())
+    throw UsageError("--shot, --scan-mesh and --marks need --kind performance");
   std::vector<NewPose> poses;
   for (const std::string& text : options.poses) {
     poses.push_back(ParsePose(text));
@@ -134,14 +136,6 @@ std::vector<NewPose> ParsePoses(const InitOptions& options) {
     }
   }
   return poses;
-}
-
-void RequireNoProject(const fs::path& folder) {
-  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
-  throw UsageError(
-      fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
-                  "its pipeline.yaml",
-                  folder.string()));
 }
 
 void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
@@ -163,6 +157,14 @@ void TellThatItIsFitted(const NewPose& pose, const std::string& template_pose) {
 }
 
 }  // namespace
+
+void RequireNoProject(const fs::path& folder) {
+  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
+  throw UsageError(
+      fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
+                  "its pipeline.yaml",
+                  folder.string()));
+}
 
 ExitCode InitCommand(const InitOptions& options) {
   const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();

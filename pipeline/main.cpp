@@ -136,11 +136,12 @@ class CommandLine {
   }
 
   void AddInit() {
-    CLI::App* init = Command("init", "make a project", [this] { return InitCommand(init_); });
+    CLI::App* init = Command("init", "make a project", [this] {
+      return init_.kind == "performance" ? InitPerformance(init_) : InitCommand(init_);
+    });
     init->add_option("DIR", init_.folder, "folder to make")->required();
     init->add_option("--pose", init_.poses, "NAME=PHOTO_DIR; the photographs are copied")
-        ->allow_extra_args(false)
-        ->required();
+        ->allow_extra_args(false);
     init->add_option("--template", init_.template_pose,
                      "the pose whose mesh and UVs all others take; default: the first");
     init->add_option("--few", init_.few,
@@ -150,6 +151,21 @@ class CommandLine {
     init->add_option("--scan", init_.scan,
                      "NAME: this pose is scanned from its own photographs all round, however few")
         ->allow_extra_args(false);
+    init->add_option("--kind", init_.kind,
+                     "poses: key poses and frames between them; performance: a scan that moves as "
+                     "an actor in films")
+        ->check(CLI::IsMember({"poses", "performance"}))
+        ->capture_default_str();
+    init->add_option("--shot", init_.shots,
+                     "performance: NAME=FOLDER of one video or picture folder for each camera; "
+                     "films stay where they are")
+        ->allow_extra_args(false);
+    init->add_option("--calibration", init_.calibration,
+                     "performance: the cameras of all shots; default: calibration.* in each shot");
+    init->add_option("--scan-mesh", init_.scan_mesh, "performance: the mesh that shall move");
+    init->add_option("--texture", init_.texture, "performance: its texture");
+    init->add_option("--marks", init_.marks,
+                     "performance: pairs of places on the tracked body and on the mesh");
   }
 
   void AddRun() {

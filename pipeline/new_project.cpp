@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/io/yaml_edit.h"
+
 namespace keypose::pipeline {
 namespace {
 
@@ -29,6 +31,23 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
                                : fmt::format("  {0}: photos/{0}\n", pose);
   text += fmt::format("template: {}\n", template_pose);
   if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
+  return text;
+}
+
+std::string NewPerformanceText(const fs::path& folder, const NewPerformance& performance) {
+  std::string text =
+      "# The shots and settings of this performance. What is not set here is as in the default "
+      "pipeline performance.yaml; see docs/pipeline.md.\n";
+  text += fmt::format("kind: performance\nname: \"{}\"\nshots:\n", SafeName(folder));
+  for (const auto& [name, films] : performance.shots) {
+    text += fmt::format("  {}:\n    video: {}\n", name, YamlScalar(films));
+    if (!performance.calibration.empty())
+      text += fmt::format("    calibration: {}\n", YamlScalar(performance.calibration));
+  }
+  for (const auto& [key, path] : {std::pair{"scan", &performance.scan},
+                                  {"texture", &performance.texture},
+                                  {"marks", &performance.marks}})
+    if (!path->empty()) text += fmt::format("{}: {}\n", key, YamlScalar(*path));
   return text;
 }
 

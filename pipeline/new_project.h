@@ -20,4 +20,16 @@ std::string NewPipelineText(const std::filesystem::path& folder,
                             const std::vector<std::string>& poses, const std::string& template_pose,
                             const std::set<std::string>& few = {});
 
+/// A new project's performance: paths as they shall stand in pipeline.yaml; empty: none.
+struct NewPerformance {
+  std::vector<std::pair<std::string, std::string>> shots;  ///< name, folder of films
+  std::string calibration;                                 ///< of all shots
+  std::string scan, texture, marks;
+};
+std::string NewPerformanceText(const std::filesystem::path& folder,
+                               const NewPerformance& performance);
+
+/// @throws UsageError  the folder has anything in it
+void RequireNoProject(const std::filesystem::path& folder);
+
 }  // namespace keypose::pipeline

@@ -1,13 +1,9 @@
 #include "pipeline/pipeline_file.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <set>
-#include <sstream>
 
 #include "core/errors.h"
 #include "core/io/timeline.h"
@@ -15,74 +11,15 @@
 #include "pipeline/stage_info.h"
 #include "pipeline/text.h"
 #include "pipeline/timeline_yaml.h"
+#include "pipeline/yaml_reader.h"
 
 namespace keypose::pipeline {
 namespace {
 
-/// Reads the YAML tree. Every error message has file:line and the path of keys.
-class Reader {
+/// Reads the tree of a pipeline file.
+class Reader : public YamlReader {
  public:
-  explicit Reader(std::string file) : file_(std::move(file)) {}
-
-  Where At(const YAML::Node& node) const { return {file_, node.Mark().line + 1}; }
-
-  [[noreturn]] void Fail(const YAML::Node& node, const std::string& message) const {
-    throw UsageError(fmt::format("{}: {}", At(node).Text(), message));
-  }
-
-  /// Calls `entry(key, key_node, value)` for each entry of a map with unique text keys.
-  template <class Entry>
-  void Map(const YAML::Node& node, const std::string& what, const Entry& entry) const {
-    if (node.IsNull()) return;
-    if (!node.IsMap()) Fail(node, fmt::format("{} must be a map of `key: value` lines", what));
-    std::set<std::string> seen;
-    for (const auto& pair : node) {
-      if (!pair.first.IsScalar())
-        Fail(pair.first, fmt::format("a key of {} must be a plain word", what));
-      const std::string key = pair.first.Scalar();
-      if (!seen.insert(key).second)
-        Fail(pair.first, fmt::format("{} has the key '{}' twice", what, key));
-      entry(key, pair.first, pair.second);
-    }
-  }
-
-  Setting Text(const YAML::Node& node, const std::string& what) const {
-    if (!node.IsScalar()) Fail(node, fmt::format("{} must be a single value", what));
-    return {node.Scalar(), At(node)};
-  }
-
-  /// A path. `~` is replaced later, but errors in it are reported here, with file:line.
-  Setting PathText(const YAML::Node& node, const std::string& what) const {
-    Setting setting = Text(node, what);
-    try {
-      WithHome(setting.text);
-    } catch (const UsageError& error) {
-      Fail(node, error.what());
-    }
-    return setting;
-  }
-
-  /// One of a few words.
-  Setting Choice(const YAML::Node& node, const std::string& what,
-                 const std::vector<std::string>& words) const {
-    Setting setting = Text(node, what);
-    if (std::find(words.begin(), words.end(), setting.text) == words.end())
-      Fail(node, fmt::format("`{}: {}` is not known{}", what, setting.text,
-                             Suggestion(setting.text, words)));
-    return setting;
-  }
-
-  void Unknown(const YAML::Node& key, const std::string& what,
-               const std::vector<std::string>& known) const {
-    Fail(key,
-         fmt::format("{} has no key '{}'{}", what, key.Scalar(), Suggestion(key.Scalar(), known)));
-  }
-
-  void CheckName(const YAML::Node& key, const std::string& what) const {
-    if (IsName(key.Scalar())) return;
-    Fail(key, fmt::format("{} '{}' may have {}, because folders are named by it", what,
-                          key.Scalar(), kNameRule));
-  }
+  using YamlReader::YamlReader;
 
   OptionSettings Options(const YAML::Node& node, const std::string& what) const {
     OptionSettings options;
@@ -133,14 +70,30 @@ class Reader {
     return pose;
   }
 
-  double Number(const YAML::Node& node, const std::string& what) const {
-    const Setting setting = Text(node, what);
-    double value = 0;
-    const char* end_of_text = setting.text.data() + setting.text.size();
-    const auto [end, error] = std::from_chars(setting.text.data(), end_of_text, value);
-    if (error != std::errc() || end != end_of_text || !std::isfinite(value))
-      Fail(node, fmt::format("{} is '{}', but it must be a number", what, setting.text));
-    return value;
+  PoseRule Shot(const std::string& name, const YAML::Node& key, const YAML::Node& node) const {
+    CheckName(key, "the shot name");
+    PoseRule shot;
+    shot.name = name;
+    shot.where = At(key);
+    if (node.IsScalar()) {
+      shot.video = PathText(node, "video");
+      return shot;
+    }
+    const std::string what = "shot '" + name + "'";
+    Map(node, what,
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "video")
+            shot.video = PathText(value, field);
+          else if (field == "calibration")
+            shot.calibration = PathText(value, field);
+          else if (field == "actor")
+            shot.actor = PathText(value, field);
+          else if (field == "options")
+            shot.options = StepOptions(value, what + ".options");
+          else
+            Unknown(field_key, what, {"video", "calibration", "actor", "options"});
+        });
+    return shot;
   }
 
   double Fps(const YAML::Node& node) const {
@@ -227,6 +180,17 @@ class Reader {
     return references;
   }
 
+  InputRule Either(const YAML::Node& node, const std::string& what) const {
+    InputRule rule;
+    rule.where = At(node);
+    rule.either = true;
+    Map(node, what, [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+      if (field != "either") Fail(key, fmt::format("{} has `either`, and nothing beside it", what));
+      rule.for_template = rule.for_others = References(value, what);
+    });
+    return rule;
+  }
+
   InputRule Input(const YAML::Node& node, const std::string& what) const {
     InputRule rule;
     rule.where = At(node);
@@ -234,6 +198,7 @@ class Reader {
       rule.for_template = rule.for_others = References(node, what);
       return rule;
     }
+    if (node["either"]) return Either(node, what);
     rule.split = true;
     Map(node, what, [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
       if (field == "template")
@@ -243,31 +208,22 @@ class Reader {
       else if (field == "fit")
         rule.for_fit = References(value, what);
       else
-        Unknown(key, what, {"template", "others", "fit"});
+        Unknown(key, what, {"template", "others", "fit", "either"});
     });
     return rule;
   }
 
   FanOut Fan(const YAML::Node& node) const {
-    static const std::map<std::string, FanOut> kKinds = {{"pose", FanOut::kPose},
-                                                         {"template", FanOut::kTemplate},
-                                                         {"pair", FanOut::kPair},
-                                                         {"animation", FanOut::kAnimation},
-                                                         {"project", FanOut::kProject}};
+    static const std::map<std::string, FanOut> kKinds = {
+        {"pose", FanOut::kPose}, {"template", FanOut::kTemplate},   {"shot", FanOut::kPose},
+        {"pair", FanOut::kPair}, {"animation", FanOut::kAnimation}, {"project", FanOut::kProject}};
     return kKinds.at(
-        Choice(node, "for", {"pose", "template", "pair", "animation", "project"}).text);
+        Choice(node, "for", {"pose", "shot", "template", "pair", "animation", "project"}).text);
   }
 
   StepMethod MethodOf(const YAML::Node& node) const {
     const std::string text = Choice(node, "method", {"any", "scan", "fit"}).text;
     return text == "scan" ? StepMethod::kScan : text == "fit" ? StepMethod::kFit : StepMethod::kAny;
-  }
-
-  bool Bool(const YAML::Node& node, const std::string& what) const {
-    const Setting setting = Text(node, what);
-    if (setting.text != "true" && setting.text != "false")
-      Fail(node, fmt::format("{} is '{}', but it must be true or false", what, setting.text));
-    return setting.text == "true";
   }
 
   std::vector<ShownSetting> Shown(const YAML::Node& node, const std::string& what) const {
@@ -328,6 +284,8 @@ class Reader {
             step.fan_out = Fan(value);
           else if (field == "method")
             step.method = MethodOf(value);
+          else if (field == "when")
+            step.when = References(value, what + ".when");
           else if (field == "enabled")
             step.enabled = Bool(value, what + ".enabled");
           else if (field == "options")
@@ -345,10 +303,37 @@ class Reader {
             step.cost = CostOf(value, what + ".cost");
           else
             Unknown(field_key, what,
-                    {"stage", "program", "for", "method", "enabled", "inputs", "options", "out",
-                     "show", "cost"});
+                    {"stage", "program", "for", "method", "when", "enabled", "inputs", "options",
+                     "out", "show", "cost"});
         });
     return step;
+  }
+
+  /// The map `poses` or `shots`.
+  void Poses(const std::string& field, const YAML::Node& node, PipelineFile& file) const {
+    const bool shots = field == "shots";
+    Map(node, field, [&](const std::string& name, const YAML::Node& key, const YAML::Node& value) {
+      const std::string composed = Composed(name);
+      file.poses.push_back(shots ? Shot(composed, key, value) : Pose(composed, key, value));
+      if (file.FindPose(composed) != &file.poses.back())
+        Fail(key, fmt::format("{} has the {} '{}' twice", field, shots ? "shot" : "pose", name));
+    });
+  }
+
+  /// Keys that mean nothing in a project of this kind.
+  void RequireKeysOfKind(const YAML::Node& root, ProjectKind kind) const {
+    if (!root.IsMap()) return;
+    const bool performance = kind == ProjectKind::kPerformance;
+    const std::set<std::string> others =
+        performance ? std::set<std::string>{"poses", "template", "timeline"}
+                    : std::set<std::string>{"shots", "scan", "texture", "marks"};
+    for (const auto& pair : root) {
+      const std::string key = pair.first.Scalar();
+      if (!others.contains(key)) continue;
+      Fail(pair.first, fmt::format("`{}` belongs to a project of {}", key,
+                                   performance ? "poses; this one has `kind: performance`"
+                                               : "a performance; add `kind: performance`"));
+    }
   }
 
   PipelineFile File(const YAML::Node& root) const {
@@ -358,6 +343,16 @@ class Reader {
         [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
           if (field == "name")
             file.name = Text(value, field);
+          else if (field == "kind")
+            file.kind = Choice(value, field, {"poses", "performance"}).text == "performance"
+                            ? ProjectKind::kPerformance
+                            : ProjectKind::kPoses;
+          else if (field == "scan")
+            file.scan = PathText(value, field);
+          else if (field == "texture")
+            file.texture = PathText(value, field);
+          else if (field == "marks")
+            file.marks = PathText(value, field);
           else if (field == "template")
             file.template_pose = PoseName(value, field);
           else if (field == "timeline")
@@ -366,13 +361,8 @@ class Reader {
             file.fps = Fps(value);
           else if (field == "options")
             file.options = StepOptions(value, "options");
-          else if (field == "poses")
-            Map(value, "poses",
-                [&](const std::string& name, const YAML::Node& pose_key, const YAML::Node& pose) {
-                  file.poses.push_back(Pose(Composed(name), pose_key, pose));
-                  if (file.FindPose(Composed(name)) != &file.poses.back())
-                    Fail(pose_key, fmt::format("poses has the pose '{}' twice", name));
-                });
+          else if (field == "poses" || field == "shots")
+            Poses(field, value, file);
           else if (field == "steps")
             Map(value, "steps",
                 [&](const std::string& name, const YAML::Node& step_key, const YAML::Node& step) {
@@ -380,14 +370,13 @@ class Reader {
                 });
           else
             Unknown(key, "the pipeline",
-                    {"name", "poses", "template", "timeline", "fps", "options", "steps"});
+                    {"name", "kind", "poses", "shots", "scan", "texture", "marks", "template",
+                     "timeline", "fps", "options", "steps"});
         });
+    RequireKeysOfKind(root, file.kind);
     if (!file.timeline.empty()) file.timeline_json = CheckedTimeline(timeline, file.fps);
     return file;
   }
-
- private:
-  std::string file_;
 };
 
 void OverlayStep(const StepRule& over, StepRule* step) {
@@ -400,6 +389,7 @@ void OverlayStep(const StepRule& over, StepRule* step) {
   }
   if (over.fan_out) step->fan_out = over.fan_out;
   if (over.method) step->method = over.method;
+  if (!over.when.empty()) step->when = over.when;
   for (const auto& [port, rule] : over.inputs) step->inputs[port] = rule;
   const auto overlay = [](const OptionSettings& from, OptionSettings& to) {
     for (const auto& [name, value] : from) to[name] = value;
@@ -429,74 +419,9 @@ const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
   return it == pose_index_.end() ? nullptr : &poses[it->second];
 }
 
-namespace {
-
-/// Aliases can contain themselves, and a few lines of them can stand for more values than fit in
-/// memory. This check makes sure that a walk through the tree ends.
-/// @param left  number of values still allowed
-void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, std::size_t* left) {
-  constexpr int kMostLevels = 50;
-  if (level > kMostLevels)
-    reader.Fail(node, fmt::format("lists and maps are nested more than {} levels deep; does an "
-                                  "alias (`*name`) contain itself?",
-                                  kMostLevels));
-  if ((*left)-- == 0)
-    reader.Fail(node, "aliases (`*name`) expand the file to millions of values; use fewer of them");
-  if (node.IsSequence())
-    for (const YAML::Node& item : node) RequireThatItEnds(reader, item, level + 1, left);
-  if (node.IsMap())
-    for (const auto& pair : node) {
-      RequireThatItEnds(reader, pair.first, level + 1, left);
-      RequireThatItEnds(reader, pair.second, level + 1, left);
-    }
-}
-
-}  // namespace
-
-namespace {
-
-/// UTF-16, which YAML recognises by its first two bytes, is accepted too.
-void RequireUtf8(const std::string& text, const std::string& file) {
-  if (IsUtf8(text) || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return;
-  std::size_t line = 1, begin = 0;
-  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos &&
-                        IsUtf8(text.substr(begin, end - begin));
-       begin = end + 1)
-    ++line;
-  throw UsageError(
-      fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
-}
-
-/// Everything after a `---` would be ignored without a message. Such a line begins a document
-/// anywhere, even in quotes. (The library's reader of all documents never ends on some texts.)
-void RequireOneDocument(const std::string& text, const std::string& file) {
-  std::istringstream lines(text);
-  bool content = false;
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    const bool marker =
-        line.starts_with("---") && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
-    if (marker && content)
-      throw UsageError(fmt::format(
-          "{}:{}: a second document (after `---`) is not read; write all in one", file, number));
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    content = content || marker ||
-              (first != std::string::npos && line[first] != '#' && line[first] != '%');
-  }
-}
-
-}  // namespace
-
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {
-  RequireUtf8(text, file);
   try {
-    const Reader reader(file);
-    RequireOneDocument(text, file);
-    const YAML::Node root = YAML::Load(text);
-    std::size_t left = 3'000'000;
-    RequireThatItEnds(reader, root, 0, &left);
-    return reader.File(root);
+    return Reader(file).File(LoadYaml(text, file));
   } catch (const YAML::Exception& error) {
     throw UsageError(
         fmt::format("{}:{}: this is not YAML: {}", file, error.mark.line + 1, error.msg));

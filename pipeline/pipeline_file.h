@@ -33,11 +33,17 @@ using StepOptionSettings = std::map<std::string, StepSettings>;  ///< by step
 
 /// How many instances a step has.
 enum class FanOut {
-  kPose,       ///< one for each pose
+  kPose,       ///< one for each pose, or for each shot
   kTemplate,   ///< one, on the template
   kPair,       ///< one for each pose other than the template
   kAnimation,  ///< one, when there are two poses or more
   kProject     ///< one
+};
+
+/// What a project makes.
+enum class ProjectKind {
+  kPoses,       ///< key poses from photographs, and frames between them
+  kPerformance  ///< a scan that moves as an actor in films; its shots stand where poses stand
 };
 
 /// How a pose's shape is found.
@@ -56,6 +62,8 @@ struct InputRule {
   bool split = false;  ///< written as {template: ..., others: ..., fit: ...}
   std::vector<Setting> for_template, for_others;
   std::optional<std::vector<Setting>> for_fit;  ///< none: as for_others
+  /// written as {either: [...]}: only the first whose step exists counts
+  bool either = false;
   Where where;
 };
 
@@ -82,6 +90,7 @@ struct StepRule {
   std::optional<Setting> program;
   std::optional<FanOut> fan_out;
   std::optional<StepMethod> method;  ///< none: any
+  std::vector<Setting> when;  ///< words: the step exists only where the project gives all of them
   std::map<std::string, InputRule> inputs;
   /// for all poses; for poses of one method, written as OPTION: {scan: ..., fit: ...}
   OptionSettings options, scan_options, fit_options;
@@ -90,11 +99,13 @@ struct StepRule {
   std::optional<Cost> cost;
 };
 
+/// A pose, or a shot of a performance.
 struct PoseRule {
   std::string name;
   Where where;
   std::optional<Setting> photos, masks, background, landmarks, cameras;
-  std::optional<Setting> method;  ///< "scan" or "fit"
+  std::optional<Setting> method;                     ///< "scan" or "fit"
+  std::optional<Setting> video, calibration, actor;  ///< of a shot
   StepOptionSettings options;
 
   Method FoundBy() const { return method && method->text == "fit" ? Method::kFit : Method::kScan; }
@@ -107,7 +118,10 @@ struct TimelineKey {
 
 struct PipelineFile {
   std::vector<StepRule> steps;  ///< in the order of the file
+  ProjectKind kind = ProjectKind::kPoses;
   std::vector<PoseRule> poses;
+  /// of a performance: the mesh that shall move, its texture, pairs of places on template and scan
+  std::optional<Setting> scan, texture, marks;
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;

@@ -291,13 +291,12 @@ std::string Plan::RunJson(int i) const {
   if (graph_.timeline_json.empty()) {
     for (const std::string& key : graph_.keys) timeline["keys"].push_back({{"pose", key}});
   }
-  return json{
-      {"schema", 1},
-      {"project",
-       {{"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}}},
-      {"timeline", timeline},
-      {"steps", steps}}
-      .dump(1);
+  json project = {
+      {"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}};
+  // Not said of projects of poses: what is said changes the report's fingerprint.
+  if (graph_.kind == ProjectKind::kPerformance) project["kind"] = "performance";
+  return json{{"schema", 1}, {"project", project}, {"timeline", timeline}, {"steps", steps}}.dump(
+      1);
 }
 
 }  // namespace keypose::pipeline

@@ -14,6 +14,11 @@ namespace {
   throw UsageError(fmt::format("{}: {}", where.Text(), message));
 }
 
+const std::vector<std::string> kWords = {"$photos",    "$masks",     "$background",  "$cameras",
+                                         "$landmarks", "$stiffness", "$regions",     "$timeline",
+                                         "$run",       "$video",     "$calibration", "$actor",
+                                         "$scan",      "$texture",   "$marks"};
+
 bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") ||
          text.starts_with("~");
@@ -28,6 +33,20 @@ bool TakesLandmarks(const InputRule& rule) {
 
 std::string PhotographsOf(const PoseRule& pose) {
   return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name);
+}
+
+std::string VideoOf(const PoseRule& shot) {
+  return WithHome(shot.video ? shot.video->text : "shots/" + shot.name);
+}
+
+std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
+                                   const std::filesystem::path& project, const std::string& word) {
+  if (word == "scan") return file.scan;
+  if (word == "texture") return file.texture;
+  if (word == "marks" && file.marks) return file.marks;
+  const Setting by_itself{word + ".json", {"pipeline.yaml", 1}};
+  if (!disk.Stat(project / by_itself.text)) return std::nullopt;
+  return by_itself;
 }
 
 Flow References::Source(const Setting& path) const {
@@ -86,6 +105,11 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
 
 std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
   std::vector<Flow> flows;
+  if (rule.either) {
+    for (const Setting& reference : rule.for_others)
+      if (Exists(reference, step)) return Resolve(reference, step);
+    return flows;
+  }
   const auto add = [&](const Step& of) {
     for (const Setting& reference : ReferencesFor(rule, of.pose)) {
       for (Flow& flow : Resolve(reference, of)) flows.push_back(std::move(flow));
@@ -101,6 +125,14 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
     add(of);
   }
   return flows;
+}
+
+/// Whether the step that it names exists for this pose; of words, whether they give anything.
+bool References::Exists(const Setting& reference, const Step& step) const {
+  if (IsPath(reference.text)) return true;
+  if (reference.text.starts_with("$")) return !ResolveWord(reference, step).empty();
+  const std::string name = reference.text.substr(0, reference.text.find_first_of(".@"));
+  return !file_.FindStep(name) || index_.contains(name) || index_.contains(name + "/" + step.pose);
 }
 
 const std::vector<Setting>& References::ReferencesFor(const InputRule& rule,
@@ -149,16 +181,21 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     flow = Source({word.substr(1) + ".json", reference.where});
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
-  if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
-    Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                                        Suggestion(word, {"$photos", "$masks", "$background",
-                                                          "$cameras", "$landmarks", "$stiffness",
-                                                          "$regions", "$timeline", "$run"})));
+  if (word == "$scan" || word == "$texture" || word == "$marks") {
+    const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
+    return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
   }
+  const bool of_shot = word == "$video" || word == "$calibration" || word == "$actor";
+  const bool of_pose =
+      word == "$photos" || word == "$masks" || word == "$background" || word == "$cameras";
+  if (!of_shot && !of_pose)
+    Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
+                                        Suggestion(word, kWords)));
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose)
     Refuse(reference.where,
            fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
+  if (of_shot) return ShotWord(reference, *pose);
   if (word == "$photos") {
     flow = Source({PhotographsOf(*pose), pose->photos ? pose->photos->where : pose->where});
     flow.photographs = true;
@@ -168,6 +205,27 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
                         : word == "$cameras" ? pose->cameras
                                              : pose->background;
   return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
+}
+
+std::vector<Flow> References::ShotWord(const Setting& reference, const PoseRule& shot) const {
+  const Where where = shot.video ? shot.video->where : shot.where;
+  if (reference.text == "$video") return {Source({VideoOf(shot), where})};
+  if (reference.text == "$actor")
+    return shot.actor ? std::vector<Flow>{Source(*shot.actor)} : std::vector<Flow>{};
+  if (shot.calibration) return {Source(*shot.calibration)};
+  // Beside the films, or for all shots in the project's own folder.
+  for (const std::filesystem::path folder : {VideoOf(shot), std::string(".")}) {
+    const auto stat = disk_.Stat(project_ / folder);
+    if (!stat || !stat->folder) continue;
+    for (const std::string& name : disk_.Children(project_ / folder))
+      if (std::filesystem::path(name).stem() == "calibration")
+        return {Source({(folder / name).lexically_normal().string(), where})};
+  }
+  Refuse(shot.where,
+         fmt::format("shot '{0}' has no calibration of its cameras; put a file or folder "
+                     "`calibration.*` into {1} or into the project, or name it, as in\n  {0}: "
+                     "{{video: {1}, calibration: rig.yml}}",
+                     shot.name, VideoOf(shot)));
 }
 
 std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {

@@ -13,6 +13,14 @@ namespace keypose::pipeline {
 /// The folder of a pose's photographs, as written in pipeline.yaml.
 std::string PhotographsOf(const PoseRule& pose);
 
+/// A word that a whole project has, such as `$scan`, as a path: named in the file, or where it lies
+/// by itself (`marks.json`, `regions.json`, `stiffness.json`). Nothing when the project has none.
+/// @param word  without the $
+std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
+                                   const std::filesystem::path& project, const std::string& word);
+/// The folder of a shot's films, as written in pipeline.yaml.
+std::string VideoOf(const PoseRule& shot);
+
 class References {
  public:
   /// @param graph  has all step instances, not yet connected; kept by reference
@@ -35,6 +43,8 @@ class References {
                                             const std::string& pose_name) const;
   std::vector<std::string> WithStep(const std::string& step, std::vector<std::string> poses) const;
   std::string WhyNoStep(const StepRule& rule, const std::string& pose_name) const;
+  std::vector<Flow> ShotWord(const Setting& reference, const PoseRule& shot) const;
+  bool Exists(const Setting& reference, const Step& step) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
   std::vector<std::string> LandmarkWarnings(const Step& step) const;

@@ -16,8 +16,9 @@ double RealClock::Now() const {
 
 fs::path ProgramFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
-fs::path DefaultPipelineFile() {
-  const fs::path file = (ProgramFolder() / "../share/keypose/pipeline.yaml").lexically_normal();
+fs::path DefaultPipelineFile(ProjectKind kind) {
+  const fs::path name = kind == ProjectKind::kPerformance ? "performance.yaml" : "pipeline.yaml";
+  const fs::path file = (ProgramFolder() / "../share/keypose" / name).lexically_normal();
   if (!fs::exists(file))
     throw DiskError(
         fmt::format("the default pipeline {} is missing; install keypose again", file.string()));
@@ -75,10 +76,10 @@ Session::Session(const fs::path& project, const std::vector<Override>& overrides
       records_(disk_, project / ".keypose"),
       workshop_{disk_, hasher_, store_, records_, project} {
   hasher_.SetCancel([this] { return processes_.interrupted(); });
-  const PipelineFile defaults =
-      ParsePipelineFile(disk_.Read(DefaultPipelineFile()), "the default pipeline");
   const PipelineFile own =
       ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
+  const PipelineFile defaults =
+      ParsePipelineFile(disk_.Read(DefaultPipelineFile(own.kind)), "the default pipeline");
   graph_ =
       BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);
 }

@@ -20,9 +20,9 @@ namespace keypose::pipeline {
 
 /// The running program's folder.
 std::filesystem::path ProgramFolder();
-/// The default pipeline that was installed with the program.
+/// The default pipeline of such projects that was installed with the program.
 /// @throws DiskError  it is missing
-std::filesystem::path DefaultPipelineFile();
+std::filesystem::path DefaultPipelineFile(ProjectKind kind);
 
 /// The project's root: `folder`; if that is empty, the current folder or its nearest parent that
 /// has a pipeline.yaml.

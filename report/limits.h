@@ -36,4 +36,8 @@ constexpr double kFittedIouGood = 0.95, kFittedIouWrong = 0.85;  // mean over it
 constexpr double kFittedUnseenLook = 0.4;  // fit: share of the vertices that no photograph shows
 constexpr double kFittedVolumeLook = 0.1;  // fit: change of the template's volume
 
+// Of a shot of a performance: track's overlap of body and masks, mean over frames and cameras.
+constexpr double kTrackedIouGood = 0.9, kTrackedIouWrong = 0.75;
+constexpr double kTransferVolumeLook = 0.02;  // transfer: largest change of a part's volume
+
 }  // namespace keypose::report

@@ -25,7 +25,8 @@ std::string Tiles(const Contents& contents) {
   }
   std::string html =
       "<div class=tiles>" + Tile(Pretty(static_cast<double>(contents.run.poses.size())),
-                                 contents.run.poses.size() == 1 ? "pose" : "poses");
+                                 std::string(contents.run.performance ? "shot" : "pose") +
+                                     (contents.run.poses.size() == 1 ? "" : "s"));
   if (images > 0) html += Tile(Pretty(images), "photographs placed");
   int faces = 0;
   for (const PosePart& pose : contents.poses) faces = std::max(faces, pose.faces);
@@ -58,11 +59,13 @@ std::string Header(const Contents& contents, const std::vector<Verdict>& verdict
 std::string Navigation(const Contents& contents) {
   std::string html = "<nav><div class=wrap><a href=\"#summary\">Summary</a>";
   for (const PosePart& pose : contents.poses)
-    html += "<a href=\"#pose-" + Escape(pose.name) + "\">Pose " + Escape(pose.name) + "</a>";
+    html += "<a href=\"#pose-" + Escape(pose.name) +
+            (contents.run.performance ? "\">Shot " : "\">Pose ") + Escape(pose.name) + "</a>";
   for (const PairPart& pair : contents.pairs)
     html += "<a href=\"#register-" + Escape(pair.step->pose) + "\">Registration " +
             Escape(pair.step->pose) + "</a>";
-  return html + "<a href=\"#animation\">Animation</a><a href=\"#steps\">Steps</a></div></nav>\n";
+  if (!contents.run.performance) html += "<a href=\"#animation\">Animation</a>";
+  return html + "<a href=\"#steps\">Steps</a></div></nav>\n";
 }
 
 std::string GradeChip(Grade grade) {
@@ -191,7 +194,8 @@ std::string BuildPage(const Contents& contents, const Encoder& encode) {
                      PlayerSection(contents, encode);
   for (const PosePart& pose : contents.poses) body += PoseSection(contents, pose, encode);
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
-  body += AnimationSection(contents, encode) + StepsSection(contents);
+  if (!contents.run.performance) body += AnimationSection(contents, encode);
+  body += StepsSection(contents);
   body +=
       "<footer>All lengths are shares of the bounding-box diagonal unless a unit is given. "
       "<code>report.json</code>, beside this page, has everything on it and all other "

@@ -92,6 +92,13 @@ class Gatherer {
     contents.run = std::move(run);
     const double parts = 2.0 * static_cast<double>(contents.run.poses.size()) + 1;
     double done = 0;
+    if (contents.run.performance) {
+      for (const std::string& shot : contents.run.poses) {
+        ReportProgress(progress_, done++ / parts, "shot " + shot);
+        contents.poses.push_back(GatherShot(contents, shot));
+      }
+      return contents;
+    }
     for (const std::string& pose : contents.run.poses) {
       ReportProgress(progress_, done++ / parts, "pose " + pose);
       contents.poses.push_back(GatherPose(contents, pose));
@@ -157,6 +164,41 @@ class Gatherer {
             ReadImage(sfm->Output("picture"), 3)};
       });
     return pose;
+  }
+
+  PosePart GatherShot(Contents& contents, const std::string& name) {
+    PosePart shot;
+    shot.name = name;
+    const StepRecord *track = contents.run.Find("track", name),
+                     *transfer = contents.run.Find("transfer", name);
+    for (const StepRecord* frames : {transfer, track})
+      if (frames && !frames->Output("frames").empty() && shot.sides.empty())
+        Try(contents, frames->id, [&] { ShowFrames(frames->Output("frames"), shot); });
+    if (track && !track->Output("picture").empty())
+      Try(contents, track->id, [&] {
+        shot.cameras =
+            Picture{"The tracked body over the films", ReadImage(track->Output("picture"), 3)};
+      });
+    return shot;
+  }
+
+  /// Some frames, evenly picked.
+  void ShowFrames(const fs::path& folder, PosePart& shot) const {
+    const auto frame = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
+    int count = 0;
+    while (fs::exists(folder / fmt::format("frame_{:04}.ply", count))) ++count;
+    const Mesh mesh = frame(0);
+    RequireUsable(mesh, "frame_0000.ply");
+    shot.faces = mesh.face_count(), shot.vertices = mesh.vertex_count();
+    std::vector<PointsX3> shown;
+    std::vector<std::string> captions;
+    const int strip = std::min(count, options_.film_frames);
+    for (int i = 0; i < strip; ++i) {
+      const int index = strip == 1 ? 0 : i * (count - 1) / (strip - 1);
+      shown.push_back(frame(index).points);
+      captions.push_back("frame " + std::to_string(index));
+    }
+    shot.sides = Film(mesh, shown, captions, nullptr, sides_);
   }
 
   void ShowShape(const fs::path& path, PosePart& pose) const {

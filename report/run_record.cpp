@@ -115,6 +115,7 @@ RunRecord ParseRun(const std::string& text, const fs::path& folder, const FileRe
     const json project = record.at("project");
     run.project = TextOf(project, "name");
     run.template_pose = TextOf(project, "template");
+    run.performance = TextOf(project, "kind") == "performance";
     run.poses = project.at("poses").get<std::vector<std::string>>();
     if (record.contains("timeline") && !record["timeline"].is_null())
       run.timeline = record["timeline"].dump();

@@ -38,7 +38,8 @@ struct StepRecord {
 struct RunRecord {
   std::string project, template_pose;
   std::vector<std::string> poses;
-  std::string timeline;  ///< JSON text; empty if there is none
+  bool performance = false;  ///< a scan that moves as an actor in films; `poses` are its shots
+  std::string timeline;      ///< JSON text; empty if there is none
   std::vector<StepRecord> steps;
 
   /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or

@@ -49,6 +49,7 @@ std::string Chip(const StepRecord& step) {
 
 /// A pose from few photographs has other stages than a scanned one.
 std::vector<std::string> StagesOf(const RunRecord& run, const std::string& pose) {
+  if (run.performance) return {"track", "export"};
   if (run.Find("fit", pose)) return {"capture", "fit", "bake"};
   return {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"};
 }
@@ -98,6 +99,14 @@ constexpr Fact kPoseFacts[] = {
     {"fit", "correlation of grey values", "correlation"},
     {"fit", "volume over the template's", "volume_ratio"},
     {"fit", "surface in no photograph (share)", "unseen"},
+    {"track", "frames", "frames"},
+    {"track", "cameras", "cameras"},
+    {"track", "overlap with the masks, mean (IoU)", "iou_mean"},
+    {"track", "overlap with the masks, least (IoU)", "iou_least"},
+    {"track", "limbs lost and found again", "limbs_found_again"},
+    {"track", "height of the actor (m)", "actor_height_m"},
+    {"transfer", "marks", "marks"},
+    {"transfer", "largest change of volume (share)", "volume_deviation"},
     {"unwrap", "UV charts", "charts"},
     {"unwrap", "L2 stretch", "stretch_l2"},
     {"unwrap", "L2 stretch", "l2_stretch"},
@@ -127,6 +136,8 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
 }
 
 std::string HowItWasFound(const RunRecord& run, const std::string& pose) {
+  if (run.performance)
+    return "A shot: the actor in its films was tracked, and the result moves as the actor did.";
   if (pose == run.template_pose)
     return "The template: the other poses use its connectivity and texture layout.";
   if (run.Find("fit", pose))
@@ -246,11 +257,14 @@ std::string StepsSection(const Contents& contents) {
 }
 
 std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode) {
-  std::string html = "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" +
+  std::string html = "<section id=\"pose-" + Escape(pose.name) +
+                     (contents.run.performance ? "\"><h2>Shot \u2018" : "\"><h2>Pose \u2018") +
                      Escape(pose.name) + "\u2019</h2><p class=lead>" +
                      HowItWasFound(contents.run, pose.name) + "</p>" +
                      MissingStages(contents, pose);
-  if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
+  if (!pose.sides.empty())
+    html += (contents.run.performance ? "<h3>Frames</h3>" : "<h3>Textured, from all round</h3>") +
+            Shots(pose.sides, encode);
   if (!pose.worst.empty())
     html += "<h3>Photograph and render from the same camera: the worst of " +
             Pretty(static_cast<double>(pose.evidence.views.size())) +

@@ -254,6 +254,29 @@ class Findings {
           std::string("if no clay was added or removed: ") + kMorePhotographs);
   }
 
+  void Track(const StepRecord& s) {
+    const auto iou = s.Number("iou_mean"), cameras = s.Number("cameras");
+    if (!iou) return;
+    const bool good = *iou >= kTrackedIouGood;
+    const auto least = s.Number("iou_least"), frame = s.Number("iou_least_frame");
+    Add(good                       ? Grade::kGood
+        : *iou >= kTrackedIouWrong ? Grade::kLook
+                                   : Grade::kWrong,
+        s,
+        "The tracked body overlaps the actor in " + Pretty(cameras.value_or(0)) + " cameras by " +
+            Bold(Percent(*iou)) + " (mean IoU" +
+            (least && frame ? "; least " + Percent(*least) + ", in frame " + Pretty(*frame) : "") +
+            ").",
+        good ? "" : "look at the masks of the frames that fit worst, and at the calibration");
+  }
+
+  void Transfer(const StepRecord& s) {
+    if (const auto volume = s.Number("volume_deviation"))
+      Add(*volume <= kTransferVolumeLook ? Grade::kNote : Grade::kLook, s,
+          "The scan's volume changes by up to " + Bold(Percent(*volume)) + " in its motion.",
+          *volume <= kTransferVolumeLook ? "" : "add marks on both sides of the joints that bend");
+  }
+
   void Overlap(const StepRecord& s, const std::vector<ViewEvidence>& views) {
     double sum = 0, least = 1;
     for (const ViewEvidence& view : views) sum += view.iou, least = std::min(least, view.iou);
@@ -376,6 +399,8 @@ void FindOnStep(const StepRecord& step, const Contents& contents, std::vector<Fi
   if (step.stage == "unwrap") findings.Unwrap(step);
   if (step.stage == "bake") findings.Bake(step, run.Find("complete", step.pose));
   if (step.stage == "register") findings.Register(step);
+  if (step.stage == "track") findings.Track(step);
+  if (step.stage == "transfer") findings.Transfer(step);
   if (step.stage == "fit") findings.Fit(step, PoseOf(contents, step.pose));
 }
 
@@ -396,7 +421,8 @@ Verdict VerdictOn(const std::string& about, const std::string& pose,
   int count = 0;
   for (const Finding& f : findings) {
     const bool decides =
-        f.grade == verdict.grade && (f.grade != Grade::kGood || f.where == "compared");
+        f.grade == verdict.grade &&
+        (f.grade != Grade::kGood || f.where == "compared" || f.where.starts_with("track"));
     if (f.pose != pose || !decides) continue;
     if (++count <= kFindingsInVerdict) verdict.why += (verdict.why.empty() ? "" : " ") + f.text;
     if (!f.cure.empty() && verdict.cure.find(f.cure) == std::string::npos)
@@ -435,7 +461,7 @@ std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>&
     Verdict& verdict = verdicts.back();
     const PosePart* part = PoseOf(contents, name);
     const bool compared = part && !part->evidence.views.empty();
-    if (compared || verdict.grade == Grade::kWrong) continue;
+    if (compared || contents.run.performance || verdict.grade == Grade::kWrong) continue;
     verdict.grade = Grade::kLook;
     verdict.why = "There is no textured mesh to compare with the photographs. " + verdict.why;
     verdict.cure +=
