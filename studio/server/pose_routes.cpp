@@ -82,6 +82,20 @@ void Routes::AddMeshes() {
       return BytesAnswer(CloudBytes(ReadPointCloud(path), kMostCloudPoints));
     return BytesAnswer(MeshBytes(ReadMesh(path)));
   });
+  Add("GET", "/api/fit", [this, mesh_path](const Question& question) {
+    const std::string pose = question.Need("pose");
+    // Before the first registration there is no fit to show, which is no fault.
+    // A pose from few photographs has no scan to be far from.
+    if (With([&](Snapshot& now) {
+          return now.IsFitted(pose) || !now.MeshPath(pose, MeshKind::kMesh);
+        }))
+      return BytesAnswer("");
+    return BytesAnswer(FitBytes(ReadMesh(mesh_path(pose, MeshKind::kMesh)),
+                                ReadMesh(mesh_path(pose, MeshKind::kClean))));
+  });
+}
+
+void Routes::AddTextures() {
   Add("GET", "/api/texture", [this](const Question& question) {
     const std::string pose = question.Need("pose");
     const auto path = With([&](Snapshot& now) { return now.TexturePath(pose); });
@@ -94,17 +108,9 @@ void Routes::AddMeshes() {
     if (!path) throw UsageError(fmt::format("pose '{}' has no confidence yet", pose));
     return PictureAnswer(*path);
   });
-  Add("GET", "/api/fit", [this, mesh_path](const Question& question) {
-    const std::string pose = question.Need("pose");
-    // Before the first registration there is no fit to show, which is no fault.
-    // A pose from few photographs has no scan to be far from.
-    if (With([&](Snapshot& now) {
-          return now.IsFitted(pose) || !now.MeshPath(pose, MeshKind::kMesh);
-        }))
-      return BytesAnswer("");
-    return BytesAnswer(FitBytes(ReadMesh(mesh_path(pose, MeshKind::kMesh)),
-                                ReadMesh(mesh_path(pose, MeshKind::kClean))));
-  });
+}
+
+void Routes::AddFrames() {
   Add("GET", "/api/frames", [this](const Question&) {
     return JsonAnswer(With([](Snapshot& now) { return FramesJson(now); }));
   });

@@ -56,6 +56,8 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddRuns();
   AddPhotographs();
   AddMeshes();
+  AddTextures();
+  AddFrames();
   AddLandmarks();
   AddTimeline();
   AddResults();

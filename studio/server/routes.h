@@ -33,6 +33,8 @@ class Routes {
   void AddPhotographs();
   void AddMasks();
   void AddMeshes();
+  void AddTextures();
+  void AddFrames();
   void AddLandmarks();
   void AddPaint();
   void AddTimeline();

@@ -69,11 +69,31 @@ DeviceFault Grabbed() {
                      kHowToFree, false);
 }
 
+DeviceFault NotFound() {
+  return DeviceFault("camera-gone", "no camera is found",
+                     "switch it on, plug its USB cable in, and set it to PTP or 'PC remote' where "
+                     "its menu has that; it goes on by itself",
+                     false);
+}
+
+DeviceFault Silent(const std::string& doing) {
+  return DeviceFault(
+      "camera-gone", "the camera does not answer while it should " + doing,
+      "see whether its cable is in, its battery is charged, and it has not gone to "
+      "sleep (switch its power saving off); it goes on by itself",
+      false);
+}
+
+DeviceFault NotByCable(const std::string& doing) {
+  return DeviceFault("camera-failed", "this camera cannot " + doing + " by cable",
+                     "let a tethering program or your phone save its photographs in a folder, and "
+                     "start with --camera folder:PATH",
+                     true);
+}
+
 }  // namespace
 
 DeviceFault FaultOfGphoto2(int error, const std::string& doing, const std::string& text) {
-  const auto fault = [&](const char* code, const std::string& said, const std::string& advice,
-                         bool hand) { return DeviceFault(code, said, advice, hand); };
   switch (error) {
     case GP_ERROR_IO_USB_CLAIM:
     case GP_ERROR_IO_LOCK:
@@ -81,11 +101,7 @@ DeviceFault FaultOfGphoto2(int error, const std::string& doing, const std::strin
     case GP_ERROR_MODEL_NOT_FOUND:
     case GP_ERROR_UNKNOWN_PORT:
     case GP_ERROR_IO_USB_FIND:
-      return fault(
-          "camera-gone", "no camera is found",
-          "switch it on, plug its USB cable in, and set it to PTP or 'PC remote' where its "
-          "menu has that; it goes on by itself",
-          false);
+      return NotFound();
     case GP_ERROR_IO:
     case GP_ERROR_IO_READ:
     case GP_ERROR_IO_WRITE:
@@ -93,26 +109,21 @@ DeviceFault FaultOfGphoto2(int error, const std::string& doing, const std::strin
     case GP_ERROR_IO_UPDATE:
     case GP_ERROR_IO_USB_CLEAR_HALT:
     case GP_ERROR_TIMEOUT:
-      return fault("camera-gone", "the camera does not answer while it should " + doing,
-                   "see whether its cable is in, its battery is charged, and it has not gone to "
-                   "sleep (switch its power saving off); it goes on by itself",
-                   false);
+      return Silent(doing);
     case GP_ERROR_NO_SPACE:
     case GP_ERROR_NO_MEMORY:
-      return fault("card-full", "the camera's memory card is full", "empty it or put in another",
-                   true);
+      return DeviceFault("card-full", "the camera's memory card is full",
+                         "empty it or put in another", true);
     case GP_ERROR_CAMERA_BUSY:
-      return fault("camera-failed", "the camera is busy", "it is tried again by itself", false);
+      return DeviceFault("camera-failed", "the camera is busy", "it is tried again by itself",
+                         false);
     case GP_ERROR_NOT_SUPPORTED:
-      return fault("camera-failed", "this camera cannot " + doing + " by cable",
-                   "let a tethering program or your phone save its photographs in a folder, and "
-                   "start with --camera folder:PATH",
-                   true);
+      return NotByCable(doing);
     default:
-      return fault("camera-failed", "the camera could not " + doing + ": " + text,
-                   "see what its screen says (focus not found, battery, card, lens cap); set the "
-                   "lens to manual focus",
-                   true);
+      return DeviceFault("camera-failed", "the camera could not " + doing + ": " + text,
+                         "see what its screen says (focus not found, battery, card, lens cap); set "
+                         "the lens to manual focus",
+                         true);
   }
 }
 
