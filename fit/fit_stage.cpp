@@ -1,31 +1,43 @@
 // keypose-fit: bends the template into a few photographs of another pose.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/stiffness_io.h"
 #include "core/mesh_checks.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
+#include "fit/outline_picture.h"
 #include "views/load/prepared_views.h"
 
 namespace keypose::fit {
 namespace {
 
+// How firmly a rig's cameras hold against the photographs: a table that is turned by hand stops a
+// degree beside its mark.
+constexpr double kHoldRig = 2;
+
 struct FitStageOptions {
   int max_size = 1600;
+  double min_iou = 0.8;  ///< a lower overlap with the masks throws QualityError
 
   void Describe(OptionVisitor& visit) {
     visit("max_size", max_size,
           {"photographs are scaled down to this longer side", "px", 128, 16384});
+    visit("min_iou", min_iou,
+          {"fail when the result's outlines overlap with the masks by less than this (intersection "
+           "over union, mean of the photographs)",
+           "", 0, 1});
   }
 };
 
@@ -38,10 +50,14 @@ StageSpec Spec() {
       {"template", "file", "the unwrapped template (.obj)", ""},
       {"texture", "file", "the template's texture", ""},
       {"images", "folder", "photographs of the pose, from capture", ""},
-      {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""}};
+      {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
+      {"stiffness", "file",
+       "the template with painted greys (.ply), or a number for each vertex", "", true}};
   spec.outputs = {
       {"fitted", "file", "the template in the pose (.obj or .ply)", "fitted.obj"},
-      {"model", "folder", "the cameras of the pose's photographs (COLMAP)", "model", true}};
+      {"model", "folder", "the cameras of the pose's photographs (COLMAP)", "model", true},
+      {"picture", "file", "outlines of the result over the photographs (.png)", "fitted.png",
+       true}};
   spec.memory_gib = 2;
   spec.common = {"max_size"};
   return spec;
@@ -119,32 +135,118 @@ Scene SceneOf(const Scene& unplaced, const std::vector<BendView>& views,
   return scene;
 }
 
+/// Takes the rig's cameras for the photographs where most were taken by them; else each photograph
+/// keeps the camera that was found for it alone. Moves the template to where the figure stands.
+/// @return whether the rig's cameras were taken
+bool PlaceByRig(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
+                std::vector<FoundCamera>& cameras, Mesh& mesh) {
+  const RigMatch match = MatchRig(mesh, cameras, views, rig.views);
+  stage.Report("rig", match.found);
+  stage.Report("rig_agreeing", match.agreeing);
+  if (!match.found) return false;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (int i = 0; i < SizeOf(cameras); ++i)
+    if (match.rig_view[i] >= 0)
+      list.push_back({{"image", views[i].name},
+                      {"rig_image", rig.views[match.rig_view[i]].name},
+                      {"inliers", match.inliers[i]}});
+  stage.ReportJson("rig_cameras", list.dump());
+  for (int i = 0; i < SizeOf(cameras); ++i) {
+    cameras[i].found = match.rig_view[i] >= 0;
+    if (cameras[i].found)
+      cameras[i].camera_from_world = rig.views[match.rig_view[i]].camera_from_world;
+  }
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    mesh.points.row(v) = (match.rig_from_template * mesh.points.row(v).transpose()).transpose();
+  return true;
+}
+
+Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& mesh) {
+  if (!stage.Has("stiffness")) return {};
+  CarryLog log;
+  const Eigen::VectorXd stiffness = ReadStiffness(stage.Input("stiffness"), mesh, &log);
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
+  return stiffness;
+}
+
+/// @return mean overlap of silhouettes and masks
+double ReportViews(StageContext& stage, const std::vector<BendView>& views,
+                   const BendResult& result) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  double overlap = 0, least = 1, gap = 0, correlation = 0;
+  int matches = 0;
+  const double share = 1.0 / SizeOf(views);
+  for (int v = 0; v < SizeOf(views); ++v) {
+    const ViewQuality& q = result.view_quality[v];
+    list.push_back({{"image", views[v].view.name},
+                    {"matches", q.matches},
+                    {"outline_gap_px", q.outline_gap_px},
+                    {"correlation", q.correlation},
+                    {"iou", q.overlap}});
+    overlap += share * q.overlap, gap += share * q.outline_gap_px;
+    correlation += share * q.correlation, least = std::min(least, q.overlap);
+    matches += q.matches;
+  }
+  stage.ReportJson("views", list.dump());
+  stage.Report("matches", matches);
+  stage.Report("iou_mean", overlap);
+  stage.Report("iou_least", least);
+  stage.Report("outline_gap_px", gap);
+  stage.Report("correlation", correlation);
+  return overlap;
+}
+
+void ReportShape(StageContext& stage, const BendResult& result) {
+  const double count = static_cast<double>(result.views.size());
+  stage.Report("unfolded", result.unfolded);
+  stage.Report("volume_ratio", result.volume_ratio);
+  stage.Report("unseen", static_cast<double>((result.views.array() == 0).count()) / count);
+  stage.Report("confidence_mean", result.confidence.mean());
+}
+
+void WriteResult(StageContext& stage, Mesh mesh, const Scene& unplaced,
+                 const std::vector<BendView>& views, const BendResult& result) {
+  mesh.points = result.points;
+  mesh.normals.resize(0, 3);
+  WriteMesh(stage.Output("fitted"), mesh);
+  if (const auto path = stage.Output("model"); !path.empty())
+    WriteColmapModel(path, SceneOf(unplaced, views, result.cameras));
+  if (const auto path = stage.Output("picture"); !path.empty())
+    WriteImage(path, OutlinePicture(mesh, views, result.cameras));
+}
+
 void Run(StageContext& stage, const FitStageOptions& options) {
-  const Mesh mesh = ReadMesh(stage.Input("template"));
+  Mesh mesh = ReadMesh(stage.Input("template"));
+  RequireUsable(mesh, "fit: template");
+  const Eigen::VectorXd stiffness = LoadStiffness(stage, mesh);
   const Image8 texture = ReadImage(stage.Input("texture"), 3);
   const ImageSet set = ReadImageSet(stage.Input("images"));
-  const Scene unplaced = UnplacedScene(set, ReadColmapModel(stage.Input("rig")));
-  constexpr int kLevels = 3;
+  const Scene rig = ReadColmapModel(stage.Input("rig"));
+  const Scene unplaced = UnplacedScene(set, rig);
+  constexpr int kLevels = 3, kFewest = 2;
   std::vector<PreparedView> views =
-      LoadPreparedViews(stage, "fit", unplaced, options.max_size, kLevels);
-  SubProgress finding(stage.progress(), 0.02, 0.3), bending(stage.progress(), 0.3, 0.97);
-  const SurfaceFeatures features(mesh, texture, {}, &finding);
-  const std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, &finding);
+      LoadPreparedViews(stage, "fit", unplaced, options.max_size, kLevels, kFewest);
+  SubProgress rendering(stage.progress(), 0.05, 0.15), finding(stage.progress(), 0.15, 0.3),
+      bending(stage.progress(), 0.3, 0.97);
+  const SurfaceFeatures features(mesh, texture, {}, &rendering);
+  std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, &finding);
   ReportCameras(stage, views, cameras);
+  BendOptions bend;
+  if (PlaceByRig(stage, rig, views, cameras, mesh)) bend.hold_cameras = kHoldRig;
   const std::vector<BendView> placed = PlacedViews(stage, std::move(views), cameras);
-  const BendResult result = BendToViews(mesh, texture, {}, placed, {}, {}, &bending);
-  stage.Report("matches", result.matches_used);
-  stage.Report("outline_gap_px", result.outline_gap_px);
-  stage.Report("correlation", result.correlation);
-  stage.Report("volume_ratio", result.volume_ratio);
-  stage.Report("unseen", static_cast<double>((result.views.array() == 0).count()) /
-                             static_cast<double>(mesh.vertex_count()));
-  Mesh fitted = mesh;
-  fitted.points = result.points;
-  fitted.normals.resize(0, 3);
-  WriteMesh(stage.Output("fitted"), fitted);
-  if (const auto path = stage.Output("model"); !path.empty())
-    WriteColmapModel(path, SceneOf(unplaced, placed, result.cameras));
+  stage.Report("images_total", SizeOf(set.images));
+  stage.Report("images_placed", SizeOf(placed));
+  const BendResult result = BendToViews(mesh, texture, stiffness, placed, {}, bend, &bending);
+  const double overlap = ReportViews(stage, placed, result);
+  ReportShape(stage, result);
+  WriteResult(stage, mesh, unplaced, placed, result);
+  if (overlap < options.min_iou)
+    throw QualityError(fmt::format(
+        "fit: the bent template overlaps with the photographs' masks by {:.2f} only (IoU; "
+        "--min_iou is {:.2f}); look at the masks, add photographs of the limbs that moved "
+        "farthest, or scan this pose with 24 photographs or more",
+        overlap, options.min_iou));
 }
 
 }  // namespace

@@ -157,12 +157,8 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
 
 Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& source) {
   if (!stage.Has("stiffness")) return {};
-  const std::filesystem::path path = stage.Input("stiffness");
-  const std::string text = ReadFile(path);
-  const Mesh painted = text.starts_with("ply") ? ReadMesh(path) : Mesh();
   CarryLog log;
-  const Eigen::VectorXd stiffness =
-      StiffnessOn(source, text, painted, path.filename().string(), &log);
+  const Eigen::VectorXd stiffness = ReadStiffness(stage.Input("stiffness"), source, &log);
   Tell(stage, log);
   return stiffness;
 }

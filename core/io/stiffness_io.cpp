@@ -11,6 +11,7 @@
 #include "core/geometry.h"
 #include "core/io/binding_io.h"
 #include "core/io/files.h"
+#include "core/io/mesh_io.h"
 #include "core/io/stiffness_map.h"
 #include "core/limits.h"
 
@@ -134,6 +135,13 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
                             "it: keypose landmarks bind --mesh SOURCE "
                             "--stiffness FILE --bound FILE.json");
   return ParseStiffness(text, source.vertex_count(), name);
+}
+
+Eigen::VectorXd ReadStiffness(const std::filesystem::path& path, const Mesh& source,
+                              CarryLog* log) {
+  const std::string text = ReadFile(path);
+  const Mesh painted = text.starts_with("ply") ? ReadMesh(path) : Mesh();
+  return StiffnessOn(source, text, painted, path.filename().string(), log);
 }
 
 }  // namespace keypose

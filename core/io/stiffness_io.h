@@ -2,6 +2,7 @@
 // mesh that was rebuilt since.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "core/io/carry_log.h"
@@ -24,5 +25,10 @@ std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffnes
 /// @throws InputError  malformed, a wrong count of plain numbers, or a mesh of another shape
 Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const Mesh& painted,
                             const std::string& name, CarryLog* log);
+
+/// The same from a file.
+/// @throws DiskError, and as StiffnessOn
+Eigen::VectorXd ReadStiffness(const std::filesystem::path& path, const Mesh& source,
+                              CarryLog* log);
 
 }  // namespace keypose

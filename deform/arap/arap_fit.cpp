@@ -270,6 +270,12 @@ Eigen::VectorXd ArapFit::Rings() const {
   return sums;
 }
 
+PointsX3 ArapFit::ShapePull() const {
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rest_.rows(), 3);
+  AddShapePull(b);
+  return b;
+}
+
 PointsX3 ArapFit::FitPositions(const Pulls& pulls, const PointsX3& start, int steps) const {
   Eigen::MatrixXd b = pulls.b + hold_.asDiagonal() * start;
   AddShapePull(b);

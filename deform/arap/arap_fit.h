@@ -75,6 +75,11 @@ class ArapFit {
   /// The factor on the rest shape that fits `moved` best under the current maps.
   double BestScale(const PointsX3& moved) const;
   void ScaleRest(double factor);  ///< scales the rest shape
+  /// The shape term as p^T L p - 2 p^T ShapePull(), with the maps as they are, for solvers with
+  /// further unknowns.
+  /// @return L, V x V; only its lower triangle is stored
+  const Eigen::SparseMatrix<double>& shape_matrix() const { return lower_; }
+  PointsX3 ShapePull() const;  ///< V x 3
   const RigidPieces& pieces() const { return pieces_; }
   /// Moves the rigid pieces' vertices to their exact shape. Returns the factor on the rest shape
   /// that fits them best.

@@ -19,9 +19,10 @@ struct PatchShiftTuning {
   KEYPOSE_TUNED(double, kLeastPixels, 0.4);  // share of a patch that must be usable
 };
 
-constexpr int kRounds = 12;
+constexpr int kMostSteps = 12;
 constexpr double kSettled = 0.01;     // [px]
-constexpr double kDepthTolerance = 3; // of a vertex, in footprints
+constexpr double kLeastVariance = 0.25;  // of brightness [grey levels^2]
+constexpr double kDepthTolerance = 3;    // of a vertex, in footprints
 
 struct Pixel {
   int x, y;
@@ -54,91 +55,84 @@ std::vector<Pixel> PatchOf(const SeenVertex& seen, const TexturedRender& render,
   return patch;
 }
 
-/// Weighted moments of a patch's values and those of the photograph under a shift.
-struct Moments {
-  double weight = 0, mean_t = 0, mean_i = 0, var_t = 0, var_i = 0, cov = 0;
-};
-
+/// Aligns one patch. Brightness may differ by a factor and by a plane (offset and slope), since the
+/// light stays with the lamp while the figure turns: planes are projected out of all values.
 class Aligner {
  public:
-  Aligner(std::vector<Pixel> patch, const ImageF& photo, const PatchOptions& options)
-      : patch_(std::move(patch)), photo_(photo), options_(options), values_(patch_.size()) {
-    PrepareTemplate();
+  Aligner(const std::vector<Pixel>& patch, const ImageF& photo, const PatchOptions& options)
+      : patch_(patch), photo_(photo), options_(options) {
+    PreparePlanes();
+    const Eigen::Index n = SizeOf(patch_);
+    render_.resize(n), values_.resize(n), gradients_.resize(n, 2);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Pixel& p = patch_[k];
+      render_[k] = root_[k] * p.value;
+      gradients_.row(k) = root_[k] * Eigen::RowVector2d(p.dx, p.dy);
+    }
+    render_ -= planes_ * (planes_.transpose() * render_);
+    gradients_ -= planes_ * (planes_.transpose() * gradients_);
+    hessian_ = gradients_.transpose() * gradients_;
+    contrast_ = render_.squaredNorm();
   }
 
   PatchShift Run(double noise) {
     PatchShift result;
-    const Eigen::Matrix2d inverse = InverseOf(hessian_);
-    for (int round = 0; round < kRounds; ++round) {
-      const Eigen::Vector2d step = inverse * Gradient(result.shift);
+    const double damping = 1e-3 * hessian_.trace() + 1e-6;
+    const Eigen::Matrix2d inverse =
+        (hessian_ + damping * Eigen::Matrix2d::Identity()).inverse();
+    for (int round = 0; round < kMostSteps; ++round) {
+      Sample(result.shift);
+      const Eigen::Vector2d step =
+          inverse * (gradients_.transpose() * (render_ - Gain() * values_));
       result.shift += step;
       if (!(result.shift.norm() <= options_.reach_px)) return result;
       if (step.norm() < kSettled) break;
     }
-    const Moments m = Measure(result.shift);
-    result.correlation = m.cov / std::sqrt(std::max(m.var_t * m.var_i, 1e-12));
+    Sample(result.shift);
+    result.correlation =
+        render_.dot(values_) / std::sqrt(std::max(contrast_ * values_.squaredNorm(), 1e-12));
     if (!(result.correlation >= options_.least_correlation)) return result;
     result.found = true;
-    result.confidence = Confidence(m, noise);
+    result.confidence = Confidence(noise);
     return result;
   }
 
  private:
-  void PrepareTemplate() {
-    double weight = 0;
-    Eigen::Vector2d mean_gradient = Eigen::Vector2d::Zero();
-    for (const Pixel& p : patch_) {
-      weight += p.weight;
-      mean_gradient += p.weight * Eigen::Vector2d(p.dx, p.dy);
-    }
-    mean_gradient /= std::max(weight, 1e-9);
-    // The offset of brightness is eliminated: gradients without their mean.
-    for (const Pixel& p : patch_) {
-      const Eigen::Vector2d g = Eigen::Vector2d(p.dx, p.dy) - mean_gradient;
-      hessian_ += p.weight * g * g.transpose();
-    }
-  }
-
-  static Eigen::Matrix2d InverseOf(const Eigen::Matrix2d& h) {
-    const double damping = 1e-3 * h.trace() + 1e-6;
-    return (h + damping * Eigen::Matrix2d::Identity()).inverse();
-  }
-
-  Moments Measure(const Eigen::Vector2d& shift) {
-    Moments m;
-    for (int k = 0; k < SizeOf(patch_); ++k) {
+  /// An orthonormal basis of the planes over the patch, under the pixels' weights.
+  void PreparePlanes() {
+    const Eigen::Index n = SizeOf(patch_);
+    root_.resize(n);
+    planes_.resize(n, 3);
+    for (Eigen::Index k = 0; k < n; ++k) {
       const Pixel& p = patch_[k];
-      values_[k] = SampleGrey(photo_, p.x + shift.x(), p.y + shift.y());
-      m.weight += p.weight;
-      m.mean_t += p.weight * p.value;
-      m.mean_i += p.weight * values_[k];
+      root_[k] = std::sqrt(p.weight);
+      planes_.row(k) = root_[k] * Eigen::RowVector3d(1, p.x - patch_[0].x, p.y - patch_[0].y);
     }
-    m.mean_t /= m.weight, m.mean_i /= m.weight;
-    for (int k = 0; k < SizeOf(patch_); ++k) {
-      const Pixel& p = patch_[k];
-      const double t = p.value - m.mean_t, i = values_[k] - m.mean_i;
-      m.var_t += p.weight * t * t, m.var_i += p.weight * i * i, m.cov += p.weight * t * i;
+    for (int c = 0; c < 3; ++c) {
+      for (int d = 0; d < c; ++d)
+        planes_.col(c) -= planes_.col(d).dot(planes_.col(c)) * planes_.col(d);
+      planes_.col(c) /= std::max(planes_.col(c).norm(), 1e-12);
     }
-    return m;
   }
 
-  /// The right-hand side: gradients times what the photograph lacks, in the render's contrast.
-  Eigen::Vector2d Gradient(const Eigen::Vector2d& shift) {
-    const Moments m = Measure(shift);
-    const double gain = m.var_i > 1e-9 ? m.cov / m.var_i : 0;
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (int k = 0; k < SizeOf(patch_); ++k) {
+  void Sample(const Eigen::Vector2d& shift) {
+    for (Eigen::Index k = 0; k < values_.size(); ++k) {
       const Pixel& p = patch_[k];
-      const double lack = p.value - m.mean_t - gain * (values_[k] - m.mean_i);
-      sum += p.weight * lack * Eigen::Vector2d(p.dx, p.dy);
+      values_[k] = root_[k] * SampleGrey(photo_, p.x + shift.x(), p.y + shift.y());
     }
-    return sum;
+    values_ -= planes_ * (planes_.transpose() * values_);
   }
 
-  Eigen::Matrix2d Confidence(const Moments& m, double noise) const {
-    const double gain = m.var_i > 1e-9 ? m.cov / m.var_i : 0;
-    const double left = std::max(0.0, m.var_t - gain * m.cov) / m.weight;
-    const double variance = left + gain * gain * noise * noise + 0.25;
+  /// The factor that takes the photograph's contrast to the render's.
+  double Gain() const {
+    const double square = values_.squaredNorm();
+    return square > 1e-9 ? render_.dot(values_) / square : 0;
+  }
+
+  Eigen::Matrix2d Confidence(double noise) const {
+    const double gain = Gain();
+    const double left = (render_ - gain * values_).squaredNorm() / root_.squaredNorm();
+    const double variance = left + gain * gain * noise * noise + kLeastVariance;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian_ / variance);
     const double half = 1 / (PatchShiftTuning::kHalfConfident * PatchShiftTuning::kHalfConfident);
     Eigen::Vector2d sure = solver.eigenvalues().cwiseMax(0.0);
@@ -146,11 +140,14 @@ class Aligner {
     return solver.eigenvectors() * sure.asDiagonal() * solver.eigenvectors().transpose();
   }
 
-  std::vector<Pixel> patch_;
+  const std::vector<Pixel>& patch_;
   const ImageF& photo_;
   const PatchOptions& options_;
-  std::vector<float> values_;
-  Eigen::Matrix2d hessian_ = Eigen::Matrix2d::Zero();
+  Eigen::VectorXd root_, render_, values_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> planes_;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> gradients_;
+  Eigen::Matrix2d hessian_;
+  double contrast_ = 0;
 };
 
 }  // namespace
@@ -183,9 +180,9 @@ std::vector<PatchShift> FindShifts(const std::vector<SeenVertex>& seen,
   std::vector<PatchShift> shifts(seen.size());
   const double side = 2 * options.radius + 1;
   for (int i = 0; i < SizeOf(seen); ++i) {
-    std::vector<Pixel> patch = PatchOf(seen[i], render, mask, focal, options.radius);
+    const std::vector<Pixel> patch = PatchOf(seen[i], render, mask, focal, options.radius);
     if (SizeOf(patch) < PatchShiftTuning::kLeastPixels * side * side) continue;
-    shifts[i] = Aligner(std::move(patch), photo, options).Run(noise);
+    shifts[i] = Aligner(patch, photo, options).Run(noise);
   }
   return shifts;
 }

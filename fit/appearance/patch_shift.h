@@ -35,8 +35,8 @@ std::vector<SeenVertex> SeenVertices(const PointsX3& points, const PointsX3& nor
                                      const TexturedRender& render, const Pinhole& camera,
                                      const Rigid3& camera_from_world, double least_facing);
 
-/// The shift of the patch around each seen vertex, by Lucas and Kanade's method with a factor and
-/// an offset of brightness. Pixels beside the vertex's own surface and outside of the mask have no
+/// The shift of the patch around each seen vertex, by Lucas and Kanade's method with a factor, an
+/// offset and a slope of brightness. Pixels beside the vertex's own surface and outside of the mask have no
 /// weight.
 ///
 /// @param photo  brightness of the photograph, of the render's size

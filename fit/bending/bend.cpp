@@ -14,6 +14,9 @@
 #include "deform/levels/levels.h"
 #include "fit/bending/constraints.h"
 #include "fit/bending/feature_filter.h"
+#include "fit/bending/joint_solve.h"
+#include "fit/bending/nearby_matches.h"
+#include "fit/bending/unfold.h"
 #include "views/placement/picture_pose.h"
 
 namespace keypose::fit {
@@ -23,12 +26,18 @@ namespace {
 struct BendTuning {
   // Weight of the whole surface at stiffness 1, when every vertex is held by one view.
   KEYPOSE_TUNED(double, kSurfaceWeight, 1700);
-  KEYPOSE_TUNED(double, kOutlineWeight, 1);   // of outlines, relative to a vertex held by texture
+  // Matches in one cell of the coarse level from which on they have the cell's whole weight.
+  KEYPOSE_TUNED(double, kMatchesForAll, 4);
+  KEYPOSE_TUNED(double, kOutlineWeight, 3);   // of outlines, relative to a vertex held by texture
   KEYPOSE_TUNED(double, kLandmarkWeight, 50);
   KEYPOSE_TUNED(double, kLeastFacing, 0.25);  // cosine at which a vertex is compared
 };
 
-constexpr int kSolverSteps = 10;
+constexpr int kSolverSteps = 10, kPhotoFeatures = 4000;
+// Levels up to this size are solved together with the cameras.
+constexpr Eigen::Index kMostJointly = 800;
+// From this hold on, cameras stay.
+constexpr double kFixedCameras = 1e3;
 
 /// One round: what takes part, and how strongly.
 struct Round {
@@ -39,15 +48,23 @@ struct Round {
   int pyramid;       ///< level of the views
   int turns;         ///< of positions and maps
   int repeats;       ///< of the whole round
+  double rematch = 0;  ///< before it, features are matched within this distance [half diagonals]
+};
+
+// Cameras that are estimates themselves: while the shape is stiff, they find each other. A soft
+// shape would bend to make up for wrong cameras.
+const std::vector<Round> kCameraSchedule = {
+    {2, 100, 1, 0, 0, 0.60, 1, 20, 10}, {2, 30, 1, 0, 0, 0.40, 1, 20, 8},
+    {2, 10, 1, 0, 0, 0.30, 1, 20, 6},
 };
 
 // Far motion by features, then outlines, then texture from coarse to fine.
 const std::vector<Round> kSchedule = {
-    {2, 3.0, 1, 0, 0, 0.60, 1, 40, 2}, {2, 2.0, 1, 0, 0, 0.30, 1, 40, 2},
-    {2, 1.0, 1, 0, 0, 0.15, 1, 30, 2}, {2, 1.0, 1, 1, 0, 0.20, 2, 20, 3},
-    {2, 0.5, 1, 1, 0, 0.10, 2, 15, 3}, {1, 0.5, 1, 1, 1, 0.06, 2, 10, 3},
-    {1, 0.3, 0.5, 1, 1, 0.04, 1, 10, 3}, {0, 0.3, 0.2, 1, 1, 0.03, 1, 6, 2},
-    {0, 0.2, 0, 1, 1, 0.02, 0, 6, 4},
+    {2, 3.0, 1, 0, 0, 0.60, 1, 30, 4},       {2, 2.0, 1, 0, 0, 0.30, 1, 30, 4},
+    {2, 1.0, 1, 0, 0, 0.15, 1, 30, 4},       {2, 1.0, 1, 1, 0, 0.30, 2, 30, 3},
+    {2, 0.5, 1, 1, 0, 0.20, 2, 30, 4},       {2, 0.5, 1, 1, 1, 0.15, 2, 30, 4, 0.15},
+    {1, 0.3, 1, 1, 1, 0.10, 2, 30, 4, 0.06}, {1, 0.2, 1, 1, 1, 0.08, 1, 20, 4, 0.04},
+    {0, 0.1, 0.5, 0.3, 1, 0.05, 1, 10, 2},   {0, 0.1, 0, 0.1, 1, 0.03, 0, 10, 4},
 };
 
 /// What one view gives in one round.
@@ -57,6 +74,7 @@ struct Evidence {
   Eigen::VectorXd sure;   // V, confidence of the patch
   Rigid3 pose;
   double gap_px = 0, correlation = 0;
+  double overlap = 0;  // of the render with the mask: intersection over union
 };
 
 class Bending {
@@ -79,24 +97,30 @@ class Bending {
   struct Picture {
     GreyPyramid grey;
     std::vector<Outline> outlines;  // by pyramid level
-    std::vector<int> kept;          // matches
+    PictureFeatures features;
+    std::vector<FeatureMatch> matches;  // that can be true together
     double noise = 1;
   };
 
   void Prepare(const Eigen::VectorXd& stiffness);
   void PrepareViews();
+  std::vector<FeatureMatch> Consistent(std::int64_t view,
+                                       const std::vector<FeatureMatch>& matches) const;
+  void MatchAgain(int level, double reach);
   PointsX3 FullPoints(int level);
   int LevelOf(int wanted) const { return std::min(wanted, levels_->count() - 1); }
   FitView ViewAt(int view, int pyramid) const;
-  std::vector<Constraint> RunRound(const Round& round);
+  void RunRound(const Round& round);
   Evidence EvidenceOf(int view, const Round& round, const PointsX3& points,
                       const PointsX3& normals, const RayScene* scene) const;
   void AddFeatures(int view, const Round& round, const PointsX3& points, Evidence& evidence) const;
   void AddAppearance(int view, const Round& round, const PointsX3& points, const PointsX3& normals,
                      const RayScene& scene, Evidence& evidence) const;
   void Solve(int level, const std::vector<Constraint>& constraints, int turns);
+  void KeepSize(int level);
   const std::vector<int>& CoarseOf(int level);
   double SurfaceWeight(const Round& round) const { return Tuning::kSurfaceWeight / round.stiffness; }
+  void KeepPlace(PointsX3& points);
   BendResult Finish();
 
   const Mesh& mesh_;
@@ -115,9 +139,18 @@ class Bending {
   std::optional<Levels> levels_;
   std::map<int, std::vector<int>> coarse_of_;  // by level: the level's vertex of each fine vertex
   std::vector<Picture> pictures_;
-  std::vector<Rigid3> poses_;  // normalised
+  std::vector<Rigid3> poses_, first_poses_;  // normalised
   std::vector<Evidence> last_;
 };
+
+double Overlap(const TexturedRender& render, const GreyMask& mask) {
+  std::int64_t both = 0, either = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    const bool hit = render.face.data[i] >= 0, inside = InMask(mask.data[i]);
+    both += hit && inside, either += hit || inside;
+  }
+  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
+}
 
 Eigen::VectorXd AreaShares(const PointsX3& points, const FacesX3& faces) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
@@ -154,15 +187,47 @@ void Bending::PrepareViews() {
     poses_.push_back({pose.rotation,
                       (pose.rotation * origin_.transpose() + pose.translation) / unit_});
   }
+  first_poses_ = poses_;
   ParallelFor(SizeOf(views_), [&](std::int64_t v) {
     const PreparedView& view = views_[v].view;
     Picture& picture = pictures_[v];
     picture.grey = MakeGreyPyramid(view.color, SizeOf(view.levels));
     for (int level = 0; level < SizeOf(view.levels); ++level)
       picture.outlines.push_back(MakeOutline(view, level));
+    picture.features = FindFeatures(view.color, MaskOf(view), kPhotoFeatures);
     picture.noise = std::max(view.noise, 0.5);
-    picture.kept =
-        ConsistentMatches(rest_, views_[v].matches, view.camera(), poses_[v].translation.norm());
+    picture.matches = Consistent(v, views_[v].matches);
+  });
+}
+
+std::vector<FeatureMatch> Bending::Consistent(std::int64_t view,
+                                              const std::vector<FeatureMatch>& matches) const {
+  std::vector<FeatureMatch> kept;
+  for (const int i : ConsistentMatches(rest_, matches, views_[view].view.camera(),
+                                       poses_[view].translation.norm()))
+    kept.push_back(matches[i]);
+  return kept;
+}
+
+/// Looks for features again, now that the mesh is near, and takes them in place of the first ones.
+void Bending::MatchAgain(int level, double reach) {
+  const PointsX3 points = FullPoints(level);
+  const RayScene scene(points, mesh_.faces);
+  ParallelFor(SizeOf(views_), [&](std::int64_t v) {
+    const FitView at = ViewAt(static_cast<int>(v), 0);
+    const double distance = at.camera_from_world.translation.norm();
+    const TexturedRender render =
+        RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, distance / at.camera.fx),
+                   scene, at.camera, at.camera_from_world);
+    Picture& picture = pictures_[v];
+    const std::vector<FeatureMatch> found =
+        Consistent(v, MatchNearby(mesh_.faces, scene, render, at, picture.features,
+                                  reach * at.camera.fx / distance));
+    std::vector<Eigen::Vector2d> shown;
+    for (const FeatureMatch& match : found)
+      shown.push_back(at.camera.Project(at.camera_from_world * PositionOf(match.point, points)));
+    picture.matches.clear();
+    for (const int i : SmoothMatches(rest_, found, shown)) picture.matches.push_back(found[i]);
   });
 }
 
@@ -183,7 +248,7 @@ PointsX3 Bending::FullPoints(int level) {
 FitView Bending::ViewAt(int view, int pyramid) const {
   const PreparedView& prepared = views_[view].view;
   const int level = std::min(pyramid, SizeOf(prepared.levels) - 1);
-  return {prepared.camera(level), poses_[view]};
+  return {view, prepared.camera(level), poses_[view]};
 }
 
 void Bending::AddFeatures(int view, const Round& round, const PointsX3& points,
@@ -191,18 +256,18 @@ void Bending::AddFeatures(int view, const Round& round, const PointsX3& points,
   const FitView at = ViewAt(view, 0);
   const std::vector<int>& cell = coarse_of_.at(LevelOf(2));
   std::map<int, int> in_cell;
-  for (const int i : pictures_[view].kept)
-    ++in_cell[cell[views_[view].matches[i].point.vertices[0]]];
+  for (const FeatureMatch& match : pictures_[view].matches)
+    ++in_cell[cell[match.point.vertices[0]]];
   const double cells = static_cast<double>(std::max<std::size_t>(in_cell.size(), 1));
   const double weight = round.features * SurfaceWeight(round) /
                         std::max<double>(options_.coarse_vertices, cells);
-  for (const int i : pictures_[view].kept) {
-    const FeatureMatch& match = views_[view].matches[i];
+  for (const FeatureMatch& match : pictures_[view].matches) {
     int corner = 0;
     match.point.weights.maxCoeff(&corner);
     const int vertex = match.point.vertices[corner];
     const Eigen::Vector3d arm = PositionOf(match.point, rest_) - rest_.row(vertex).transpose();
-    const double w = weight / in_cell[cell[match.point.vertices[0]]];
+    const int others = in_cell[cell[match.point.vertices[0]]];
+    const double w = weight / std::max<double>(others, Tuning::kMatchesForAll);
     evidence.constraints.push_back(PullToPixel(at, vertex, arm, PositionOf(match.point, points),
                                                match.pixel, w, round.scale));
   }
@@ -217,6 +282,7 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
   const TexturedRender render =
       RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
                  at.camera, at.camera_from_world);
+  evidence.overlap = Overlap(render, views_[view].view.levels[level].grey);
   const std::vector<SeenVertex> seen = SeenVertices(points, normals, render, at.camera,
                                                     at.camera_from_world, Tuning::kLeastFacing);
   std::vector<PatchShift> shifts =
@@ -230,7 +296,10 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
   for (int i = 0; i < SizeOf(seen); ++i) {
     if (!shifts[i].found) continue;
     places.row(count++) = points.row(seen[i].vertex);
-    goals.push_back(seen[i].pixel + shifts[i].shift);
+    const Eigen::Vector2d goal = seen[i].pixel + shifts[i].shift;
+    const Eigen::Vector2d first =
+        at.camera.Project(first_poses_[view] * points.row(seen[i].vertex).transpose());
+    goals.push_back((goal + options_.hold_cameras * first) / (1 + options_.hold_cameras));
     weights.push_back(shifts[i].confidence.trace() * areas_[seen[i].vertex]);
     evidence.held.push_back(seen[i].vertex);
     evidence.sure[seen[i].vertex] = shifts[i].confidence.trace() / 2;
@@ -239,13 +308,13 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
   if (count > 0) evidence.correlation /= count;
   places.conservativeResize(count, 3);
   constexpr int kLeastForPose = 50;
-  if (options_.move_cameras && count >= kLeastForPose) {
+  if (options_.hold_cameras < kFixedCameras && count >= kLeastForPose) {
     at.camera_from_world = RefinePose(at.camera, at.camera_from_world, places, goals, weights, 2);
     evidence.pose = at.camera_from_world;
-    for (int i = 0, k = 0; i < SizeOf(seen); ++i)
+    for (int i = 0; i < SizeOf(seen); ++i)
       if (shifts[i].found)
-        shifts[i].shift = goals[k++] - at.camera.Project(at.camera_from_world *
-                                                         points.row(seen[i].vertex).transpose());
+        shifts[i].shift += seen[i].pixel - at.camera.Project(at.camera_from_world *
+                                                             points.row(seen[i].vertex).transpose());
   }
   const std::vector<Constraint> found =
       AppearanceConstraints(points, seen, shifts, areas_, at,
@@ -280,21 +349,34 @@ Evidence Bending::EvidenceOf(int view, const Round& round, const PointsX3& point
 void Bending::Solve(int at, const std::vector<Constraint>& constraints, int turns) {
   const std::vector<int>& coarse_of = CoarseOf(at);
   Level& level = (*levels_)[at];
+  const bool jointly = options_.hold_cameras == 0 && level.rest.rows() <= kMostJointly;
   constexpr double kStill = 1e-5;
+  const std::vector<Rigid3> before = poses_;
+  std::vector<LevelConstraint> on_level(constraints.size());
   for (int turn = 0; turn < turns; ++turn) {
-    Pulls pulls(level.rest.rows());
-    for (const Constraint& c : constraints) {
+    for (int i = 0; i < SizeOf(constraints); ++i) {
+      const Constraint& c = constraints[i];
       const int v = coarse_of[c.vertex];
       const Eigen::Vector3d arm =
           rest_.row(c.vertex).transpose() + c.arm - level.rest.row(v).transpose();
-      pulls.q[v] += c.q;
-      pulls.b.row(v) += (c.q * (c.goal - level.fit->maps()[v] * arm)).transpose();
+      on_level[i] = {c.view, v, level.fit->maps()[v] * arm, c.q, c.goal};
     }
+    Pulls pulls(level.rest.rows());
     for (const Mark& mark : level.marks)
       pulls.AddPoint(mark.vertex, Tuning::kLandmarkWeight,
                      mark.target - level.fit->maps()[mark.vertex] * mark.arm);
-    if (turn == 0) level.fit->SetWeights(pulls.MeanWeights());
-    PointsX3 next = level.fit->FitPositions(pulls, level.moved, kSolverSteps);
+    PointsX3 next;
+    if (jointly) {
+      poses_ = before;  // constraints are linear about these
+      next = SolveJointly(*level.fit, level.moved, on_level, pulls, 0.01, poses_);
+    } else {
+      for (const LevelConstraint& c : on_level) {
+        pulls.q[c.vertex] += c.q;
+        pulls.b.row(c.vertex) += (c.q * (c.goal - c.arm)).transpose();
+      }
+      if (turn == 0) level.fit->SetWeights(pulls.MeanWeights());
+      next = level.fit->FitPositions(pulls, level.moved, kSolverSteps);
+    }
     const double move = std::sqrt((next - level.moved).rowwise().squaredNorm().maxCoeff());
     level.moved = std::move(next);
     level.fit->FitMaps(level.moved);
@@ -302,7 +384,16 @@ void Bending::Solve(int at, const std::vector<Constraint>& constraints, int turn
   }
 }
 
-std::vector<Constraint> Bending::RunRound(const Round& round) {
+/// Pictures do not tell how large and how far away a figure is, and errors are smaller on a smaller
+/// one. So figure and cameras are scaled together to the template's size.
+void Bending::KeepSize(int at) {
+  Level& level = (*levels_)[at];
+  const double size = level.fit->BestScale(level.moved);
+  level.moved /= size;
+  for (Rigid3& pose : poses_) pose.translation /= size;
+}
+
+void Bending::RunRound(const Round& round) {
   const int level = LevelOf(round.level);
   CoarseOf(LevelOf(2));
   const PointsX3 points = FullPoints(level);
@@ -322,12 +413,24 @@ std::vector<Constraint> Bending::RunRound(const Round& round) {
     all.insert(all.end(), last_[v].constraints.begin(), last_[v].constraints.end());
   }
   Solve(level, all, round.turns);
-  return all;
+  if (options_.hold_cameras == 0) KeepSize(level);
+}
+
+/// Rotates and shifts figure and cameras together to where the template stands: pictures do not
+/// tell where that is.
+void Bending::KeepPlace(PointsX3& points) {
+  const Similarity3 back = FitSimilarity(points, rest_, areas_, false);
+  points = Transformed(back, points);
+  const Rigid3 now_from_place{Eigen::Quaterniond(back.rotation.transpose()),
+                              -(back.rotation.transpose() * back.translation)};
+  for (Rigid3& pose : poses_) pose = Compose(pose, now_from_place);
 }
 
 BendResult Bending::Finish() {
   BendResult result;
-  const PointsX3 points = FullPoints(0);
+  PointsX3 points = FullPoints(0);
+  result.unfolded = Unfold(rest_, mesh_.faces, (*levels_)[0].fit->maps(), points);
+  if (options_.hold_cameras == 0) KeepPlace(points);
   result.points = (points * unit_).rowwise() + origin_;
   result.views = Eigen::VectorXi::Zero(points.rows());
   Eigen::VectorXd doubt = Eigen::VectorXd::Ones(points.rows());
@@ -337,9 +440,8 @@ BendResult Bending::Finish() {
         {pose.rotation, pose.translation * unit_ - pose.rotation * origin_.transpose()});
     for (const int i : last_[v].held) ++result.views[i];
     if (last_[v].sure.size() > 0) doubt.array() *= 1 - last_[v].sure.array();
-    result.matches_used += SizeOf(pictures_[v].kept);
-    result.outline_gap_px += last_[v].gap_px / SizeOf(views_);
-    result.correlation += last_[v].correlation / SizeOf(views_);
+    result.view_quality.push_back({SizeOf(pictures_[v].matches), last_[v].gap_px,
+                                   last_[v].correlation, last_[v].overlap});
   }
   result.confidence = 1 - doubt.array();
   result.volume_ratio =
@@ -348,11 +450,14 @@ BendResult Bending::Finish() {
 }
 
 BendResult Bending::Run() {
+  std::vector<Round> schedule = options_.hold_cameras == 0 ? kCameraSchedule : std::vector<Round>();
+  schedule.insert(schedule.end(), kSchedule.begin(), kSchedule.end());
   int rounds = 0, done = 0;
-  for (const Round& round : kSchedule) rounds += round.repeats;
-  int at = LevelOf(kSchedule.front().level);
-  for (const Round& round : kSchedule) {
+  for (const Round& round : schedule) rounds += round.repeats;
+  int at = LevelOf(schedule.front().level);
+  for (const Round& round : schedule) {
     while (at > LevelOf(round.level)) levels_->Descend(at--);
+    if (round.rematch > 0) MatchAgain(at, round.rematch);
     for (int k = 0; k < round.repeats; ++k) {
       ReportProgress(progress_, static_cast<double>(done++) / rounds,
                      round.appearance > 0 ? "texture" : round.outlines > 0 ? "outlines" : "features");

@@ -23,7 +23,18 @@ struct BendOptions {
   int coarse_vertices = 500;   ///< of the level on which far motion is found
   int middle_vertices = 1700;  ///< of the next level
   double smoothing = 0.02;     ///< maps vary little within this distance, over the diagonal
-  bool move_cameras = true;    ///< cameras are estimates and are improved with the shape
+  /// How firmly cameras stay where they start, relative to what their photographs say: 0 for
+  /// estimates of single photographs, which are improved with the shape from the beginning; 0.2
+  /// for those of a rig, which are improved by texture; 1000 and more: fixed
+  double hold_cameras = 0;
+};
+
+/// How well one view agrees with the result.
+struct ViewQuality {
+  int matches = 0;         ///< features used
+  double outline_gap_px = 0;  ///< mean distance between silhouette and mask, both ways
+  double correlation = 0;  ///< mean over the patches that were found
+  double overlap = 0;      ///< of silhouette and mask, intersection over union
 };
 
 struct BendResult {
@@ -31,10 +42,9 @@ struct BendResult {
   std::vector<Rigid3> cameras;  ///< camera from world, one a view
   Eigen::VectorXi views;        ///< V: how many views hold the vertex by texture
   Eigen::VectorXd confidence;   ///< V, 0 to 1: how firmly the views hold the vertex
-  int matches_used = 0;
-  double outline_gap_px = 0;  ///< mean distance between silhouette and masks, at level 0
-  double correlation = 0;     ///< mean over the patches found, at level 0
-  double volume_ratio = 1;    ///< over the template's
+  std::vector<ViewQuality> view_quality;
+  int unfolded = 0;         ///< vertices moved because a face beside them was flipped
+  double volume_ratio = 1;  ///< over the template's
 };
 
 /// Coarse to fine. First the features alone bend a coarse level with a robust weight, so that

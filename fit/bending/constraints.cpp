@@ -25,7 +25,7 @@ Constraint PullToPixel(const FitView& view, int vertex, const Eigen::Vector3d& a
                                   .normalized();
   const Eigen::Vector3d foot = eye + ray * ray.dot(now - eye);
   const double w = weight * RobustWeight((now - foot).norm(), scale);
-  return {vertex, arm, w * (Eigen::Matrix3d::Identity() - ray * ray.transpose()), foot};
+  return {view.index, vertex, arm, w * (Eigen::Matrix3d::Identity() - ray * ray.transpose()), foot};
 }
 
 namespace {
@@ -43,7 +43,7 @@ void AddContourPull(const PointsX3& points, const ContourPoint& at, const Outlin
     const double share = 0.5 * match.length_px * footprint / terms.edge;
     const double w = terms.weight * share * RobustWeight(distance, terms.scale);
     constraints.push_back(
-        {v, Eigen::Vector3d::Zero(), w * normal * normal.transpose(), x + distance * normal});
+        {view.index, v, Eigen::Vector3d::Zero(), w * normal * normal.transpose(), x + distance * normal});
   }
 }
 
@@ -83,7 +83,7 @@ std::vector<Constraint> AppearanceConstraints(const PointsX3& points,
     // The goal moves parallel to the picture; along the ray q has no weight.
     const Eigen::Vector3d move =
         footprint * (j.transpose() * (j * j.transpose()).inverse() * patch.shift);
-    constraints.push_back({seen[i].vertex, Eigen::Vector3d::Zero(),
+    constraints.push_back({view.index, seen[i].vertex, Eigen::Vector3d::Zero(),
                            w * j.transpose() * patch.confidence * j, x + move});
   }
   return constraints;

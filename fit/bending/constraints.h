@@ -13,6 +13,7 @@ namespace keypose::fit {
 
 /// (x - goal)^T q (x - goal) for the point x = vertex + arm, where the arm turns with the vertex.
 struct Constraint {
+  int view = 0;  ///< that it comes from
   int vertex = 0;
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< at rest
   Eigen::Matrix3d q = Eigen::Matrix3d::Zero();    ///< symmetric, positive semidefinite
@@ -21,6 +22,7 @@ struct Constraint {
 
 /// A view of the mesh at the resolution in use, in the frame of the mesh.
 struct FitView {
+  int index = 0;
   Pinhole camera;
   Rigid3 camera_from_world;
   Eigen::Vector3d Center() const { return camera_from_world.Inverse().translation; }

@@ -14,10 +14,13 @@ struct FeatureFilterTuning {
   KEYPOSE_TUNED(double, kStretch, 1.25);    // of a picture's distance over the surface's
   KEYPOSE_TUNED(double, kAgreement, 0.5);   // share of the neighbours that must be possible
   KEYPOSE_TUNED(double, kSlackPx, 3);
+  // Largest difference of a match's displacement from the median around it: pixels, and share.
+  KEYPOSE_TUNED(double, kUnevenPx, 4);
+  KEYPOSE_TUNED(double, kUneven, 0.5);
 };
 
 constexpr int kNeighbours = 8;
-constexpr int kRounds = 2;
+constexpr int kFilterRounds = 2;
 
 }  // namespace
 
@@ -25,7 +28,7 @@ std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<Featu
                                    const Pinhole& camera, double distance) {
   std::vector<int> kept;
   for (int i = 0; i < SizeOf(matches); ++i) kept.push_back(i);
-  for (int round = 0; round < kRounds && SizeOf(kept) > kNeighbours; ++round) {
+  for (int round = 0; round < kFilterRounds && SizeOf(kept) > kNeighbours; ++round) {
     PointsX3 places(SizeOf(kept), 3);
     for (int k = 0; k < SizeOf(kept); ++k) places.row(k) = PositionOf(matches[kept[k]].point, rest);
     const KdTree tree(places);
@@ -45,6 +48,40 @@ std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<Featu
       if (possible >= FeatureFilterTuning::kAgreement * tried) next.push_back(kept[k]);
     }
     kept = std::move(next);
+  }
+  return kept;
+}
+
+namespace {
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + SizeOf(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
+                               const std::vector<Eigen::Vector2d>& shown) {
+  std::vector<int> kept;
+  if (matches.empty()) return kept;
+  PointsX3 places(SizeOf(matches), 3);
+  for (int i = 0; i < SizeOf(matches); ++i) places.row(i) = PositionOf(matches[i].point, rest);
+  const KdTree tree(places);
+  for (int i = 0; i < SizeOf(matches); ++i) {
+    std::vector<double> x, y;
+    for (const KdTree::Neighbor& near : tree.Nearest(places.row(i).transpose(), kNeighbours + 1)) {
+      if (near.index == i) continue;
+      const Eigen::Vector2d move = matches[near.index].pixel - shown[near.index];
+      x.push_back(move.x()), y.push_back(move.y());
+    }
+    if (x.empty()) continue;
+    const Eigen::Vector2d median(Median(x), Median(y));
+    const double apart = (matches[i].pixel - shown[i] - median).norm();
+    if (apart <= std::max(FeatureFilterTuning::kUnevenPx,
+                          FeatureFilterTuning::kUneven * median.norm()))
+      kept.push_back(i);
   }
   return kept;
 }

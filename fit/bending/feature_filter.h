@@ -18,4 +18,12 @@ namespace keypose::fit {
 std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
                                    const Pinhole& camera, double distance);
 
+/// Matches whose distance in the picture from where the mesh shows their place now is like that of
+/// the matches around them.
+///
+/// @param shown  for each match, the pixel at which the mesh shows its place
+/// @return indices of the kept matches, ascending
+std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
+                               const std::vector<Eigen::Vector2d>& shown);
+
 }  // namespace keypose::fit

@@ -70,9 +70,9 @@ std::vector<ContourPoint> FindSilhouette(const PointsX3& points, const FacesX3& 
     const Eigen::Vector2d pa = camera.Project(xa), pb = camera.Project(xb), along = pb - pa;
     const double length = along.norm();
     if (length < 1e-9) continue;
-    // A face towards the camera is clockwise in the picture (y down), so it lies to the right of
-    // its edges, and the outside to the left.
-    const double sign = towards[pair.left] ? 1 : -1;
+    // A face towards the camera lies to the left of its edges as one looks at the picture. There y
+    // points down, so left of (x, y) is (y, -x), and the outside is on the other side.
+    const double sign = towards[pair.left] ? -1 : 1;
     ContourPoint point{pair.a, pair.b, (pa + pb) / 2,
                        Eigen::Vector2d(along.y(), -along.x()) * (sign / length), length,
                        (xa.z() + xb.z()) / 2};

@@ -9,6 +9,7 @@
 #include "core/io/image_set.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -41,7 +42,8 @@ std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene
 }  // namespace
 
 std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
-                                            const Scene& scene, int max_size, int levels) {
+                                            const Scene& scene, int max_size, int levels,
+                                            int fewest) {
   const ImageSet set = ReadImageSet(stage.Input("images"));
   const std::vector<int> image_of = MatchToImages(stage_name, scene, set);
   int longest = 1;
@@ -73,7 +75,7 @@ std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::stri
     stage.Note(stage_name +
                ": left out, because they contradict the other photographs: " + NameList(doubted));
   stage.ReportJson("views_distrusted", nlohmann::json(doubted).dump());
-  if (views.size() < 3)
+  if (SizeOf(views) < fewest)
     throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " +
                      std::to_string(scene.views.size()) +
                      " images have a mask that is not empty (empty: " + NameList(empty) +

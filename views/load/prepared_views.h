@@ -17,9 +17,11 @@ namespace keypose {
 ///
 /// @param stage_name  prefix of the messages
 /// @param max_size    longer side of the largest prepared picture [px]
-/// @throws InputError  no views, missing photographs or masks, or fewer than 3 masks that are not
-/// empty; names them
+/// @param fewest        views that are needed
+/// @throws InputError  no views, missing photographs or masks, or fewer than `fewest` masks that are
+/// not empty; names them
 std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
-                                            const Scene& scene, int max_size, int levels);
+                                            const Scene& scene, int max_size, int levels,
+                                            int fewest = 3);
 
 }  // namespace keypose

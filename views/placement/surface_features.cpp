@@ -18,7 +18,7 @@ namespace {
 
 // Chosen on the clay creature's seeds 1 to 4 (synth) and on photographs of the plush dog.
 struct SurfaceFeatureTuning {
-  KEYPOSE_TUNED(double, kContrast, 0.015);    // least contrast of a feature, of the grey range
+  KEYPOSE_TUNED(double, kContrast, 0.005);    // least contrast of a feature, of the grey range
   KEYPOSE_TUNED(double, kSamePlace, 0.03);    // distance between different places [diagonal]
   KEYPOSE_TUNED(double, kLeastFacing, 0.35);  // cosine of the angle to the normal
 };
@@ -103,6 +103,13 @@ Rendered FeaturesFrom(const Mesh& mesh, const PointsX3& normals, const RayScene&
 }
 
 }  // namespace
+
+Image8 MaskOf(const PreparedView& view) {
+  const GreyMask& grey = view.levels[0].grey;
+  Image8 mask(grey.width, grey.height, 1);
+  for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = InMask(grey.data[i]) ? 255 : 0;
+  return mask;
+}
 
 PictureFeatures FindFeatures(const Image8& picture, const Image8& mask, int most) {
   const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(

@@ -9,6 +9,7 @@
 #include "core/landmark_goal.h"
 #include "core/mesh.h"
 #include "core/progress.h"
+#include "views/prepared/prepared_view.h"
 
 namespace keypose {
 
@@ -29,6 +30,9 @@ struct PictureFeatures {
 /// Sources: Lowe, IJCV 2004; Arandjelovic, Zisserman, CVPR 2012.
 PictureFeatures FindFeatures(const Image8& picture, const Image8& mask, int most);
 
+/// The mask of a prepared view, 255 inside.
+Image8 MaskOf(const PreparedView& view);
+
 /// A place of the surface that a photograph shows.
 struct FeatureMatch {
   SurfacePoint point;  ///< on the textured mesh
@@ -38,9 +42,9 @@ struct FeatureMatch {
 };
 
 struct SurfaceFeatureOptions {
-  int directions = 42;      ///< renders from directions all round
-  int size = 640;           ///< of a render, longer side [px]
-  int most = 1500;          ///< features of a render
+  int directions = 48;      ///< renders from directions all round
+  int size = 600;           ///< of a render, longer side [px]
+  int most = 1200;          ///< features of a render
   double best_ratio = 0.88; ///< a match must beat other places of the surface by this
 };
 

@@ -1,0 +1,17 @@
+// The outlines of a bent template over the photographs, for a person to look at.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/mesh.h"
+#include "fit/bending/bend.h"
+
+namespace keypose::fit {
+
+/// The cropped photographs with the mesh's silhouette in each, in a contact sheet.
+/// @param cameras  camera from world, one a view
+Image8 OutlinePicture(const Mesh& mesh, const std::vector<BendView>& views,
+                      const std::vector<Rigid3>& cameras);
+
+}  // namespace keypose::fit
