@@ -94,25 +94,30 @@ CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options,
   throw keypose::QualityError(stage.Input("surface").string() + ": " + error.what());
 }
 
-void Run(StageContext& stage, const CleanupOptions& options) {
-  const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
+/// @throws DiskError  the repair needs more memory than there is
+keypose::Mesh ReadSurface(StageContext& stage) {
   const std::string file = stage.Input("surface").string();
+  keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, file);
   constexpr std::int64_t kBytesAFace = 200;  // measured
   keypose::RequireMemory(
       kBytesAFace * surface.face_count(),
       "cleanup: the repair of " + std::to_string(surface.face_count()) + " faces (" + file + ")");
-  const keypose::Sight sight = SightOf(stage);
-  const std::optional<double> ground = Ground(stage, options, surface, sight);
-  const CleanupResult result = Cleaned(stage, options, surface, sight, ground);
-  if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
+  return surface;
+}
+
+void WarnOfHandles(StageContext& stage, const CleanupOptions& options,
+                   const CleanupResult& result) {
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)
     stage.Warn(
         "the mesh has " + std::to_string(result.genus) + " handles instead of " +
         std::to_string(options.genus) +
         ": the others could not be cut without self-intersections; try another number of --faces");
-  stage.Report("input_faces", surface.face_count());
+}
+
+/// What was mended, and what the mesh is now.
+void ReportRepair(StageContext& stage, const CleanupResult& result) {
   stage.Report("faces", result.mesh.face_count());
   stage.Report("vertices", result.mesh.vertex_count());
   stage.Report("closed", true);
@@ -130,6 +135,10 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("genus_before", result.genus_before);
   stage.Report("handles_cut", result.handles_cut);
   stage.Report("handles_seen_through", result.handles_seen_through);
+}
+
+/// How large the mesh is, how good its faces, and how far it is from what it was made of.
+void ReportShape(StageContext& stage, const keypose::Mesh& surface, const CleanupResult& result) {
   stage.Report("area", result.area);
   stage.Report("volume", result.volume);
   stage.Report("min_angle_deg", result.min_angle_deg);
@@ -141,6 +150,18 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   ReportDistance(stage, "undamaged_from_input", result.undamaged_from_input);
   stage.Report("diagonal", keypose::BoundingDiagonal(surface.points));
   stage.Report("hausdorff_over_diag", std::max(result.to_input.max, result.from_input.max));
+}
+
+void Run(StageContext& stage, const CleanupOptions& options) {
+  const keypose::Mesh surface = ReadSurface(stage);
+  const keypose::Sight sight = SightOf(stage);
+  const std::optional<double> ground = Ground(stage, options, surface, sight);
+  const CleanupResult result = Cleaned(stage, options, surface, sight, ground);
+  if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
+  WarnOfHandles(stage, options, result);
+  stage.Report("input_faces", surface.face_count());
+  ReportRepair(stage, result);
+  ReportShape(stage, surface, result);
   keypose::WriteMesh(stage.Output("clean"), result.mesh);
 }
 

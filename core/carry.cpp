@@ -329,17 +329,42 @@ std::pair<int, int> FacingCorner(const Mesh& mesh, const SurfacePlaces& look,
   return {-1, 0};
 }
 
+/// Grade and reason of a place by how far the surface is from where it was, and how alike.
+///
+/// @param facing  cosine between the normals
+/// @param color   difference of the colours
+void Judge(double facing, double color, CarriedPlace* carried) {
+  if (carried->off > kNear)
+    carried->why = fmt::format("the surface is {:.1f} % of the diagonal away", 100 * carried->off);
+  else if (facing < kFacesAway)
+    carried->why = "the surface there faces another way";
+  else if (color > kWrongColor)
+    carried->why = "the surface there has another colour";
+  if (!carried->why.empty()) return;
+  carried->grade = CarriedPlace::Grade::kSure;
+  if (carried->off > kSure)
+    carried->why = fmt::format("{:.1f} % of the diagonal from where it was", 100 * carried->off);
+  else if (facing < kFacesAlike)
+    carried->why = "the surface has another slope";
+  else if (color > kOtherColor)
+    carried->why = "the colour differs";
+  if (!carried->why.empty()) carried->grade = CarriedPlace::Grade::kDoubtful;
+}
+
+std::string WhyNotFound(const FrameChange& change) {
+  if (change.ambiguous)
+    return "the object looks the same from several sides, so its alignment is ambiguous";
+  return fmt::format("the mesh has another shape: at best {:.0f} % of the two surfaces agree",
+                     100 * change.agreeing);
+}
+
 }  // namespace
 
 CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   const Impl& s = *impl_;
   CarriedPlace carried;
   if (!s.change.found()) {
-    carried.why =
-        s.change.ambiguous
-            ? "the object looks the same from several sides, so its alignment is ambiguous"
-            : fmt::format("the mesh has another shape: at best {:.0f} % of the two surfaces agree",
-                          100 * s.change.agreeing);
+    carried.why = WhyNotFound(s.change);
     return carried;
   }
   const Eigen::Vector3d goal = s.change.now_from_before * before.position;
@@ -361,21 +386,7 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   const double facing = here.normal.dot(normal);
   const double color =
       before.color && here.color && s.colored ? s.ColorDifference(*before.color, *here.color) : 0;
-  if (carried.off > kNear)
-    carried.why = fmt::format("the surface is {:.1f} % of the diagonal away", 100 * carried.off);
-  else if (facing < kFacesAway)
-    carried.why = "the surface there faces another way";
-  else if (color > kWrongColor)
-    carried.why = "the surface there has another colour";
-  if (!carried.why.empty()) return carried;
-  carried.grade = CarriedPlace::Grade::kSure;
-  if (carried.off > kSure)
-    carried.why = fmt::format("{:.1f} % of the diagonal from where it was", 100 * carried.off);
-  else if (facing < kFacesAlike)
-    carried.why = "the surface has another slope";
-  else if (color > kOtherColor)
-    carried.why = "the colour differs";
-  if (!carried.why.empty()) carried.grade = CarriedPlace::Grade::kDoubtful;
+  Judge(facing, color, &carried);
   return carried;
 }
 
