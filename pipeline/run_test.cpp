@@ -275,6 +275,37 @@ TEST_F(RunTest, InitRefusesFewPhotographsOfTheTemplate) {
   EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
 }
 
+TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
+  WriteFile(root_ / "share/keypose/performance.yaml",
+            "steps:\n"
+            "  gather: {stage: gather, for: shot, inputs: {photos: $video}}\n"
+            "  join: {stage: join, for: shot, inputs: {images: gather.images}, out: {text: "
+            "'{shot}/text.txt'}}\n");
+  const fs::path films = root_ / "films/walk";
+  fs::create_directories(films);
+  WriteFile(films / "000.jpg", "walking\n");
+  WriteFile(root_ / "films/rig.yml", "rig");
+  WriteFile(root_ / "hero.obj", "clay");
+  const auto before = Snapshot(root_ / "films");
+  const Ended init =
+      Keypose({"init", (root_ / "dance").string(), "--kind", "performance", "--shot",
+               "walk=" + films.string(), "--calibration", (root_ / "films/rig.yml").string(),
+               "--scan-mesh", (root_ / "hero.obj").string()});
+  ASSERT_EQ(init.code, 0) << init.text;
+  EXPECT_THAT(init.text, HasSubstr("walk: films stay in " + films.string()));
+  const std::string yaml = ReadFile(root_ / "dance/pipeline.yaml");
+  EXPECT_THAT(yaml, HasSubstr("kind: performance"));
+  EXPECT_THAT(yaml, HasSubstr("video: " + films.string()));
+  EXPECT_THAT(yaml, HasSubstr("calibration: " + (root_ / "films/rig.yml").string()));
+  EXPECT_THAT(yaml, HasSubstr("scan: hero.obj"));
+  EXPECT_EQ(ReadFile(root_ / "dance/hero.obj"), "clay");
+  EXPECT_FALSE(fs::exists(root_ / "dance/films"));
+  const Ended run = Keypose({"run", "-C", (root_ / "dance").string()});
+  EXPECT_EQ(run.code, 0) << run.text;
+  EXPECT_EQ(ReadFile(root_ / "dance/out/walk/text.txt"), "WALKING\n");
+  EXPECT_EQ(Snapshot(root_ / "films"), before);
+}
+
 TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   WriteFile(root_ / "hero/photos/rest/IMG_0.mov", "film");
   WriteFile(root_ / "hero/photos/rest/.DS_Store", "x");

@@ -393,6 +393,37 @@ def few_cases():
     ]
 
 
+def performance_cases():
+    """Faults of projects with `kind: performance`."""
+    head = 'kind: performance\nshots:\n'
+
+    def case(name, code, words, yaml, command=STATUS, spoil=None):
+        return Case(f'performance: {name}', code, words, command=command, yaml=yaml, spoil=spoil)
+
+    def init(name, code, words, *flags):
+        return Case(f'performance: {name}', code, words, ('init', 'new', '--kind', 'performance', *flags), outside=True)
+
+    return [
+        case('kind unknown', USAGE, ('pipeline.yaml:1', '`kind: dance` is not known'), 'kind: dance\n'),
+        case('no shots', USAGE, ('names no shot', 'walk: shots/walk'), 'kind: performance\n'),
+        case('with poses', USAGE, ('pipeline.yaml:2', '`poses` belongs to a project of poses'), 'kind: performance\n' + POSES),
+        case('marks without the kind', USAGE, ('pipeline.yaml:4', 'add `kind: performance`'), POSES + 'marks: marks.json\n'),
+        case('key of a shot', USAGE, ('pipeline.yaml:3', "shot 'walk' has no key 'films'"), head + '  walk: {films: photos}\n'),
+        case('films that are not there', INPUT, ('pipeline.yaml:3', 'films/walk', 'does not exist'), head + '  walk: {video: films/walk, calibration: pipeline.yaml}\n'),
+        case('no calibration', USAGE, ('pipeline.yaml:3', "shot 'walk' has no calibration", 'calibration.*'), head + '  walk: photos\n'),
+        case('scan that is not there', INPUT, ('pipeline.yaml:4', 'hero.obj', 'does not exist'),
+             head + '  walk: {video: photos, calibration: pipeline.yaml}\nscan: hero.obj\nmarks: pipeline.yaml\n'),
+        case('no films in the folder', INPUT, ('the shot again has no camera',), head + '  walk: {video: photos/rest/again, calibration: pipeline.yaml}\n',
+             ('run', '--until', 'track'), lambda folder: write(folder / 'photos/rest/again/notes.txt', b'none')),
+        init('init of no shot', USAGE, ('--shot NAME=FOLDER',)),
+        init('init of no folder', INPUT, ('nowhere is not a folder',), '--shot', 'walk=nowhere'),
+        init('init of a shot twice', USAGE, ('two shots of that name',), '--shot', 'walk=photos', '--shot', 'walk=photos/rest'),
+        init('init with poses', USAGE, ('do not belong to --kind performance',), '--shot', 'walk=photos', '--pose', 'rest=photos/rest'),
+        init('init of no scan', INPUT, ('--scan-mesh hero.obj', 'there is no'), '--shot', 'walk=photos', '--scan-mesh', 'hero.obj'),
+        Case('performance: shots without the kind', USAGE, ('need --kind performance',), ('init', 'new', '--pose', 'rest=photos/rest', '--shot', 'walk=photos'), outside=True),
+    ]
+
+
 def state_cases():
     """Faults outside the photographs: locks, links, landmark folders."""
     def case(name, code, words, spoil, command=STATUS, yaml=None):
@@ -530,7 +561,7 @@ def main():
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix='wrong_projects_') as work:
         bench = Bench(given.bin.resolve(), pathlib.Path(work).resolve())
-        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *few_cases(), *state_cases()]
+        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *few_cases(), *performance_cases(), *state_cases()]
         cases = [case for case in cases if given.only in case.name]
         with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
             answers = list(pool.map(bench.run, range(len(cases)), cases))
