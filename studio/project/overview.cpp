@@ -44,6 +44,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
 json NameAndFolder(const fs::path& folder) {
   return {{"name", folder.filename().string()},
           {"folder", folder.string()},
+          {"kind", "poses"},
           {"poses", json::array()},
           {"template", ""},
           {"fps", 24},
@@ -125,6 +126,7 @@ json BrokenProjectJson(const fs::path& folder, const std::string& problem) {
 json ProjectJson(Snapshot& snapshot) {
   json project = NameAndFolder(snapshot.project());
   project["name"] = snapshot.graph().name;
+  if (snapshot.graph().kind == pipeline::ProjectKind::kPerformance) project["kind"] = "performance";
   project["template"] = snapshot.graph().template_pose;
   project["fps"] = snapshot.file().fps;
   project["revision"] = RevisionOf(snapshot.project() / "pipeline.yaml");

@@ -35,6 +35,8 @@ export interface Pose {
 export interface Project {
   name: string
   folder: string
+  /** of a performance the poses are its shots */
+  kind: 'poses' | 'performance'
   poses: Pose[]
   template: string
   fps: number

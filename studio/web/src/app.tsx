@@ -94,10 +94,14 @@ function RunState() {
   )
 }
 
+/** A performance has no photographs of poses, no landmarks and no keys to show. */
+const kPerformancePages = kPages.filter((one) => one.path === 'run' || one.path === 'export')
+
 function Shell() {
   const { project } = useStudio()
   const route = useRoute()
-  const current = kPages.find((one) => one.path === route) ?? kPages[1]
+  const all = project.kind === 'performance' ? kPerformancePages : kPages
+  const current = all.find((one) => one.path === route) ?? all[all === kPages ? 1 : 0]
   useEffect(() => {
     document.title = `${current.name} · ${project.name || 'Keypose studio'}`
   }, [current, project.name])
@@ -107,7 +111,7 @@ function Shell() {
   // A folder without a project is filled from files, or by a camera.
   const shoots = route === 'shoot' && !sending
   const Page = isNew && !shoots ? NewProjectPage : current.page
-  const pages = isNew ? [kPages[0], { path: 'poses', name: 'From files' }] : kPages
+  const pages = isNew ? [kPages[0], { path: 'poses', name: 'From files' }] : all
   return (
     <>
       <header class="top">
