@@ -134,9 +134,10 @@ class Player {
     const scrub = this.control('scrub'),
       time = this.control('time');
     if (scrub) scrub.value = String(index);
-    if (time)
+    if (time) {
       const seconds = (index / this.data.fps).toFixed(2);
       time.textContent = `${seconds} s, picture ${index + 1} of ${this.data.moments.length}`;
+    }
     this.host.dataset.moment = String(index);
   }
 
