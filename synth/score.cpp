@@ -122,16 +122,20 @@ CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b
   const RayScene scene(truth_a.points, truth_a.faces);
   const std::vector<RayScene::Foot> feet = Feet(scene, template_a.points);
   const double diagonal = BoundingDiagonal(truth_b.points);
+  PointsX3 places(registered_b.rows(), 3);
   std::vector<double> errors;
   for (Eigen::Index i = 0; i < registered_b.rows(); ++i) {
     const auto corners = truth_b.faces.row(feet[i].face);
-    const Eigen::RowVector3d place = feet[i].barycentric[0] * truth_b.points.row(corners[0]) +
-                                     feet[i].barycentric[1] * truth_b.points.row(corners[1]) +
-                                     feet[i].barycentric[2] * truth_b.points.row(corners[2]);
-    errors.push_back((registered_b.row(i) - place).norm() / diagonal);
+    places.row(i) = feet[i].barycentric[0] * truth_b.points.row(corners[0]) +
+                    feet[i].barycentric[1] * truth_b.points.row(corners[1]) +
+                    feet[i].barycentric[2] * truth_b.points.row(corners[2]);
+    errors.push_back((registered_b.row(i) - places.row(i)).norm() / diagonal);
   }
+  const PointsX3 normals = FaceNormals(registered_b, template_a.faces),
+                 true_normals = FaceNormals(places, template_a.faces);
+  const auto opposed = (normals.cwiseProduct(true_normals).rowwise().sum().array() < 0).count();
   const Spread spread = SpreadOf(std::move(errors));
-  return {spread.mean, spread.p95, spread.max};
+  return {spread.mean, spread.p95, spread.max, static_cast<int>(opposed)};
 }
 
 }  // namespace keypose::synth

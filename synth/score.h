@@ -44,6 +44,7 @@ Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarit
 struct CorrespondenceScore {
   /// distance of a vertex from the true position of its material point / diagonal of truth_b
   double mean = 0, p95 = 0, max = 0;
+  int flipped = 0;  ///< faces that oppose the true normal of their material points
 };
 
 /// @param template_a    template mesh in the frame of truth_a; the material point of a vertex is

@@ -85,7 +85,7 @@ Json CorrespondenceJson(const Subject& a, const Subject& b, const PointsX3& regi
   const Similarity3& from_b = refined ? b.refined : b.cameras.truth_from_model;
   const CorrespondenceScore s = ScoreCorrespondence(
       a.truth.surface, b.truth.surface, a.InTruth(from_a), Transformed(from_b, registered));
-  return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}};
+  return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}, {"flipped", s.flipped}};
 }
 
 Json TexelsJson(const Subject& a, const Subject& b, const PointsX3& registered,

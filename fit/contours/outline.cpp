@@ -11,6 +11,7 @@ namespace keypose::fit {
 namespace {
 
 constexpr double kLeastAgreement = 0.5;  // cosine between normals
+constexpr double kStep = 2.5;            // of a difference [px]
 constexpr int kNeighbours = 12;          // contour points that are tried for one outline point
 constexpr double kSide = 6;              // this near to the picture's side the outline is unknown [px]
 
@@ -27,11 +28,12 @@ double Outline::Distance(const Eigen::Vector2d& pixel) const {
 }
 
 Eigen::Vector2d Outline::Gradient(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d dx(1, 0), dy(0, 1);
+  // Over several pixels, because the outline is a staircase of them.
+  const Eigen::Vector2d dx(kStep, 0), dy(0, kStep);
   const Eigen::Vector2d g(Distance(pixel + dx) - Distance(pixel - dx),
                           Distance(pixel + dy) - Distance(pixel - dy));
   const double length = g.norm();
-  return length > 0.2 ? Eigen::Vector2d(g / length) : Eigen::Vector2d::Zero();
+  return length > 0.2 * kStep ? Eigen::Vector2d(g / length) : Eigen::Vector2d::Zero();
 }
 
 bool Outline::Cut(const Eigen::Vector2d& pixel) const {
