@@ -17,7 +17,7 @@ struct ClipJoint {
   std::string name;                                  ///< "" for the end of a limb ("End Site")
   int parent = -1;                                   ///< index of an earlier joint; -1: the root
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< from the parent, in the parent's frame
-  std::vector<BvhChannel> channels;                  ///< in the order of the numbers; ends have none
+  std::vector<BvhChannel> channels;  ///< in the order of the numbers; ends have none
 };
 
 /// A motion. Parents come before their children. Lengths are in the file's unit, angles in degrees,

@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMaskSide = 500;     // [px] longer side of the reduced masks
-constexpr int kOutlinePoints = 220;   // of a view, that pull at the template
-constexpr int kClockFrames = 90;      // that clocks are compared over
-constexpr double kUsualHeight = 1.72; // [m] where nothing tells the unit
+constexpr double kMaskSide = 500;      // [px] longer side of the reduced masks
+constexpr int kOutlinePoints = 220;    // of a view, that pull at the template
+constexpr int kClockFrames = 90;       // that clocks are compared over
+constexpr double kUsualHeight = 1.72;  // [m] where nothing tells the unit
 
 std::vector<std::string> Words(const std::string& text) {
   std::vector<std::string> words;
@@ -46,7 +46,8 @@ std::string Rounded(double x) {
 /// The world's axis nearest to the direction that is up in most pictures.
 Vector3d UpOfCameras(const std::vector<View>& views) {
   Vector3d sum = Vector3d::Zero();
-  for (const View& view : views) sum -= view.camera_from_world.rotation.conjugate() * Vector3d::UnitY();
+  for (const View& view : views)
+    sum -= view.camera_from_world.rotation.conjugate() * Vector3d::UnitY();
   int axis = 0;
   sum.cwiseAbs().maxCoeff(&axis);
   const Vector3d snapped = (sum[axis] > 0 ? 1 : -1) * Vector3d::Unit(axis);
@@ -96,11 +97,17 @@ TrackInput::~TrackInput() = default;
 TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_folder,
                        const TrackInputOptions& options)
     : shot_(OpenShot(shot_folder)) {
+  if (!shot_.has_masks())
+    throw InputError(
+        "track: the shot " + shot_folder.filename().string() +
+        " has no masks/CAMERA/ for each camera; `keypose silhouettes` makes them from films and "
+        "pictures of the empty set");
   Match(stage, options);
   CountFrames(stage);
   for (const ShotCamera& camera : shot_.cameras) {
     masks_.push_back(std::make_unique<FrameReader>(camera.masks));
-    pictures_.push_back(std::make_unique<FrameReader>(camera.pictures.empty() ? camera.masks : camera.pictures));
+    pictures_.push_back(
+        std::make_unique<FrameReader>(camera.pictures.empty() ? camera.masks : camera.pictures));
   }
   offsets_.assign(shot_.cameras.size(), 0);
   for (int c = 0; c < SizeOf(views_); ++c) {
@@ -136,11 +143,13 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw UsageError("track: --cameras names " + name + ", but the shot has " + Listed(names));
   for (int c = 0; c < SizeOf(names); ++c) {
-    const bool use = wanted.empty() || std::find(wanted.begin(), wanted.end(), names[c]) != wanted.end();
+    const bool use =
+        wanted.empty() || std::find(wanted.begin(), wanted.end(), names[c]) != wanted.end();
     (use ? used_ : compared_).push_back(c);
   }
   if (used_.size() < 2)
-    throw InputError("track: one camera does not tell depth; at least two are needed, eight are good");
+    throw InputError(
+        "track: one camera does not tell depth; at least two are needed, eight are good");
 }
 
 void TrackInput::CountFrames(StageContext& stage) {
@@ -151,7 +160,8 @@ void TrackInput::CountFrames(StageContext& stage) {
   if (frames_ == most) return;
   const auto shortest = std::min_element(counts.begin(), counts.end()) - counts.begin();
   const std::string fact = "camera " + shot_.cameras[shortest].name + " has only " +
-                           std::to_string(frames_) + " frames, where others have " + std::to_string(most);
+                           std::to_string(frames_) + " frames, where others have " +
+                           std::to_string(most);
   if (2 * frames_ < most)
     throw InputError("track: " + fact + "; copy its film again, or leave it out with --cameras");
   stage.Warn(fact + ": only the first " + std::to_string(frames_) + " frames are tracked");
@@ -174,7 +184,8 @@ void TrackInput::FindUnit(StageContext& stage, const TrackInputOptions& options)
   const double height = hull_.high.z() - hull_.low.z();
   if (metres_per_unit_ > 0) {
     if (UnitOfHeight(height) != 1)
-      stage.Warn("the actor is " + Rounded(height) + " m high by this calibration: its unit may be wrong");
+      stage.Warn("the actor is " + Rounded(height) +
+                 " m high by this calibration: its unit may be wrong");
     return;
   }
   double unit = UnitOfHeight(height);
@@ -202,13 +213,15 @@ void TrackInput::Compare(StageContext& stage, int frame) {
                      " are empty; begin where all cameras see the actor, or look at the masks");
   const RigAgreement agreement = CheckAgreement(silhouettes, up_from_world_);
   if (agreement.hull.voxels == 0)
-    throw InputError("track: the cameras do not see one place: no point of space lies in the masks of "
-                     "all of them in frame " + std::to_string(frame) +
-                     "; they do not overlap, or the calibration is of another shot");
+    throw InputError(
+        "track: the cameras do not see one place: no point of space lies in the masks of "
+        "all of them in frame " +
+        std::to_string(frame) + "; they do not overlap, or the calibration is of another shot");
   if (!agreement.against.empty()) {
     const int place = agreement.against.front();
     const View& view = views_[used_[place]];
-    std::string text = "track: camera " + view.name + " does not agree with the others: what it shows is " +
+    std::string text = "track: camera " + view.name +
+                       " does not agree with the others: what it shows is " +
                        "not where they see the actor. ";
     if (AgreesScaled(silhouettes, place, 0.001, up_from_world_))
       text += "Its place looks like millimetres among metres: divide its translation by 1000";
@@ -231,7 +244,8 @@ void TrackInput::FindClocks(StageContext& stage, const TrackInputOptions& option
     for (std::size_t c = 0; c < frame.size(); ++c) rays[c].push_back(RaysOf(frame[c]));
   std::vector<Vector3d> centers;
   for (const int c : used_) centers.push_back(views_[c].Center());
-  const ClockOffsets clocks = FindClockOffsets(rays, centers, up_from_world_.conjugate() * hull_.middle, most);
+  const ClockOffsets clocks =
+      FindClockOffsets(rays, centers, up_from_world_.conjugate() * hull_.middle, most);
   const int latest = *std::max_element(clocks.frames.begin(), clocks.frames.end());
   stage.Report("clock_disagreement_mrad", 1000 * clocks.after);
   if (latest == 0) return;
@@ -239,7 +253,8 @@ void TrackInput::FindClocks(StageContext& stage, const TrackInputOptions& option
   for (std::size_t c = 0; c < used_.size(); ++c) {
     offsets_[used_[c]] = clocks.frames[c];
     if (clocks.frames[c] != 0)
-      text += (text.empty() ? "" : ", ") + views_[used_[c]].name + " by " + std::to_string(clocks.frames[c]);
+      text += (text.empty() ? "" : ", ") + views_[used_[c]].name + " by " +
+              std::to_string(clocks.frames[c]);
   }
   frames_ -= latest;
   stage.Warn("the cameras' clocks differ: frames are taken later from " + text +
@@ -255,13 +270,16 @@ std::vector<std::vector<Silhouette>> TrackInput::Read(int first, int count, int 
     const int camera = used_[i];
     for (int f = 0; f < count; ++f) {
       const Image8 mask = masks_[camera]->Read(first + f * step + offsets_[camera], 1);
-      frames[f][i] = MakeSilhouette(cameras_[camera], camera, cameras_[camera].Reduced(mask), kOutlinePoints);
+      frames[f][i] =
+          MakeSilhouette(cameras_[camera], camera, cameras_[camera].Reduced(mask), kOutlinePoints);
     }
   });
   return frames;
 }
 
-Image8 TrackInput::Mask(int camera, int frame) { return masks_[camera]->Read(frame + offsets_[camera], 1); }
+Image8 TrackInput::Mask(int camera, int frame) {
+  return masks_[camera]->Read(frame + offsets_[camera], 1);
+}
 
 Image8 TrackInput::Picture(int camera, int frame) {
   return pictures_[camera]->Read(frame + offsets_[camera], 3);

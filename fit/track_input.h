@@ -12,11 +12,11 @@
 namespace keypose::fit {
 
 struct TrackInputOptions {
-  std::string cameras;         ///< names that are used, comma-separated; empty: all
-  std::string up = "auto";     ///< auto, x, y, z, -x, -y, -z: the world's axis that points up
-  double height_m = 0;         ///< of the actor; 0: not known
-  int sync_frames = 10;        ///< largest offset between clocks that is looked for; 0: none
-  int at_frame = 0;            ///< the frame in which cameras are compared
+  std::string cameras;      ///< names that are used, comma-separated; empty: all
+  std::string up = "auto";  ///< auto, x, y, z, -x, -y, -z: the world's axis that points up
+  double height_m = 0;      ///< of the actor; 0: not known
+  int sync_frames = 10;     ///< largest offset between clocks that is looked for; 0: none
+  int at_frame = 0;         ///< the frame in which cameras are compared
 };
 
 /// A shot whose cameras are matched to a calibration.
@@ -34,14 +34,17 @@ class TrackInput {
   double metres_per_unit() const { return metres_per_unit_; }
   const Eigen::Quaterniond& up_from_world() const { return up_from_world_; }
   const std::vector<SilhouetteCamera>& cameras() const { return cameras_; }
-  const std::vector<int>& used() const { return used_; }          ///< cameras that are fitted to
-  const std::vector<int>& compared() const { return compared_; }  ///< cameras that are only compared
+  const std::vector<int>& used() const { return used_; }  ///< cameras that are fitted to
+  const std::vector<int>& compared() const {
+    return compared_;
+  }  ///< cameras that are only compared
   const CoarseHull& hull() const { return hull_; }
-  const std::vector<int>& offsets() const { return offsets_; }    ///< per camera [frames]
+  const std::vector<int>& offsets() const { return offsets_; }  ///< per camera [frames]
 
   /// Silhouettes of the used cameras in frames [first, first + count); negative steps go backwards.
   std::vector<std::vector<Silhouette>> Read(int first, int count, int step = 1);
-  /// One camera's mask in a frame, at full size; and its picture, RGB (the mask where there is none).
+  /// One camera's mask in a frame, at full size; and its picture, RGB (the mask where there is
+  /// none).
   Image8 Mask(int camera, int frame);
   Image8 Picture(int camera, int frame);
 

@@ -83,7 +83,8 @@ BodyShape ParseActor(const std::string& text, const std::string& name) {
     if (lengths.size() != kLengths) throw InputError(name + ": lengths_m must hold 23 numbers");
     for (int i = 0; i < kLengths; ++i) shape.lengths[i] = lengths[i];
     for (int s = 0; s < kSegments; ++s) {
-      const auto rows = json.at("radii_m").at(Segments()[s].name).get<std::vector<std::vector<double>>>();
+      const auto rows =
+          json.at("radii_m").at(Segments()[s].name).get<std::vector<std::vector<double>>>();
       for (int k = 0; k < kStations; ++k)
         for (int m = 0; m < kHarmonics; ++m) shape.radii[s](k, m) = rows.at(k).at(m);
     }
@@ -105,7 +106,8 @@ Image8 Overlay(const Image8& rgb, const View& view, const PointsX3& points) {
   options.samples = 2;
   options.face_colors.resize(mesh.faces.rows(), 3);
   Eigen::VectorXd hue(mesh.faces.rows());
-  for (Eigen::Index f = 0; f < hue.size(); ++f) hue[f] = static_cast<double>((f / SegmentFaces().rows()) * 7 % kSegments);
+  for (Eigen::Index f = 0; f < hue.size(); ++f)
+    hue[f] = static_cast<double>((f / SegmentFaces().rows()) * 7 % kSegments);
   options.face_colors = MapColors(hue, 0, kSegments - 1);
   const Image8 body = RenderCutout(mesh, RayScene(mesh.points, mesh.faces), view, options);
   Image8 picture = rgb;

@@ -14,7 +14,8 @@ namespace keypose::fit {
 /// @param units_per_metre  of the calibration
 std::string AnglesCsv(const std::vector<TrackedFrame>& frames, double fps, double units_per_metre);
 
-/// Names of numbers whose standard deviation is more than `most_deg` in at least half of the frames.
+/// Names of numbers whose standard deviation is more than `most_deg` in at least half of the
+/// frames.
 std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, double most_deg);
 
 /// Bone lengths and girths as JSON, in metres.

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,8 @@
 namespace keypose::fit {
 namespace {
 
-constexpr int kBatch = 8;              // frames that are read at once
-constexpr double kUnseenDeg = 20;      // an angle less sure than this counts as not seen
+constexpr int kBatch = 8;          // frames that are read at once
+constexpr double kUnseenDeg = 20;  // an angle less sure than this counts as not seen
 constexpr int kGoodCameras = 8, kFewCameras = 5;
 
 struct TrackOptions {
@@ -41,22 +42,36 @@ struct TrackOptions {
   void Describe(OptionVisitor& visit) {
     visit("actor_frame", actor_frame,
           {"the frame that the actor's lengths and girths are fitted to first: one in which the "
-           "limbs are apart", "", 0, 1e6, {}});
+           "limbs are apart",
+           "",
+           0,
+           1e6,
+           {}});
     visit("actor_frames", actor_frames,
           {"frames over the whole performance that lengths and girths are fitted to then; 1: only "
-           "that one, as in the paper", "", 1, 60, {}});
-    visit("cameras", cameras,
-          {.help = "names of the cameras that are used, comma-separated; empty: all. The others are "
-                   "only compared with the result"});
-    visit("up", up,
-          {.help = "the calibration's axis that points up; auto: the one that is up in the pictures",
-           .choices = {"auto", "x", "y", "z", "-x", "-y", "-z"}});
+           "that one, as in the paper",
+           "",
+           1,
+           60,
+           {}});
+    visit(
+        "cameras", cameras,
+        {.help = "names of the cameras that are used, comma-separated; empty: all. The others are "
+                 "only compared with the result"});
+    visit(
+        "up", up,
+        {.help = "the calibration's axis that points up; auto: the one that is up in the pictures",
+         .choices = {"auto", "x", "y", "z", "-x", "-y", "-z"}});
     visit("height_m", height_m,
           {"the actor's height, where the calibration has no unit; 0: not known", "m", 0, 3, {}});
     visit("fps", fps,
           {"frames per second of numbered pictures; 0: the videos', else 25", "1/s", 0, 1000, {}});
     visit("sync_frames", sync_frames,
-          {"largest offset between the cameras' clocks that is looked for; 0: they agree", "frames", 0, 1000, {}});
+          {"largest offset between the cameras' clocks that is looked for; 0: they agree",
+           "frames",
+           0,
+           1000,
+           {}});
   }
   TrackInputOptions Input() const { return {cameras, up, height_m, sync_frames, actor_frame}; }
 };
@@ -67,11 +82,17 @@ StageSpec Spec() {
   spec.version = "1";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
-      {"video", "folder", "one folder of numbered pictures, or one video, for each camera; masks/ and background/ beside them", "", false, false},
-      {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices", "", false, false},
+      {"video", "folder",
+       "one folder of numbered pictures, or one video, for each camera; masks/ and background/ "
+       "beside them",
+       "", false, false},
+      {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices",
+       "", false, false},
       {"actor", "file", "actor.json of an earlier run with the same actor", "", true, false}};
   spec.outputs = {
-      {"frames", "folder", "template poses frame_0000.ply ..., distortion.json, angles.csv, actor.json", "frames", false, false},
+      {"frames", "folder",
+       "template poses frame_0000.ply ..., distortion.json, angles.csv, actor.json", "frames",
+       false, false},
       {"motion", "file", "the motion (.bvh), y up", "motion.bvh", false, false},
       {"picture", "file", "the template over the film (.jpg)", "tracked.jpg", true, false}};
   spec.memory_gib = 1;
@@ -86,7 +107,8 @@ std::vector<TrackedFrame> TrackAll(TrackInput& input, const BodyShape& shape, co
   int done = 0;
   for (const int step : {1, -1}) {
     Tracker tracker(shape, start);
-    const int begin = step > 0 ? first : first - 1, count = step > 0 ? input.frames() - first : first;
+    const int begin = step > 0 ? first : first - 1,
+              count = step > 0 ? input.frames() - first : first;
     // Backwards, the tracker starts from the pose that was found, not from the rough one.
     if (step < 0) tracker = Tracker(shape, frames[first].pose);
     for (int f = 0; f < count; f += kBatch) {
@@ -119,11 +141,14 @@ double FitFirst(const std::vector<Silhouette>& silhouettes, Actor* actor, Progre
   return cost;
 }
 
-Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape* known, Progress* progress) {
+Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape* known,
+                 Progress* progress) {
   constexpr int kPoses = 3;
   const int frame = std::min(options.actor_frame, input.frames() - 1);
   const std::vector<Silhouette> silhouettes = input.Read(frame, 1)[0];
-  const double height = options.height_m > 0 ? options.height_m : 0.98 * (input.hull().high.z() - input.hull().low.z());
+  const double height = options.height_m > 0
+                            ? options.height_m
+                            : 0.98 * (input.hull().high.z() - input.hull().low.z());
   const BodyShape start = known ? *known : AverageShape(std::clamp(height, 1.2, 2.2));
   SubProgress searching(progress, 0, 0.7);
   const std::vector<BodyPose> poses =
@@ -141,8 +166,8 @@ Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape
 }
 
 /// The shape fitted to frames spread over the performance, from a first pass over it.
-void RefineActor(TrackInput& input, const TrackOptions& options, const std::vector<TrackedFrame>& tracked,
-                 Actor* actor, Progress* progress) {
+void RefineActor(TrackInput& input, const TrackOptions& options,
+                 const std::vector<TrackedFrame>& tracked, Actor* actor, Progress* progress) {
   const int count = std::min(options.actor_frames, input.frames());
   std::vector<ActorFrame> frames;
   for (int i = 0; i < count; ++i) {
@@ -158,9 +183,12 @@ void RefineActor(TrackInput& input, const TrackOptions& options, const std::vect
 void WarnOfCameras(StageContext& stage, const TrackInput& input) {
   const int count = SizeOf(input.used());
   if (count >= kFewCameras) return;
-  stage.Warn(std::to_string(count) + " cameras do not see everything: limbs that lie before or behind the "
-             "body in all of them, the bend of limbs along their line of sight, and which way a limb "
-             "turned are guessed; " + std::to_string(kGoodCameras) + " around the actor are good");
+  stage.Warn(
+      std::to_string(count) +
+      " cameras do not see everything: limbs that lie before or behind the "
+      "body in all of them, the bend of limbs along their line of sight, and which way a limb "
+      "turned are guessed; " +
+      std::to_string(kGoodCameras) + " around the actor are good");
 }
 
 void WarnOfUnseen(StageContext& stage, const std::vector<TrackedFrame>& frames) {
@@ -169,11 +197,13 @@ void WarnOfUnseen(StageContext& stage, const std::vector<TrackedFrame>& frames) 
   if (names.empty()) return;
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  stage.Note("outlines do not tell these angles (a limb's twist about its own axis moves no outline): " +
-             text + "; their variance in angles.csv is large");
+  stage.Note(
+      "outlines do not tell these angles (a limb's twist about its own axis moves no outline): " +
+      text + "; their variance in angles.csv is large");
 }
 
-void ReportQuality(StageContext& stage, TrackInput& input, const std::vector<TrackedFrame>& frames) {
+void ReportQuality(StageContext& stage, TrackInput& input,
+                   const std::vector<TrackedFrame>& frames) {
   double sum = 0, least = 1;
   int worst = 0, found = 0;
   for (int f = 0; f < SizeOf(frames); ++f) {
@@ -190,7 +220,8 @@ void ReportQuality(StageContext& stage, TrackInput& input, const std::vector<Tra
   stage.Report("limbs_found_again", found);
   if (least < 0.75)
     stage.Warn("in frame " + std::to_string(worst) + " the template covers only " +
-               std::to_string(static_cast<int>(100 * least)) + " % of the masks: look at that frame's masks and pose");
+               std::to_string(static_cast<int>(100 * least)) +
+               " % of the masks: look at that frame's masks and pose");
 }
 
 /// Cameras that were not fitted to, in the frame that the actor was fitted to.
@@ -201,15 +232,18 @@ void CompareOthers(StageContext& stage, TrackInput& input, const BodyShape& shap
   double sum = 0, least = 1;
   std::string worst;
   for (const int c : input.compared()) {
-    const Silhouette s = MakeSilhouette(input.cameras()[c], c, input.cameras()[c].Reduced(input.Mask(c, at)), 100);
+    const Silhouette s =
+        MakeSilhouette(input.cameras()[c], c, input.cameras()[c].Reduced(input.Mask(c, at)), 100);
     const double iou = CoverageOf({s}, surface, Posed(frames[at].pose, shape)).IoU();
     sum += iou;
     if (iou < least) least = iou, worst = input.cameras()[c].view().name;
   }
   stage.Report("iou_other_cameras", sum / SizeOf(input.compared()));
   stage.Report("iou_other_cameras_least", least);
-  stage.Note("in " + std::to_string(input.compared().size()) + " cameras that were not fitted to, the template "
-             "and the masks agree by " + std::to_string(sum / SizeOf(input.compared())) + " (least: " + worst + ")");
+  stage.Note("in " + std::to_string(input.compared().size()) +
+             " cameras that were not fitted to, the template "
+             "and the masks agree by " +
+             std::to_string(sum / SizeOf(input.compared())) + " (least: " + worst + ")");
 }
 
 void WriteFrames(StageContext& stage, const TrackInput& input, const BodyShape& shape,
@@ -222,7 +256,8 @@ void WriteFrames(StageContext& stage, const TrackInput& input, const BodyShape& 
   std::vector<BodyPose> poses;
   for (int f = 0; f < SizeOf(frames); ++f) {
     poses.push_back(frames[f].pose);
-    writer.Write(folder / FrameFileName(f), BodyPoints(surface, Posed(frames[f].pose, shape)) * units);
+    writer.Write(folder / FrameFileName(f),
+                 BodyPoints(surface, Posed(frames[f].pose, shape)) * units);
   }
   // Segments are rigid: area and volume do not change.
   WriteFile(folder / "distortion.json",
@@ -249,7 +284,8 @@ void WritePicture(StageContext& stage, TrackInput& input, const BodyShape& shape
     const int f = moments == 1 ? 0 : m * (SizeOf(frames) - 1) / (moments - 1);
     const PointsX3 points = BodyPoints(surface, Posed(frames[f].pose, shape));
     for (std::size_t i = 0; i < cameras.size() && (moments == 1 || i < 4); ++i) {
-      const Image8 picture = Overlay(input.Picture(cameras[i], f), input.cameras()[cameras[i]].view(), points);
+      const Image8 picture =
+          Overlay(input.Picture(cameras[i], f), input.cameras()[cameras[i]].view(), points);
       tiles.push_back(Resized(picture, 480, 480 * picture.height / picture.width));
     }
   }
@@ -259,10 +295,13 @@ void WritePicture(StageContext& stage, TrackInput& input, const BodyShape& shape
 void Run(StageContext& stage, const TrackOptions& options) {
   TrackInput input(stage, stage.Input("video"), options.Input());
   WarnOfCameras(stage, input);
-  const double fps = options.fps > 0 ? options.fps : input.frames_per_second() > 0 ? input.frames_per_second() : 25;
+  const double fps = options.fps > 0                 ? options.fps
+                     : input.frames_per_second() > 0 ? input.frames_per_second()
+                                                     : 25;
   BodyShape known;
   const bool has_actor = stage.Has("actor");
-  if (has_actor) known = ParseActor(ReadFile(stage.Input("actor")), stage.Input("actor").filename().string());
+  if (has_actor)
+    known = ParseActor(ReadFile(stage.Input("actor")), stage.Input("actor").filename().string());
   SubProgress starting(stage.progress(), 0, 0.2);
   Actor actor = FirstActor(input, options, has_actor ? &known : nullptr, &starting);
   const int at = std::min(options.actor_frame, input.frames() - 1);
@@ -273,9 +312,12 @@ void Run(StageContext& stage, const TrackOptions& options) {
     RefineActor(input, options, rough, &actor, &refining);
   }
   const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t cores = std::clock();
   const std::vector<TrackedFrame> frames = TrackAll(input, actor.shape, actor.pose, at, &second);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   stage.Report("frames_per_second", input.frames() / seconds.count());
+  stage.Report("core_seconds_per_frame",
+               static_cast<double>(std::clock() - cores) / CLOCKS_PER_SEC / input.frames());
   stage.Report("actor_height_m", actor.shape.height());
   ReportQuality(stage, input, frames);
   WarnOfUnseen(stage, frames);
@@ -288,5 +330,6 @@ void Run(StageContext& stage, const TrackOptions& options) {
 }  // namespace keypose::fit
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::fit::TrackOptions>(argc, argv, keypose::fit::Spec(), keypose::fit::Run);
+  return keypose::RunStage<keypose::fit::TrackOptions>(argc, argv, keypose::fit::Spec(),
+                                                       keypose::fit::Run);
 }

@@ -55,15 +55,16 @@ Image8 FillMask(const PointsX3& points, const FacesX3& faces, const View& view) 
   }
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-    if (visible[a] && visible[b] && visible[c]) FillMaskTriangle(pixels[a], pixels[b], pixels[c], &mask);
+    if (visible[a] && visible[b] && visible[c])
+      FillMaskTriangle(pixels[a], pixels[b], pixels[c], &mask);
   }
   return mask;
 }
 
 Image8 NoisyMask(const Image8& mask, double noise_px, std::uint64_t seed) {
   if (noise_px <= 0) return mask;
-  constexpr double kWave = 7;      // [px] of the noise's lattice
-  constexpr double kSpread = 0.26; // standard deviation of GradientNoise in a plane
+  constexpr double kWave = 7;       // [px] of the noise's lattice
+  constexpr double kSpread = 0.26;  // standard deviation of GradientNoise in a plane
   const cv::Mat source(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
   const cv::Mat distance = SignedMaskDistance(source);
   Image8 noisy = mask;
@@ -72,7 +73,9 @@ Image8 NoisyMask(const Image8& mask, double noise_px, std::uint64_t seed) {
     for (int x = 0; x < mask.width; ++x) {
       const double d = distance.at<float>(y, x);
       if (std::abs(d) > most) continue;
-      const double n = noise_px / kSpread * GradientNoise(Eigen::Vector3d(x / kWave, y / kWave, 0.37), static_cast<std::uint32_t>(Hash(seed)));
+      const double n = noise_px / kSpread *
+                       GradientNoise(Eigen::Vector3d(x / kWave, y / kWave, 0.37),
+                                     static_cast<std::uint32_t>(Hash(seed)));
       *noisy.at(x, y) = d < n ? 255 : 0;
     }
   return noisy;

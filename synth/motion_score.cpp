@@ -47,7 +47,8 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   const TrueJoints truth = ReadJoints(command.performance / "truth" / "joints.csv");
   const MotionClip clip = ReadBvh(command.motion);
   if (clip.frame_count() != SizeOf(truth))
-    throw InputError(fmt::format("synth: the motion has {} frames, its truth {}", clip.frame_count(), truth.size()));
+    throw InputError(fmt::format("synth: the motion has {} frames, its truth {}",
+                                 clip.frame_count(), truth.size()));
   score->frames = SizeOf(truth);
   score->joint_means_m.assign(Performer::JointNames().size(), 0);
   int count = 0;
@@ -63,7 +64,8 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
       worst = std::max(worst, error);
       if (f < command.from) continue;
       score->joint_mean_m += error, score->joint_means_m[j] += error, ++count;
-      if (error > score->joint_worst_m) score->joint_worst_m = error, score->worst = fmt::format("{} in frame {}", name, f);
+      if (error > score->joint_worst_m)
+        score->joint_worst_m = error, score->worst = fmt::format("{} in frame {}", name, f);
     }
     score->frame_worst_m.push_back(worst);
   }
@@ -71,13 +73,16 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   for (double& mean : score->joint_means_m) mean /= std::max(1, score->frames - command.from);
 }
 
-std::vector<double> FrameIoUs(const MotionScoreCommand& command, const std::vector<View>& views, int frames) {
+std::vector<double> FrameIoUs(const MotionScoreCommand& command, const std::vector<View>& views,
+                              int frames) {
   std::vector<double> sums(static_cast<std::size_t>(frames), 0);
   ParallelFor(frames, [&](std::int64_t f) {
     const Mesh mesh = ReadMesh(command.frames / fmt::format("frame_{:04}.ply", f));
     for (const View& view : views) {
-      const fs::path mask = command.performance / "truth" / "masks" / view.name / fmt::format("{:03}.png", f);
-      sums[f] += MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view)) / SizeOf(views);
+      const fs::path mask =
+          command.performance / "truth" / "masks" / view.name / fmt::format("{:03}.png", f);
+      sums[f] +=
+          MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view)) / SizeOf(views);
     }
   });
   return sums;
@@ -89,7 +94,8 @@ MotionScore ScoreMotion(const MotionScoreCommand& command) {
   MotionScore score;
   ScoreJoints(command, &score);
   const auto views = ReadRigCalibration(command.performance / "calibration.yml").views;
-  const auto held_out = ReadRigCalibration(command.performance / "held_out" / "calibration.yml").views;
+  const auto held_out =
+      ReadRigCalibration(command.performance / "held_out" / "calibration.yml").views;
   const std::vector<double> seen = FrameIoUs(command, views, score.frames);
   const std::vector<double> unseen = FrameIoUs(command, held_out, score.frames);
   const int counted = std::max(1, score.frames - command.from);
@@ -112,7 +118,8 @@ std::string ToJson(const MotionScore& score) {
   for (std::size_t j = 0; j < score.joint_means_m.size(); ++j)
     json["joints_mm"][Performer::JointNames()[j]] = 1000 * score.joint_means_m[j];
   json["frame_worst_mm"] = nlohmann::json::array();
-  for (const double worst : score.frame_worst_m) json["frame_worst_mm"].push_back(std::round(10000 * worst) / 10);
+  for (const double worst : score.frame_worst_m)
+    json["frame_worst_mm"].push_back(std::round(10000 * worst) / 10);
   return json.dump(1) + "\n";
 }
 

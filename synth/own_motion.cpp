@@ -18,12 +18,14 @@ ClipJoint JointAt(const std::string& name, int parent, const Eigen::Vector3d& of
 
 MotionClip OwnSkeleton() {
   MotionClip clip;
-  const auto add = [&](const std::string& name, const std::string& parent, double x, double y, double z) {
+  const auto add = [&](const std::string& name, const std::string& parent, double x, double y,
+                       double z) {
     clip.joints.push_back(JointAt(name, parent.empty() ? -1 : clip.Find(parent), {x, y, z}));
   };
   add("Hips", "", 0, 0, 0);
-  clip.joints[0].channels.insert(clip.joints[0].channels.begin(),
-                                 {BvhChannel::kXposition, BvhChannel::kYposition, BvhChannel::kZposition});
+  clip.joints[0].channels.insert(
+      clip.joints[0].channels.begin(),
+      {BvhChannel::kXposition, BvhChannel::kYposition, BvhChannel::kZposition});
   for (const std::string side : {"Left", "Right"}) {
     const double s = side == "Left" ? 1 : -1;
     add(side + "Hip", "Hips", 0.09 * s, -0.04, 0);
@@ -88,7 +90,8 @@ void PoseLegs(ChannelWriter& writer, double step) {
 void PoseArms(ChannelWriter& writer, double t, double step, double pace) {
   for (const double side : {1.0, -1.0}) {
     const std::string name = side > 0 ? "Left" : "Right";
-    const double raise = 70 - 50 * Swell(t + 0.8 * (1 - side), 2.6 * pace) + 60 * Swell(t, 4.4 * pace) * (side > 0 ? 1 : 0.4);
+    const double raise = 70 - 50 * Swell(t + 0.8 * (1 - side), 2.6 * pace) +
+                         60 * Swell(t, 4.4 * pace) * (side > 0 ? 1 : 0.4);
     const double swing = 30 * std::sin(step + (side > 0 ? kPi : 0));
     writer.Turn(name + "Shoulder", side * raise, side * 12 * std::sin(1.1 * t), swing);
     writer.Turn(name + "Elbow", 0, 0, -10 - 85 * Swell(t + 0.5 * side, 1.9 * pace));
@@ -105,7 +108,8 @@ MotionClip MakeOwnMotion(int frames, double frames_per_second, std::uint64_t see
   Random random(seed * 7 + 3);
   const double pace = random.Uniform(0.9, 1.2), circle = random.Uniform(0.35, 0.55);
   for (int f = 0; f < frames; ++f) {
-    const double t = f * clip.frame_time_s, step = 2 * kPi * t / (1.1 * pace), turn = 2 * kPi * t / (9 * pace);
+    const double t = f * clip.frame_time_s, step = 2 * kPi * t / (1.1 * pace),
+                 turn = 2 * kPi * t / (9 * pace);
     ChannelWriter writer(&clip, f);
     writer.Set("Hips", BvhChannel::kXposition, circle * (1 - std::cos(turn)));
     writer.Set("Hips", BvhChannel::kYposition, 0.86 + 0.015 * std::sin(2 * step));

@@ -71,7 +71,8 @@ MotionClip ClipFor(const PerformanceCommand& command) {
     return own;
   }
   MotionClip clip = ReadBvh(command.bvh);
-  const int wanted = command.start_pose ? std::max(1, command.frames - kStanding - kOnTheWay) : command.frames;
+  const int wanted =
+      command.start_pose ? std::max(1, command.frames - kStanding - kOnTheWay) : command.frames;
   const int last = command.first_frame + (wanted - 1) * command.every;
   if (last >= clip.frame_count())
     throw InputError(fmt::format("synth: {} has {} frames; {} frames from {}, every {}, need {}",
@@ -99,22 +100,25 @@ std::string JointsCsv(const Performer& performer) {
   for (int f = 0; f < performer.frame_count(); ++f) {
     const PointsX3 joints = performer.Joints(f);
     for (int j = 0; j < joints.rows(); ++j)
-      text += fmt::format("{},{},{:.6f},{:.6f},{:.6f}\n", f, Performer::JointNames()[j], joints(j, 0),
-                          joints(j, 1), joints(j, 2));
+      text += fmt::format("{},{},{:.6f},{:.6f},{:.6f}\n", f, Performer::JointNames()[j],
+                          joints(j, 0), joints(j, 1), joints(j, 2));
   }
   return text;
 }
 
 /// Faces of the left arm from the shoulder on, in the bind pose's vertices: those beyond the joint.
-FacesX3 WithoutLeftArm(const Mesh& bind, const Performer& performer, int frame, const PointsX3& points) {
+FacesX3 WithoutLeftArm(const Mesh& bind, const Performer& performer, int frame,
+                       const PointsX3& points) {
   const PointsX3 joints = performer.Joints(frame);
   const auto& names = Performer::JointNames();
   const auto at = [&](const char* name) {
     const auto found = std::find(names.begin(), names.end(), name);
     return Eigen::Vector3d(joints.row(found - names.begin()));
   };
-  const Eigen::Vector3d elbow = at("LeftElbow"), shoulder = at("LeftShoulder"), wrist = at("LeftWrist");
-  const auto near = [](const Eigen::Vector3d& x, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d elbow = at("LeftElbow"), shoulder = at("LeftShoulder"),
+                        wrist = at("LeftWrist");
+  const auto near = [](const Eigen::Vector3d& x, const Eigen::Vector3d& a,
+                       const Eigen::Vector3d& b) {
     const double h = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
     return (x - a - h * (b - a)).norm() < 0.085;
   };
@@ -123,7 +127,8 @@ FacesX3 WithoutLeftArm(const Mesh& bind, const Performer& performer, int frame, 
   std::vector<int> kept;
   for (int f = 0; f < bind.faces.rows(); ++f) {
     const Eigen::Vector3d x = points.row(bind.faces(f, 0));
-    if (!near(x, upper, elbow) && !near(x, elbow, wrist) && !near(x, wrist, hand)) kept.push_back(f);
+    if (!near(x, upper, elbow) && !near(x, elbow, wrist) && !near(x, wrist, hand))
+      kept.push_back(f);
   }
   FacesX3 faces(SizeOf(kept), 3);
   for (int i = 0; i < SizeOf(kept); ++i) faces.row(i) = bind.faces.row(kept[i]);
@@ -133,7 +138,8 @@ FacesX3 WithoutLeftArm(const Mesh& bind, const Performer& performer, int frame, 
 /// Writes one frame in all cameras.
 class Filming {
  public:
-  Filming(const PerformanceCommand& command, const Performer& performer, const std::vector<View>& views)
+  Filming(const PerformanceCommand& command, const Performer& performer,
+          const std::vector<View>& views)
       : command_(command), performer_(performer), views_(views) {
     if (command.pictures) set_ = std::make_unique<FilmedSet>(views);
   }
@@ -141,15 +147,16 @@ class Filming {
   void WritePlates() const {
     if (!set_) return;
     for (int v = 0; v < command_.cameras; ++v)
-      WriteImage(command_.output / "shot" / "background" / (views_[v].name + ".jpg"), set_->Plate(v),
-                 command_.jpeg_quality);
+      WriteImage(command_.output / "shot" / "background" / (views_[v].name + ".jpg"),
+                 set_->Plate(v), command_.jpeg_quality);
   }
 
   void Write(int frame) const {
     const PointsX3 points = performer_.Points(frame);
     const FacesX3& faces = performer_.bind().faces;
     const bool hides = frame >= command_.hidden_from && frame < command_.hidden_to;
-    const FacesX3 shown = hides ? WithoutLeftArm(performer_.bind(), performer_, frame, points) : faces;
+    const FacesX3 shown =
+        hides ? WithoutLeftArm(performer_.bind(), performer_, frame, points) : faces;
     std::unique_ptr<FilmedFrame> filmed;
     if (set_) filmed = std::make_unique<FilmedFrame>(*set_, performer_.bind(), points);
     const std::string number = fmt::format("{:03}", frame);
@@ -181,7 +188,8 @@ void MakeFilmFolders(const PerformanceCommand& command, const std::vector<View>&
     const bool held_out = v >= command.cameras;
     MakeFilmFolder(command.output / "truth" / "masks" / views[v].name);
     if (!held_out) MakeFilmFolder(command.output / "shot" / "masks" / views[v].name);
-    if (command.pictures) MakeFilmFolder(command.output / (held_out ? "held_out" : "shot") / views[v].name);
+    if (command.pictures)
+      MakeFilmFolder(command.output / (held_out ? "held_out" : "shot") / views[v].name);
   }
   if (command.pictures) MakeFilmFolder(command.output / "shot" / "background");
   MakeFilmFolder(command.output / "held_out");
@@ -192,7 +200,8 @@ void MakeFilmFolders(const PerformanceCommand& command, const std::vector<View>&
 std::vector<std::string> PerformanceCommand::Problems() const {
   std::vector<std::string> problems;
   if (frames < 1) problems.push_back("--frames must be at least 1");
-  if (every < 1 || first_frame < 0) problems.push_back("--every must be at least 1, --first at least 0");
+  if (every < 1 || first_frame < 0)
+    problems.push_back("--every must be at least 1, --first at least 0");
   if (cameras < 2 || cameras > 64) problems.push_back("--cameras must be from 2 to 64");
   if (size_px < 100 || size_px > 8000) problems.push_back("--size must be from 100 to 8000");
   if (noise_px < 0 || noise_px > 20) problems.push_back("--noise must be from 0 to 20");
@@ -208,7 +217,8 @@ std::vector<View> PerformanceCameras(int cameras, int size_px, double reach_m) {
     view.name = "cam" + std::to_string(i + 1);
     // The held-out camera looks from between two others.
     const double azimuth = 2 * kPi * (held_out ? 0.5 : i) / cameras + 0.2;
-    const double distance = 4.2 + reach_m + 0.2 * std::sin(2.1 * i), height = held_out ? 1.5 : 1.2 + 0.9 * (i % 3);
+    const double distance = 4.2 + reach_m + 0.2 * std::sin(2.1 * i),
+                 height = held_out ? 1.5 : 1.2 + 0.9 * (i % 3);
     const Eigen::Vector3d eye(distance * std::cos(azimuth), distance * std::sin(azimuth), height);
     view.camera_from_world = LookAt(eye, target);
     Camera& c = view.camera;
@@ -228,9 +238,11 @@ std::string RunPerformance(const PerformanceCommand& command, Progress* progress
   if (!problems.empty()) throw UsageError("synth: " + problems.front());
   const MotionClip clip = ClipFor(command);
   const Performer performer(clip, command.performer);
-  const std::vector<View> views = PerformanceCameras(command.cameras, command.size_px, ReachOf(performer));
+  const std::vector<View> views =
+      PerformanceCameras(command.cameras, command.size_px, ReachOf(performer));
   MakeFilmFolders(command, views);
-  const std::vector<View> shot(views.begin(), views.end() - 1), held_out(views.end() - 1, views.end());
+  const std::vector<View> shot(views.begin(), views.end() - 1),
+      held_out(views.end() - 1, views.end());
   WriteFile(command.output / "calibration.yml", OpenCvYaml(shot));
   WriteFile(command.output / "held_out" / "calibration.yml", OpenCvYaml(held_out));
   WriteFile(command.output / "truth" / "joints.csv", JointsCsv(performer));

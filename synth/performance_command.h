@@ -11,15 +11,15 @@ namespace keypose::synth {
 
 struct PerformanceCommand {
   std::filesystem::path output;
-  std::filesystem::path bvh;      ///< a clip of the CMU database; empty: a motion of our own
-  int first_frame = 0, every = 4; ///< of the clip: 120 frames a second become 30
+  std::filesystem::path bvh;       ///< a clip of the CMU database; empty: a motion of our own
+  int first_frame = 0, every = 4;  ///< of the clip: 120 frames a second become 30
   int frames = 156;
   int cameras = 8;
-  int size_px = 1000;             ///< pictures are square
-  double noise_px = 2;            ///< of the masks' outlines
+  int size_px = 1000;   ///< pictures are square
+  double noise_px = 2;  ///< of the masks' outlines
   /// the film begins with 6 frames with arms and legs apart and 18 on the way into the motion
   bool start_pose = true;
-  bool pictures = true;           ///< colour pictures too, with a floor and shadows on it
+  bool pictures = true;  ///< colour pictures too, with a floor and shadows on it
   /// an arm that is missing from all masks for a time: first and last frame; none when equal
   int hidden_from = 0, hidden_to = 0;
   PerformerOptions performer;

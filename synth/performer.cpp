@@ -77,8 +77,10 @@ MotionClip BindClip(const MotionClip& clip) {
   int column = 0;
   for (const ClipJoint& joint : clip.joints)
     for (const BvhChannel channel : joint.channels) {
-      if (channel == BvhChannel::kZrotation && joint.name == "LeftShoulder") bind.values(0, column) = 65;
-      if (channel == BvhChannel::kZrotation && joint.name == "RightShoulder") bind.values(0, column) = -65;
+      if (channel == BvhChannel::kZrotation && joint.name == "LeftShoulder")
+        bind.values(0, column) = 65;
+      if (channel == BvhChannel::kZrotation && joint.name == "RightShoulder")
+        bind.values(0, column) = -65;
       ++column;
     }
   return bind;
@@ -100,9 +102,13 @@ std::vector<Rigid3> UprightFrames(const MotionClip& clip, int frame) {
 class Dresser {
  public:
   Dresser(const MotionClip& clip, const std::vector<Rigid3>& bind, Random* random)
-      : clip_(clip), bind_(bind), girth_(random->Uniform(0.92, 1.12)), loose_(random->Uniform(1.05, 1.25)) {
+      : clip_(clip),
+        bind_(bind),
+        girth_(random->Uniform(0.92, 1.12)),
+        loose_(random->Uniform(1.05, 1.25)) {
     for (Vector3d* color : {&shirt_, &trousers_, &shoes_})
-      *color = Vector3d(random->Uniform(0.08, 0.6), random->Uniform(0.08, 0.6), random->Uniform(0.08, 0.6));
+      *color = Vector3d(random->Uniform(0.08, 0.6), random->Uniform(0.08, 0.6),
+                        random->Uniform(0.08, 0.6));
   }
 
   std::vector<Flesh> Dress() {
@@ -123,38 +129,49 @@ class Dresser {
   }
 
   void Trunk() {
-    const Vector3d hips = (At("LeftHip") + At("RightHip")) / 2, chest = At("Chest"), top = At("Neck");
+    const Vector3d hips = (At("LeftHip") + At("RightHip")) / 2, chest = At("Chest"),
+                   top = At("Neck");
     const Vector3d across = (At("LeftShoulder") - At("RightShoulder")) / 2;
-    const Vector3d x = across.normalized(), shoulders = (At("LeftShoulder") + At("RightShoulder")) / 2;
+    const Vector3d x = across.normalized(),
+                   shoulders = (At("LeftShoulder") + At("RightShoulder")) / 2;
     const Vector3d breast = chest + 0.62 * (top - chest), waist = hips + 0.55 * (chest - hips);
     for (const double side : {-1.0, 1.0}) {
-      Put("Hips", hips + side * 0.062 * x - Vector3d(0, 0, 0.02), waist + side * 0.055 * x, 0.112 * loose_, 0.10, true, trousers_);
-      Put("Chest", waist + side * 0.055 * x, breast + side * 0.07 * x, 0.098 * loose_, 0.108, true, shirt_);
-      Put("Chest2", breast + side * 0.07 * x, shoulders + side * 0.72 * across - Vector3d(0, 0, 0.01), 0.106, 0.062, true, shirt_);
+      Put("Hips", hips + side * 0.062 * x - Vector3d(0, 0, 0.02), waist + side * 0.055 * x,
+          0.112 * loose_, 0.10, true, trousers_);
+      Put("Chest", waist + side * 0.055 * x, breast + side * 0.07 * x, 0.098 * loose_, 0.108, true,
+          shirt_);
+      Put("Chest2", breast + side * 0.07 * x,
+          shoulders + side * 0.72 * across - Vector3d(0, 0, 0.01), 0.106, 0.062, true, shirt_);
     }
     const Vector3d head = At("Head"), up = (head - top).normalized();
     Put("Neck", top - 0.03 * up, head, 0.062, 0.054, false, skin_);
     const Vector3d forward = -Vector3d::UnitY();
-    Put("Head", head + 0.05 * up + 0.022 * forward, head + 0.115 * up + 0.018 * forward, 0.070, 0.082, false, skin_);
-    Put("Head", head + 0.10 * up - 0.025 * forward, head + 0.15 * up - 0.01 * forward, 0.082, 0.072, false, hair_);
+    Put("Head", head + 0.05 * up + 0.022 * forward, head + 0.115 * up + 0.018 * forward, 0.070,
+        0.082, false, skin_);
+    Put("Head", head + 0.10 * up - 0.025 * forward, head + 0.15 * up - 0.01 * forward, 0.082, 0.072,
+        false, hair_);
   }
 
   void Arm(const std::string& side) {
     const std::string fingers = side == "Left" ? "LFingers" : "RFingers";
-    const Vector3d shoulder = At(side + "Shoulder"), elbow = At(side + "Elbow"), wrist = At(side + "Wrist");
+    const Vector3d shoulder = At(side + "Shoulder"), elbow = At(side + "Elbow"),
+                   wrist = At(side + "Wrist");
     Put(side + "Shoulder", shoulder, elbow, 0.060 * loose_, 0.050 * loose_, true, shirt_);
     Put(side + "Elbow", elbow, wrist, 0.043, 0.030, false, skin_);
     const Vector3d along = (wrist - elbow).normalized();
     const Vector3d flat = along.cross(Vector3d::UnitZ()).normalized();
     for (const double finger : {-1.0, 1.0})
-      Put(side + "Wrist", wrist + 0.03 * along + finger * 0.014 * flat, wrist + 0.135 * along + finger * 0.022 * flat, 0.024, 0.016, false, skin_);
+      Put(side + "Wrist", wrist + 0.03 * along + finger * 0.014 * flat,
+          wrist + 0.135 * along + finger * 0.022 * flat, 0.024, 0.016, false, skin_);
   }
 
   void Leg(const std::string& side) {
-    const Vector3d hip = At(side + "Hip"), knee = At(side + "Knee"), ankle = At(side + "Ankle"), toe = At(side + "Toe");
+    const Vector3d hip = At(side + "Hip"), knee = At(side + "Knee"), ankle = At(side + "Ankle"),
+                   toe = At(side + "Toe");
     Put(side + "Hip", hip, knee, 0.094 * loose_, 0.066 * loose_, true, trousers_);
     Put(side + "Knee", knee, ankle, 0.064 * loose_, 0.055 * loose_, true, trousers_);
-    const Vector3d forward = (Vector3d(toe.x(), toe.y(), 0) - Vector3d(ankle.x(), ankle.y(), 0)).normalized();
+    const Vector3d forward =
+        (Vector3d(toe.x(), toe.y(), 0) - Vector3d(ankle.x(), ankle.y(), 0)).normalized();
     const double sole = ankle.z() - 0.055;
     const Vector3d heel(ankle.x() - 0.045 * forward.x(), ankle.y() - 0.045 * forward.y(), sole);
     Put(side + "Ankle", heel, heel + 0.2 * forward, 0.040, 0.036, true, shoes_);
@@ -171,15 +188,19 @@ class Dresser {
 // Weave, stripes and creases, so that points of the surface can be told apart.
 Vector3d PaintOf(const Flesh& lump, const Vector3d& x, std::uint32_t seed) {
   Vector3d color = lump.color;
-  const double fine = FractalNoise(x / 0.03, 3, 0.6, seed), coarse = GradientNoise(x / 0.11, seed + 1);
-  if (lump.cloth) color *= 1 + 0.45 * fine + 0.35 * coarse;
-  else color *= 1 + 0.12 * fine + 0.15 * coarse;
+  const double fine = FractalNoise(x / 0.03, 3, 0.6, seed),
+               coarse = GradientNoise(x / 0.11, seed + 1);
+  if (lump.cloth)
+    color *= 1 + 0.45 * fine + 0.35 * coarse;
+  else
+    color *= 1 + 0.12 * fine + 0.15 * coarse;
   if (lump.cloth && std::sin(x.z() / 0.02) > 0.55) color += Vector3d(0.18, 0.17, 0.15);
   return color.cwiseMax(0.01).cwiseMin(0.9);
 }
 
 /// Smooth weights of the bones nearest to a point.
-std::vector<std::pair<int, double>> BoneWeights(const std::vector<Flesh>& lumps, int joints, const Vector3d& x) {
+std::vector<std::pair<int, double>> BoneWeights(const std::vector<Flesh>& lumps, int joints,
+                                                const Vector3d& x) {
   constexpr double kReach = 0.05;  // [m] over which bones share the skin
   std::vector<double> least(static_cast<std::size_t>(joints), 1e9);
   double nearest = 1e9;
@@ -203,15 +224,18 @@ std::vector<std::pair<int, double>> BoneWeights(const std::vector<Flesh>& lumps,
 const std::vector<std::string>& Performer::JointNames() {
   static const std::vector<std::string> names{
       "LeftShoulder", "LeftElbow", "LeftWrist", "RightShoulder", "RightElbow", "RightWrist",
-      "LeftHip", "LeftKnee", "LeftAnkle", "RightHip", "RightKnee", "RightAnkle"};
+      "LeftHip",      "LeftKnee",  "LeftAnkle", "RightHip",      "RightKnee",  "RightAnkle"};
   return names;
 }
 
 Performer::Performer(const MotionClip& clip, const PerformerOptions& options)
     : clip_(clip), options_(options) {
   Random random(options.seed);
-  const auto length = [&](const char* name) { return clip_.joints[RequiredJoint(clip_, name)].offset.norm(); };
-  ScaleClip(&clip_, kLegLength * random.Uniform(0.96, 1.05) / (length("LeftKnee") + length("LeftAnkle")));
+  const auto length = [&](const char* name) {
+    return clip_.joints[RequiredJoint(clip_, name)].offset.norm();
+  };
+  ScaleClip(&clip_,
+            kLegLength * random.Uniform(0.96, 1.05) / (length("LeftKnee") + length("LeftAnkle")));
   // Proportions of another person: bones are longer or shorter on both sides alike.
   for (const char* bone : {"Knee", "Ankle", "Elbow", "Wrist"}) {
     const double factor = random.Uniform(0.95, 1.06);
@@ -225,8 +249,10 @@ Performer::Performer(const MotionClip& clip, const PerformerOptions& options)
   Vector3d low = lumps[0].a, high = lumps[0].a;
   for (const Flesh& lump : lumps)
     for (const auto& [x, r] : {std::pair{lump.a, lump.ra}, {lump.b, lump.rb}})
-      low = low.cwiseMin((x.array() - r - 0.06).matrix()), high = high.cwiseMax((x.array() + r + 0.06).matrix());
-  bind_ = Polygonize([&](const Vector3d& x) { return BodyDistance(lumps, x); }, low, high, options.spacing_m);
+      low = low.cwiseMin((x.array() - r - 0.06).matrix()),
+      high = high.cwiseMax((x.array() + r + 0.06).matrix());
+  bind_ = Polygonize([&](const Vector3d& x) { return BodyDistance(lumps, x); }, low, high,
+                     options.spacing_m);
   bind_normals_ = VertexNormals(bind_.points, bind_.faces);
   bind_.colors.resize(bind_.points.rows(), 3);
   cloth_.resize(bind_.points.rows());

@@ -16,12 +16,15 @@ using Motion = std::array<double, 6>;  // rotation vector, translation
 
 Motion MotionOf(const Rigid3& rigid) {
   const Eigen::Vector3d turn = LogOf(rigid.rotation);
-  return {turn.x(), turn.y(), turn.z(), rigid.translation.x(), rigid.translation.y(), rigid.translation.z()};
+  return {turn.x(),
+          turn.y(),
+          turn.z(),
+          rigid.translation.x(),
+          rigid.translation.y(),
+          rigid.translation.z()};
 }
 
-Rigid3 RigidOf(const Motion& m) {
-  return {QuaternionOf({m[0], m[1], m[2]}), {m[3], m[4], m[5]}};
-}
+Rigid3 RigidOf(const Motion& m) { return {QuaternionOf({m[0], m[1], m[2]}), {m[3], m[4], m[5]}}; }
 
 /// Distance of a projected corner from where it was seen [px].
 struct CornerError {
@@ -63,9 +66,10 @@ void AdjustRig(const std::vector<BoardSighting>& sightings, const BoardLayout& b
   for (const BoardSighting& s : sightings) {
     if (!boards.count(s.frame)) continue;
     for (const BoardCorner& corner : s.corners)
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<CornerError, 2, 8, 6, 6>(new CornerError{board.Corner(corner.id), corner.pixel}),
-          new ceres::HuberLoss(1), lenses[s.camera].data(), cameras[s.camera].data(), boards[s.frame].data());
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CornerError, 2, 8, 6, 6>(
+                                   new CornerError{board.Corner(corner.id), corner.pixel}),
+                               new ceres::HuberLoss(1), lenses[s.camera].data(),
+                               cameras[s.camera].data(), boards[s.frame].data());
   }
   problem.SetParameterBlockConstant(cameras[0].data());
   ceres::Solver::Options options;
@@ -75,7 +79,8 @@ void AdjustRig(const std::vector<BoardSighting>& sightings, const BoardLayout& b
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable()) throw SolverError("calibrate: the adjustment failed: " + summary.message);
+  if (!summary.IsSolutionUsable())
+    throw SolverError("calibrate: the adjustment failed: " + summary.message);
   for (int c = 0; c < SizeOf(*views); ++c) {
     Camera& camera = (*views)[c].camera;
     const std::array<double, 8>& l = lenses[c];

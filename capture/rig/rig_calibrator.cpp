@@ -22,7 +22,8 @@ std::vector<cv::Point3f> PointsOf(const BoardSighting& s, const BoardLayout& boa
   std::vector<cv::Point3f> points;
   for (const BoardCorner& c : s.corners) {
     const Eigen::Vector3d x = board.Corner(c.id);
-    points.emplace_back(static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z()));
+    points.emplace_back(static_cast<float>(x.x()), static_cast<float>(x.y()),
+                        static_cast<float>(x.z()));
   }
   return points;
 }
@@ -30,7 +31,8 @@ std::vector<cv::Point3f> PointsOf(const BoardSighting& s, const BoardLayout& boa
 std::vector<cv::Point2f> PixelsOf(const BoardSighting& s) {
   std::vector<cv::Point2f> pixels;  // OpenCV's pixel centres are whole numbers
   for (const BoardCorner& c : s.corners)
-    pixels.emplace_back(static_cast<float>(c.pixel.x() - 0.5), static_cast<float>(c.pixel.y() - 0.5));
+    pixels.emplace_back(static_cast<float>(c.pixel.x() - 0.5),
+                        static_cast<float>(c.pixel.y() - 0.5));
   return pixels;
 }
 
@@ -38,7 +40,8 @@ std::vector<cv::Point2f> PixelsOf(const BoardSighting& s) {
 std::vector<const BoardSighting*> Spread(const std::vector<const BoardSighting*>& all, int most) {
   if (SizeOf(all) <= most) return all;
   std::vector<const BoardSighting*> some;
-  for (int i = 0; i < most; ++i) some.push_back(all[static_cast<std::size_t>(i) * all.size() / most]);
+  for (int i = 0; i < most; ++i)
+    some.push_back(all[static_cast<std::size_t>(i) * all.size() / most]);
   return some;
 }
 
@@ -46,7 +49,8 @@ Camera LensOf(const std::vector<const BoardSighting*>& sightings, const RigCamer
               const BoardLayout& board, int most) {
   if (SizeOf(sightings) < kLeastBoards)
     throw InputError("calibrate: camera " + size.name + " saw the board in only " +
-                     std::to_string(sightings.size()) + " frames; at least " + std::to_string(kLeastBoards) +
+                     std::to_string(sightings.size()) + " frames; at least " +
+                     std::to_string(kLeastBoards) +
                      " are needed, 30 at changing distances and tilts are good");
   std::vector<std::vector<cv::Point3f>> points;
   std::vector<std::vector<cv::Point2f>> pixels;
@@ -59,16 +63,20 @@ Camera LensOf(const std::vector<const BoardSighting*>& sightings, const RigCamer
   camera.width = size.width, camera.height = size.height;
   camera.fx = k.at<double>(0, 0), camera.fy = k.at<double>(1, 1);
   camera.cx = k.at<double>(0, 2) + 0.5, camera.cy = k.at<double>(1, 2) + 0.5;
-  camera.k1 = d.at<double>(0), camera.k2 = d.at<double>(1), camera.p1 = d.at<double>(2), camera.p2 = d.at<double>(3);
+  camera.k1 = d.at<double>(0), camera.k2 = d.at<double>(1), camera.p1 = d.at<double>(2),
+  camera.p2 = d.at<double>(3);
   return camera;
 }
 
 Rigid3 BoardPose(const BoardSighting& s, const Camera& camera, const BoardLayout& board) {
-  const cv::Mat k = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1);
+  const cv::Mat k = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx - 0.5, 0, camera.fy,
+                     camera.cy - 0.5, 0, 0, 1);
   const cv::Mat d = (cv::Mat_<double>(1, 4) << camera.k1, camera.k2, camera.p1, camera.p2);
   cv::Mat r, t;
   cv::solvePnP(PointsOf(s, board), PixelsOf(s), k, d, r, t);
-  const auto at = [](const cv::Mat& m) { return Eigen::Vector3d(m.at<double>(0), m.at<double>(1), m.at<double>(2)); };
+  const auto at = [](const cv::Mat& m) {
+    return Eigen::Vector3d(m.at<double>(0), m.at<double>(1), m.at<double>(2));
+  };
   return {QuaternionOf(at(r)), at(t)};
 }
 
@@ -79,10 +87,12 @@ using BoardPoses = std::vector<std::map<int, Rigid3>>;
 std::optional<Rigid3> Between(const std::map<int, Rigid3>& a, const std::map<int, Rigid3>& b) {
   std::vector<Rigid3> all;
   for (const auto& [frame, board] : a)
-    if (const auto other = b.find(frame); other != b.end()) all.push_back(Compose(other->second, board.Inverse()));
+    if (const auto other = b.find(frame); other != b.end())
+      all.push_back(Compose(other->second, board.Inverse()));
   if (all.empty()) return {};
   const auto apart = [](const Rigid3& x, const Rigid3& y) {
-    return std::min(0.5, x.rotation.angularDistance(y.rotation)) + std::min(0.5, (x.translation - y.translation).norm());
+    return std::min(0.5, x.rotation.angularDistance(y.rotation)) +
+           std::min(0.5, (x.translation - y.translation).norm());
   };
   std::size_t best = 0;
   double least = 1e300;
@@ -95,7 +105,8 @@ std::optional<Rigid3> Between(const std::map<int, Rigid3>& a, const std::map<int
 }
 
 int Shared(const std::map<int, Rigid3>& a, const std::map<int, Rigid3>& b) {
-  return static_cast<int>(std::count_if(a.begin(), a.end(), [&](const auto& item) { return b.count(item.first) > 0; }));
+  return static_cast<int>(
+      std::count_if(a.begin(), a.end(), [&](const auto& item) { return b.count(item.first) > 0; }));
 }
 
 /// Joins cameras, each to the placed one that it shares most boards with.
@@ -107,16 +118,20 @@ void PlaceCameras(const BoardPoses& boards, std::vector<View>* views) {
     for (int a = 0; a < SizeOf(*views); ++a)
       for (int b = 0; b < SizeOf(*views); ++b)
         if (placed[a] && !placed[b])
-          if (const int shared = Shared(boards[a], boards[b]); shared > most) most = shared, from = a, to = b;
+          if (const int shared = Shared(boards[a], boards[b]); shared > most)
+            most = shared, from = a, to = b;
     if (to < 0) {
       std::string names;
       for (int c = 0; c < SizeOf(*views); ++c)
         if (!placed[c]) names += (names.empty() ? "" : ", ") + (*views)[c].name;
-      throw InputError("calibrate: " + names + " never saw the board at the same moment as the other "
-                       "cameras; move it through the places that neighbours share, and check that the "
-                       "films begin together");
+      throw InputError(
+          "calibrate: " + names +
+          " never saw the board at the same moment as the other "
+          "cameras; move it through the places that neighbours share, and check that the "
+          "films begin together");
     }
-    (*views)[to].camera_from_world = Compose(*Between(boards[from], boards[to]), (*views)[from].camera_from_world);
+    (*views)[to].camera_from_world =
+        Compose(*Between(boards[from], boards[to]), (*views)[from].camera_from_world);
     placed[to] = true;
   }
 }
@@ -139,7 +154,8 @@ void Measure(const std::vector<BoardSighting>& sightings, const std::vector<RigC
     RigCameraReport& report = result->cameras[s.camera];
     const Rigid3& motion = world_from_board.at(s.frame);
     for (const BoardCorner& corner : s.corners) {
-      const double error = (result->views[s.camera].Project(motion * board.Corner(corner.id)) - corner.pixel).norm();
+      const double error =
+          (result->views[s.camera].Project(motion * board.Corner(corner.id)) - corner.pixel).norm();
       report.rms_px += error * error, report.worst_px = std::max(report.worst_px, error);
       sum += error * error;
     }
@@ -165,13 +181,15 @@ void MoveToFloor(int frame, std::vector<View>* views, std::map<int, Rigid3>* wor
     throw InputError("calibrate: no camera saw the board in frame " + std::to_string(frame) +
                      ", in which it should lie on the floor; give another --floor_frame");
   const Rigid3 world_from_floor = floor->second, floor_from_world = world_from_floor.Inverse();
-  for (View& view : *views) view.camera_from_world = Compose(view.camera_from_world, world_from_floor);
+  for (View& view : *views)
+    view.camera_from_world = Compose(view.camera_from_world, world_from_floor);
   for (auto& [f, motion] : *world_from_board) motion = Compose(floor_from_world, motion);
 }
 
 }  // namespace
 
-double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera, const RigCamera& size) {
+double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera,
+                      const RigCamera& size) {
   std::set<int> cells;
   for (const BoardSighting& s : sightings) {
     if (s.camera != camera) continue;
@@ -185,7 +203,8 @@ double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera, c
 }
 
 RigResult CalibrateRig(const std::vector<BoardSighting>& all, const std::vector<RigCamera>& cameras,
-                       const BoardLayout& board, const RigCalibratorOptions& options, Progress* progress) {
+                       const BoardLayout& board, const RigCalibratorOptions& options,
+                       Progress* progress) {
   std::vector<BoardSighting> sightings;
   for (const BoardSighting& s : all)
     if (SizeOf(s.corners) >= options.least_corners) sightings.push_back(s);

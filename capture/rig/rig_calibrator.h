@@ -22,14 +22,14 @@ struct RigCamera {
 };
 
 struct RigCalibratorOptions {
-  int floor_frame = 0;     ///< the frame in which the board lies on the floor: it becomes z = 0
-  int least_corners = 8;   ///< a sighting with fewer is not used
-  int most_boards = 60;    ///< sightings a camera's lens is first estimated from
+  int floor_frame = 0;    ///< the frame in which the board lies on the floor: it becomes z = 0
+  int least_corners = 8;  ///< a sighting with fewer is not used
+  int most_boards = 60;   ///< sightings a camera's lens is first estimated from
 };
 
 /// How well one camera is known.
 struct RigCameraReport {
-  double rms_px = 0;    ///< of its corners
+  double rms_px = 0;  ///< of its corners
   double worst_px = 0;
   int boards = 0, corners = 0;
   double coverage = 0;  ///< share of an 8 x 6 grid of its picture in which corners were seen
@@ -43,7 +43,8 @@ struct RigResult {
 };
 
 /// Share of an 8 x 6 grid of the picture that holds corners.
-double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera, const RigCamera& size);
+double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera,
+                      const RigCamera& size);
 
 /// Each lens by itself, cameras joined by boards that two of them saw at once, then everything
 /// together: lenses, places, and the board in each frame (Ceres, Huber at 1 px).

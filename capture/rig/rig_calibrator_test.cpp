@@ -29,7 +29,8 @@ Room MakeRoom(int cameras, int frames, double noise_px) {
   for (int c = 0; c < cameras; ++c) {
     View view;
     view.name = "cam" + std::to_string(c + 1);
-    view.camera = {1000, 800, 950.0 + 5 * c, 955.0 + 4 * c, 503.0 + c, 398.0 - c, -0.06, 0.02, 5e-4, -3e-4};
+    view.camera = {1000,      800,   950.0 + 5 * c, 955.0 + 4 * c, 503.0 + c,
+                   398.0 - c, -0.06, 0.02,          5e-4,          -3e-4};
     const double a = 0.6 * c - 0.9;
     view.camera_from_world = LookAt({2.4 * std::sin(a), -2.4 * std::cos(a), 1.3}, {0, 0, 0.5});
     room.views.push_back(view);
@@ -42,14 +43,16 @@ Room MakeRoom(int cameras, int frames, double noise_px) {
       motion.rotation = Eigen::AngleAxisd(0.5 * std::sin(1.7 * f), Eigen::Vector3d::UnitZ()) *
                         Eigen::AngleAxisd(0.9 + 0.5 * std::sin(0.9 * f), Eigen::Vector3d::UnitX()) *
                         Eigen::AngleAxisd(0.5 * std::cos(1.3 * f), Eigen::Vector3d::UnitY());
-      motion.translation = {0.6 * std::sin(0.7 * f), 0.4 * std::cos(1.1 * f), 0.7 + 0.4 * std::sin(0.5 * f)};
+      motion.translation = {0.6 * std::sin(0.7 * f), 0.4 * std::cos(1.1 * f),
+                            0.7 + 0.4 * std::sin(0.5 * f)};
     }
     for (int c = 0; c < cameras; ++c) {
       BoardSighting sighting{c, f, {}};
       for (int id = 0; id < room.board.CornerCount(); ++id) {
         const Eigen::Vector2d p = room.views[c].Project(motion * room.board.Corner(id));
         if (p.x() < 2 || p.y() < 2 || p.x() > 998 || p.y() > 798) continue;
-        sighting.corners.push_back({id, p + Eigen::Vector2d(Wobble(++count, noise_px), Wobble(++count, noise_px))});
+        sighting.corners.push_back(
+            {id, p + Eigen::Vector2d(Wobble(++count, noise_px), Wobble(++count, noise_px))});
       }
       room.sightings.push_back(sighting);
     }
@@ -96,7 +99,8 @@ TEST(CalibrateRig, ACameraThatSawNothingWithTheOthersIsNamed) {
 
 TEST(CalibrateRig, TooFewBoardsAndNoFloorAreErrors) {
   Room room = MakeRoom(2, 20, 0);
-  EXPECT_THROW(CalibrateRig({room.sightings.begin(), room.sightings.begin() + 4}, room.cameras, room.board, {}),
+  EXPECT_THROW(CalibrateRig({room.sightings.begin(), room.sightings.begin() + 4}, room.cameras,
+                            room.board, {}),
                InputError);
   RigCalibratorOptions options;
   options.floor_frame = 99;

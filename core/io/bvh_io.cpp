@@ -58,7 +58,8 @@ class Words {
     return static_cast<int>(value);
   }
   [[noreturn]] void Fail(const std::string& what) const {
-    throw InputError(fmt::format("{}, line {}: {}; it is not a whole BVH file", name_, line_, what));
+    throw InputError(
+        fmt::format("{}, line {}: {}; it is not a whole BVH file", name_, line_, what));
   }
 
  private:

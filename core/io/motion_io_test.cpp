@@ -71,11 +71,10 @@ TEST(Bvh, DamagedFilesNameTheLine) {
 
 TEST(EulerZyx, RotatesBack) {
   for (const double y : {-90.0, -40.0, 0.0, 75.0, 90.0}) {
-    const Eigen::Matrix3d r =
-        (Eigen::AngleAxisd(130 * kDegree, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(y * kDegree, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(-70 * kDegree, Eigen::Vector3d::UnitX()))
-            .toRotationMatrix();
+    const Eigen::Matrix3d r = (Eigen::AngleAxisd(130 * kDegree, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(y * kDegree, Eigen::Vector3d::UnitY()) *
+                               Eigen::AngleAxisd(-70 * kDegree, Eigen::Vector3d::UnitX()))
+                                  .toRotationMatrix();
     const Eigen::Vector3d a = EulerZyx(r);
     const Eigen::Matrix3d back = (Eigen::AngleAxisd(a[0], Eigen::Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(a[1], Eigen::Vector3d::UnitY()) *
@@ -165,8 +164,8 @@ TEST_F(RigTest, QualisysIsReadWhicheverWayItsMatrixTurns) {
 }
 
 TEST_F(RigTest, MatricesAreRead) {
-  const RigCalibration rig = ReadRigCalibration(
-      Put("calib.txt", "0\n900 -1.5 500\n0 890 400\n0 0 1\n-0.04 0.06\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n"));
+  const RigCalibration rig = ReadRigCalibration(Put(
+      "calib.txt", "0\n900 -1.5 500\n0 890 400\n0 0 1\n-0.04 0.06\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n"));
   ASSERT_EQ(rig.views.size(), 1u);
   EXPECT_EQ(rig.metres_per_unit, 0);
   EXPECT_EQ(rig.views[0].camera.cx, 500.5);

@@ -28,9 +28,10 @@ namespace fs = std::filesystem;
 Eigen::Quaterniond ExactRotation(const Eigen::Matrix3d& r, const std::string& where) {
   const double off = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!r.allFinite() || !(off < 1e-2) || r.determinant() < 0)
-    throw InputError(fmt::format("{}: its rotation is none (off by {:.3g}); three orthogonal rows "
-                                 "of length 1 are needed, from world to camera",
-                                 where, off));
+    throw InputError(
+        fmt::format("{}: its rotation is none (off by {:.3g}); three orthogonal rows "
+                    "of length 1 are needed, from world to camera",
+                    where, off));
   return Eigen::Quaterniond(r).normalized();
 }
 
@@ -86,8 +87,8 @@ void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
   if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
   // OpenCV counts pixels from the centre of the first one.
   camera->fx = k[0], camera->fy = k[4], camera->cx = k[2] + 0.5, camera->cy = k[5] + 0.5;
-  const std::vector<double> d = Numbers(
-      FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion", "dist"}));
+  const std::vector<double> d =
+      Numbers(FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion", "dist"}));
   const auto at = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
   camera->k1 = at(0), camera->k2 = at(1), camera->p1 = at(2), camera->p2 = at(3);
   for (std::size_t i = 4; i < d.size(); ++i)
@@ -148,8 +149,7 @@ void AddYamlFile(const fs::path& path, RigCalibration* rig) {
       for (const auto& item : root) {
         const std::string name = item.first.as<std::string>();
         if (IsCameraNode(item.second))
-          rig->views.push_back(
-              ViewOfYaml(item.second, name, file + ", " + name, &rig->notes));
+          rig->views.push_back(ViewOfYaml(item.second, name, file + ", " + name, &rig->notes));
       }
     }
     if (rig->metres_per_unit != 0 && unit != 0 && unit != rig->metres_per_unit)
@@ -181,7 +181,8 @@ std::vector<std::pair<std::string, Attributes>> Elements(const std::string& text
       const std::size_t close = open == std::string::npos ? open : text.find('"', open + 1);
       if (close == std::string::npos || close > end) break;
       std::string name = text.substr(name_at, equals - name_at);
-      while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
+      while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
+        name.pop_back();
       attributes[name] = text.substr(open + 1, close - open - 1);
       i = close + 1;
     }
@@ -213,10 +214,10 @@ struct QualisysCamera {
 void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* camera) {
   // Lengths on the sensor are in 64ths of a pixel, from the centre of the first one.
   const auto pixels = [&](const char* name) { return Attribute(a, name, where) / 64; };
-  camera->width = static_cast<int>(
-      std::lround((Attribute(a, "sensorMaxU", where) - Attribute(a, "sensorMinU", where, 0) + 1) / 64));
-  camera->height = static_cast<int>(
-      std::lround((Attribute(a, "sensorMaxV", where) - Attribute(a, "sensorMinV", where, 0) + 1) / 64));
+  camera->width = static_cast<int>(std::lround(
+      (Attribute(a, "sensorMaxU", where) - Attribute(a, "sensorMinU", where, 0) + 1) / 64));
+  camera->height = static_cast<int>(std::lround(
+      (Attribute(a, "sensorMaxV", where) - Attribute(a, "sensorMinV", where, 0) + 1) / 64));
   camera->fx = pixels("focalLengthU"), camera->fy = pixels("focalLengthV");
   camera->cx = pixels("centerPointU") + 0.5, camera->cy = pixels("centerPointV") + 0.5;
   camera->k1 = Attribute(a, "radialDistortion1", where, 0);
@@ -303,8 +304,9 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
     std::array<double, kNumbers> n;
     for (double& number : n)
       if (!(stream >> number))
-        throw InputError(where + ": it needs K (9 numbers), two radial coefficients and camera "
-                                 "from world (12 numbers)");
+        throw InputError(where +
+                         ": it needs K (9 numbers), two radial coefficients and camera "
+                         "from world (12 numbers)");
     View view;
     view.name = name;
     view.camera.fx = n[0], view.camera.fy = n[4];
@@ -320,8 +322,10 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
     rig->views.push_back(view);
   }
   if (largest_skew_px > 0.1)
-    rig->notes.push_back(fmt::format("{}: skewed pixels are taken as square, which moves a pixel "
-                                     "by up to {:.1f} px", file, largest_skew_px));
+    rig->notes.push_back(
+        fmt::format("{}: skewed pixels are taken as square, which moves a pixel "
+                    "by up to {:.1f} px",
+                    file, largest_skew_px));
   rig->format = "matrices";
 }
 
@@ -394,15 +398,17 @@ RigCalibration ReadRigCalibration(const fs::path& path) {
 std::string OpenCvYaml(const std::vector<View>& views) {
   std::string text = "%YAML:1.0\n---\nunit: m\n";
   const auto matrix = [&](const char* name, int rows, int cols, const std::vector<double>& data) {
-    text += fmt::format("  {}: !!opencv-matrix\n    rows: {}\n    cols: {}\n    dt: d\n    data: [ ",
-                        name, rows, cols);
+    text +=
+        fmt::format("  {}: !!opencv-matrix\n    rows: {}\n    cols: {}\n    dt: d\n    data: [ ",
+                    name, rows, cols);
     for (std::size_t i = 0; i < data.size(); ++i)
       text += fmt::format("{}{:.17g}", i ? ", " : "", data[i]);
     text += " ]\n";
   };
   for (const View& view : views) {
     const Camera& c = view.camera;
-    text += fmt::format("\"{}\":\n  image_width: {}\n  image_height: {}\n", view.name, c.width, c.height);
+    text += fmt::format("\"{}\":\n  image_width: {}\n  image_height: {}\n", view.name, c.width,
+                        c.height);
     matrix("camera_matrix", 3, 3, {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1});
     matrix("distortion_coefficients", 1, 4, {c.k1, c.k2, c.p1, c.p2});
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> r =
@@ -421,9 +427,9 @@ std::vector<int> MatchCameraNames(const std::vector<std::string>& cameras,
     std::set<int> used;
     for (std::size_t c = 0; c < cameras.size(); ++c)
       for (std::size_t v = 0; v < views.size(); ++v)
-        if (const std::string name = key(cameras[c]);
-            found[c] < 0 && !name.empty() && name == key(CameraName(views[v].name)) &&
-            used.insert(static_cast<int>(v)).second)
+        if (const std::string name = key(cameras[c]); found[c] < 0 && !name.empty() &&
+                                                      name == key(CameraName(views[v].name)) &&
+                                                      used.insert(static_cast<int>(v)).second)
           found[c] = static_cast<int>(v);
     return found;
   };
@@ -436,8 +442,7 @@ std::vector<int> MatchCameraNames(const std::vector<std::string>& cameras,
   if (complete(numbered)) return numbered;
   std::vector<int> ordered(cameras.size());
   for (std::size_t c = 0; c < cameras.size(); ++c) ordered[c] = static_cast<int>(c);
-  const bool any_named =
-      std::any_of(named.begin(), named.end(), [](int v) { return v >= 0; });
+  const bool any_named = std::any_of(named.begin(), named.end(), [](int v) { return v >= 0; });
   return !any_named && cameras.size() == views.size() ? ordered : named;
 }
 

@@ -26,7 +26,9 @@ void AddJoint(MotionClip* clip, const std::vector<int>& place, int j, const Body
   clip->joints.push_back(joint);
 }
 
-bool IsLeaf(int j) { return j == kNeck || j == kWristL || j == kWristR || j == kAnkleL || j == kAnkleR; }
+bool IsLeaf(int j) {
+  return j == kNeck || j == kWristL || j == kWristR || j == kAnkleL || j == kAnkleR;
+}
 
 void AddEnd(MotionClip* clip, int parent, int j, const BodyShape& shape, const Matrix3d& m) {
   const SegmentModel& segment = Segments()[SegmentOn(j)];
@@ -63,8 +65,9 @@ MotionClip ClipOf(const std::vector<BodyPose>& poses, const BodyShape& shape, do
         column = 3;
       }
       const Matrix3d local =
-          parent < 0 ? Matrix3d(clip_from_world.toRotationMatrix() * body.rotation[j] * m.transpose())
-                     : Matrix3d(m * body.rotation[parent].transpose() * body.rotation[j] * m.transpose());
+          parent < 0
+              ? Matrix3d(clip_from_world.toRotationMatrix() * body.rotation[j] * m.transpose())
+              : Matrix3d(m * body.rotation[parent].transpose() * body.rotation[j] * m.transpose());
       row.segment<3>(column) = EulerZyx(local).transpose() / kDegree;
       column += 3;
     }

@@ -78,7 +78,8 @@ FacesX3 MakeSegmentFaces() {
     faces.emplace_back(last, RingVertex(kRings - 1, a), RingVertex(kRings - 1, a + 1));
   }
   FacesX3 matrix(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f) matrix.row(static_cast<Eigen::Index>(f)) = faces[f];
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    matrix.row(static_cast<Eigen::Index>(f)) = faces[f];
   return matrix;
 }
 

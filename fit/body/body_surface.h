@@ -15,7 +15,9 @@ inline constexpr int kSegmentVertices = kRings * kAround + 2;
 inline constexpr int kBodyVertices = kSegments * kSegmentVertices;
 
 /// Vertex of a segment by ring and angle. The poles are the segment's last two vertices.
-inline int RingVertex(int ring, int around) { return ring * kAround + (around + kAround) % kAround; }
+inline int RingVertex(int ring, int around) {
+  return ring * kAround + (around + kAround) % kAround;
+}
 
 /// Vertices and normals in their joints' frames.
 struct LocalSurface {

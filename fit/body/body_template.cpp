@@ -74,16 +74,40 @@ std::array<SegmentModel, kSegments> MakeSegments() {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int shoulder = side > 0 ? kShoulderL : kShoulderR;
     const Vector3d out = side * kX;
-    segments[next++] = {prefix + "upper_arm", shoulder, OnSide(kUpperArm, side), Vector3d::Zero(), out, kY, 0.07, 0.035};
-    segments[next++] = {prefix + "forearm", shoulder + 1, OnSide(kForearm, side), Vector3d::Zero(), out, kY, 0.04, 0.02};
-    segments[next++] = {prefix + "hand", shoulder + 2, OnSide(kHand, side), Vector3d::Zero(), out, kY, 0.02, 0.0};
+    segments[next++] = {prefix + "upper_arm",
+                        shoulder,
+                        OnSide(kUpperArm, side),
+                        Vector3d::Zero(),
+                        out,
+                        kY,
+                        0.07,
+                        0.035};
+    segments[next++] = {prefix + "forearm",
+                        shoulder + 1,
+                        OnSide(kForearm, side),
+                        Vector3d::Zero(),
+                        out,
+                        kY,
+                        0.04,
+                        0.02};
+    segments[next++] = {
+        prefix + "hand", shoulder + 2, OnSide(kHand, side), Vector3d::Zero(), out, kY, 0.02, 0.0};
   }
   for (const double side : {1.0, -1.0}) {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int hip = side > 0 ? kHipL : kHipR;
-    segments[next++] = {prefix + "thigh", hip, OnSide(kThigh, side), Vector3d::Zero(), -kZ, kX, 0.09, 0.045};
-    segments[next++] = {prefix + "shin", hip + 1, OnSide(kShin, side), Vector3d::Zero(), -kZ, kX, 0.05, 0.03};
-    segments[next++] = {prefix + "foot", hip + 2, OnSide(kFoot, side), Vector3d(0, 0.07, -0.045), -kY, kX, 0.0, 0.0};
+    segments[next++] = {
+        prefix + "thigh", hip, OnSide(kThigh, side), Vector3d::Zero(), -kZ, kX, 0.09, 0.045};
+    segments[next++] = {
+        prefix + "shin", hip + 1, OnSide(kShin, side), Vector3d::Zero(), -kZ, kX, 0.05, 0.03};
+    segments[next++] = {prefix + "foot",
+                        hip + 2,
+                        OnSide(kFoot, side),
+                        Vector3d(0, 0.07, -0.045),
+                        -kY,
+                        kX,
+                        0.0,
+                        0.0};
   }
   return segments;
 }
@@ -91,7 +115,9 @@ std::array<SegmentModel, kSegments> MakeSegments() {
 std::array<DofModel, kDofs> MakeDofs() {
   std::array<DofModel, kDofs> dofs;
   int at = 0;
-  const auto add = [&](const std::string& name, double low, double high) { dofs[at++] = {name, low, high}; };
+  const auto add = [&](const std::string& name, double low, double high) {
+    dofs[at++] = {name, low, high};
+  };
   for (const char* axis : {"x", "y", "z"}) add(std::string("root_") + axis, 0, 0);
   for (const char* axis : {"x", "y", "z"}) add(std::string("root_turn_") + axis, 0, 0);
   add("spine_bend", -0.6, 1.6), add("spine_lean", -0.8, 0.8), add("spine_twist", -0.9, 0.9);
@@ -194,9 +220,8 @@ double BodyShape::height() const {
 
 BodyShape AverageShape(double height_m) {
   BodyShape shape;
-  shape.lengths << .11, .16, .27, .26, .21, .01, .01,
-      .17, .28, .25, .19, .09, .42, .41, .25,
-      .17, .28, .25, .19, .09, .42, .41, .25;
+  shape.lengths << .11, .16, .27, .26, .21, .01, .01, .17, .28, .25, .19, .09, .42, .41, .25, .17,
+      .28, .25, .19, .09, .42, .41, .25;
   SetEllipses(shape.radii[0], {.150, .165, .172, .172, .165, .155, .150},
               {.105, .112, .118, .118, .112, .106, .102});
   SetEllipses(shape.radii[1], {.152, .148, .145, .143, .145, .150, .155},

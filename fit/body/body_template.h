@@ -24,18 +24,43 @@ inline constexpr int kHarmonics = 7;  ///< of radii around a segment: 1, cos, si
 
 /// Joints by index; parents come first.
 enum JointIndex {
-  kPelvis, kWaist, kChest, kNeck,
-  kClavicleL, kShoulderL, kElbowL, kWristL,
-  kClavicleR, kShoulderR, kElbowR, kWristR,
-  kHipL, kKneeL, kAnkleL, kHipR, kKneeR, kAnkleR
+  kPelvis,
+  kWaist,
+  kChest,
+  kNeck,
+  kClavicleL,
+  kShoulderL,
+  kElbowL,
+  kWristL,
+  kClavicleR,
+  kShoulderR,
+  kElbowR,
+  kWristR,
+  kHipL,
+  kKneeL,
+  kAnkleL,
+  kHipR,
+  kKneeR,
+  kAnkleR
 };
 
 /// Bone lengths [m]. Those of the right side stand kRight places after those of the left.
 enum LengthIndex {
-  kToWaist, kToChest, kToNeck, kHeadLength, kClavicleHeight,
-  kShoulderBack, kNeckBack,  ///< of the shoulders and the neck behind the chest's joint
-  kClavicleWidth, kUpperArm, kForearm, kHand,
-  kHipWidth, kThigh, kShin, kFoot
+  kToWaist,
+  kToChest,
+  kToNeck,
+  kHeadLength,
+  kClavicleHeight,
+  kShoulderBack,
+  kNeckBack,  ///< of the shoulders and the neck behind the chest's joint
+  kClavicleWidth,
+  kUpperArm,
+  kForearm,
+  kHand,
+  kHipWidth,
+  kThigh,
+  kShin,
+  kFoot
 };
 inline constexpr int kRight = 8;
 /// The length of the same bone on the left (side > 0) or on the right.
@@ -45,11 +70,11 @@ inline LengthIndex OnSide(LengthIndex left, double side) {
 
 /// How a joint turns.
 struct JointModel {
-  std::string name;      ///< as BVH files name it
+  std::string name;  ///< as BVH files name it
   int parent = -1;
-  int first_dof = 0;     ///< of its rotation
-  bool ball = false;     ///< an exponential map of three numbers, else hinges in turn
-  double share = 1;      ///< of the exponential map: the spine's turn is shared by two joints
+  int first_dof = 0;  ///< of its rotation
+  bool ball = false;  ///< an exponential map of three numbers, else hinges in turn
+  double share = 1;   ///< of the exponential map: the spine's turn is shared by two joints
   std::vector<Eigen::Vector3d> hinges;  ///< axes
   /// offset from the parent's joint: sum of length * direction
   std::vector<std::pair<LengthIndex, Eigen::Vector3d>> offset;
@@ -66,7 +91,7 @@ struct SegmentModel {
 };
 
 struct DofModel {
-  std::string name;        ///< such as "left_elbow"
+  std::string name;          ///< such as "left_elbow"
   double low = 0, high = 0;  ///< limits [rad]; equal: none
 };
 

@@ -17,11 +17,11 @@ BodyPose SomePose(int seed) {
   for (int i = 0; i < kDofs; ++i) {
     const double wave = std::sin(12.9898 * (i + 1) + 78.233 * (seed + 1));
     const DofModel& dof = Dofs()[i];
-    pose.q[i] = dof.low == dof.high
-                    ? 0.7 * wave
-                    : (dof.low + dof.high) / 2 + 0.45 * wave * (dof.high - dof.low);
+    pose.q[i] = dof.low == dof.high ? 0.7 * wave
+                                    : (dof.low + dof.high) / 2 + 0.45 * wave * (dof.high - dof.low);
   }
-  pose.root_chart = Eigen::Quaterniond(Eigen::AngleAxisd(1.1 * seed, Eigen::Vector3d(0.2, 0.3, 0.9).normalized()));
+  pose.root_chart = Eigen::Quaterniond(
+      Eigen::AngleAxisd(1.1 * seed, Eigen::Vector3d(0.2, 0.3, 0.9).normalized()));
   return pose;
 }
 
@@ -59,7 +59,9 @@ TEST(BodySurface, EverySegmentIsAClosedManifold) {
 TEST(BodySurface, LeftAndRightAreMirrored) {
   const PointsX3 points = BodyPoints(SurfaceOf(AverageShape()), Posed({}, AverageShape()));
   for (const auto& [left, right] : {std::pair{4, 7}, {6, 9}, {10, 13}, {12, 15}}) {
-    const auto rows = [&](int s) { return points.middleRows(s * kSegmentVertices, kSegmentVertices); };
+    const auto rows = [&](int s) {
+      return points.middleRows(s * kSegmentVertices, kSegmentVertices);
+    };
     EXPECT_NEAR(rows(left).col(0).maxCoeff(), -rows(right).col(0).minCoeff(), 1e-12);
     EXPECT_NEAR(rows(left).col(2).mean(), rows(right).col(2).mean(), 1e-12);
   }
@@ -93,7 +95,8 @@ TEST(PosedBody, PoseDerivativesMatchCentralDifferences) {
         BodyPose plus = pose, minus = pose;
         plus.q[i] += 1e-6, minus.q[i] -= 1e-6;
         const double slope = w.dot(Posed(plus, shape).ToWorld(joint, local) -
-                                   Posed(minus, shape).ToWorld(joint, local)) / 2e-6;
+                                   Posed(minus, shape).ToWorld(joint, local)) /
+                             2e-6;
         // 2e-9: rounding of a difference quotient of lengths near one metre
         EXPECT_NEAR(row[i], slope, 2e-9) << Joints()[joint].name << " " << Dofs()[i].name;
       }
@@ -109,24 +112,28 @@ TEST(PosedBody, ShapeDerivativesMatchCentralDifferences) {
     return Posed(pose, s).ToWorld(Segments()[segment].joint,
                                   SurfaceOf(s).points[segment].row(vertex).transpose());
   };
-  for (const auto& [segment, vertex] : {std::pair{2, 40}, {5, 111}, {12, 200}, {15, kSegmentVertices - 1}}) {
+  for (const auto& [segment, vertex] :
+       {std::pair{2, 40}, {5, 111}, {12, 200}, {15, kSegmentVertices - 1}}) {
     const int joint = Segments()[segment].joint;
     const PosedBody body = Posed(pose, shape);
     Eigen::Matrix<double, kLengths, 1> lengths = Eigen::Matrix<double, kLengths, 1>::Zero();
     Eigen::Matrix<double, kStations * kHarmonics, 1> radii;
     radii.setZero();
     body.AddLengthRow(joint, w, lengths.data());
-    AddSurfaceRow(segment, vertex, body.rotation[joint].transpose() * w, 1, lengths.data(), radii.data());
+    AddSurfaceRow(segment, vertex, body.rotation[joint].transpose() * w, 1, lengths.data(),
+                  radii.data());
     for (int l = 0; l < kLengths; ++l) {
       BodyShape plus = shape, minus = shape;
       plus.lengths[l] += 1e-6, minus.lengths[l] -= 1e-6;
-      EXPECT_NEAR(lengths[l], w.dot(place(plus, segment, vertex) - place(minus, segment, vertex)) / 2e-6, 2e-9);
+      EXPECT_NEAR(lengths[l],
+                  w.dot(place(plus, segment, vertex) - place(minus, segment, vertex)) / 2e-6, 2e-9);
     }
     for (int r = 0; r < kStations * kHarmonics; ++r) {
       BodyShape plus = shape, minus = shape;
       plus.radii[segment](r / kHarmonics, r % kHarmonics) += 1e-6;
       minus.radii[segment](r / kHarmonics, r % kHarmonics) -= 1e-6;
-      EXPECT_NEAR(radii[r], w.dot(place(plus, segment, vertex) - place(minus, segment, vertex)) / 2e-6, 2e-9);
+      EXPECT_NEAR(radii[r],
+                  w.dot(place(plus, segment, vertex) - place(minus, segment, vertex)) / 2e-6, 2e-9);
     }
   }
 }
@@ -152,7 +159,8 @@ TEST(ClipOf, BvhHasTheJointsWhereTheTemplateHasThem) {
       const int place = clip.Find(Joints()[j].name);
       ASSERT_GE(place, 0);
       // six decimals of a degree and of a metre, through a chain of six joints
-      EXPECT_LT((frames[place].translation - up * body.position[j]).norm(), 1e-5) << Joints()[j].name;
+      EXPECT_LT((frames[place].translation - up * body.position[j]).norm(), 1e-5)
+          << Joints()[j].name;
     }
   }
 }

@@ -25,7 +25,8 @@ struct SparseRow {
 class System {
  public:
   explicit System(int unknowns)
-      : matrix_(Eigen::MatrixXd::Zero(unknowns, unknowns)), gradient_(Eigen::VectorXd::Zero(unknowns)) {}
+      : matrix_(Eigen::MatrixXd::Zero(unknowns, unknowns)),
+        gradient_(Eigen::VectorXd::Zero(unknowns)) {}
 
   void Add(const SparseRow& row) {
     cost_ += row.value * row.value;
@@ -86,7 +87,8 @@ SparseRow RowOf(const OutlineResidual& r, const PosedBody& body, double weight, 
 FrameRows RowsOfFrame(const ActorFrame& frame, const BodyShape& shape, const LocalSurface& surface,
                       double reach, int first_pose) {
   const PosedBody body = Posed(frame.pose, shape);
-  const std::vector<ViewMatches> matches = FindAllMatches(frame.silhouettes, surface, body, 2 * reach);
+  const std::vector<ViewMatches> matches =
+      FindAllMatches(frame.silhouettes, surface, body, 2 * reach);
   std::vector<FrameRows> views(matches.size());
   ParallelFor(SizeOf(views), [&](std::int64_t v) {
     VisitResiduals(frame.silhouettes[v], matches[v], body, [&](const OutlineResidual& r) {
@@ -115,7 +117,11 @@ class ShapePrior {
  public:
   ShapePrior(const BodyShape& shape, const Eigen::Vector2d& scales, const ActorOptions& options,
              System* system)
-      : shape_(shape), average_(AverageShape()), scales_(scales), options_(options), system_(system) {}
+      : shape_(shape),
+        average_(AverageShape()),
+        scales_(scales),
+        options_(options),
+        system_(system) {}
 
   void Add() {
     for (int i = 0; i < kLengths; ++i) {
@@ -138,12 +144,14 @@ class ShapePrior {
   void AddRadii(int s, int m) {
     const bool limb = s >= 4 && !IsEnd(s);
     // A limb's bone runs through its middle; the trunk, hands and feet may lie beside their axes.
-    const double girth = m == 0 ? ActorTuning::kGirth
-                         : limb && m < 3 ? ActorTuning::kOneSided : ActorTuning::kWave;
+    const double girth = m == 0          ? ActorTuning::kGirth
+                         : limb && m < 3 ? ActorTuning::kOneSided
+                                         : ActorTuning::kWave;
     const double sigma = options_.waves || m == 0 ? girth : 0.1 * girth;
     for (int k = 0; k < kStations; ++k) {
       const double average = average_.radii[s](k, m);
-      Put({{RadiusAt(s, k, m), 1}, {kShape + 1, -average}}, Radius(s, k, m) - scales_[1] * average, sigma);
+      Put({{RadiusAt(s, k, m), 1}, {kShape + 1, -average}}, Radius(s, k, m) - scales_[1] * average,
+          sigma);
     }
     for (int k = 1; k + 1 < kStations; ++k) {
       // of the difference to the average's, whose own bends are wanted
@@ -155,7 +163,8 @@ class ShapePrior {
     }
   }
 
-  // Left and right are mirrored in x: arms turn their angle's sign, legs the side that it counts from.
+  // Left and right are mirrored in x: arms turn their angle's sign, legs the side that it counts
+  // from.
   void AddSides(int s) {
     const bool arm = s < 10;
     for (int k = 0; k < kStations; ++k)
@@ -186,7 +195,8 @@ void Move(const Eigen::VectorXd& step, std::vector<ActorFrame>* frames, BodyShap
   constexpr double kLargest = 0.4;  // [rad] or [m]
   const double factor = 1 / std::max(1.0, step.cwiseAbs().maxCoeff() / kLargest);
   for (int i = 0; i < kLengths; ++i)
-    shape->lengths[i] = std::max(shape->lengths[i] + factor * step[i], i == kShoulderBack || i == kNeckBack ? -0.1 : 0.02);
+    shape->lengths[i] = std::max(shape->lengths[i] + factor * step[i],
+                                 i == kShoulderBack || i == kNeckBack ? -0.1 : 0.02);
   for (int s = 0; s < kSegments; ++s)
     for (int k = 0; k < kStations; ++k)
       for (int m = 0; m < kHarmonics; ++m)
@@ -202,12 +212,14 @@ double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOp
                 Progress* progress) {
   const BodyShape average = AverageShape();
   Eigen::Vector2d scales(shape->lengths.sum() / average.lengths.sum(), 0);
-  for (int s = 0; s < kSegments; ++s) scales[1] += shape->radii[s].col(0).sum() / average.radii[s].col(0).sum();
+  for (int s = 0; s < kSegments; ++s)
+    scales[1] += shape->radii[s].col(0).sum() / average.radii[s].col(0).sum();
   scales[1] /= kSegments;
   double cost = 0;
   for (int round = 0; round < options.rounds; ++round) {
     if (progress && progress->cancelled()) throw Cancelled();
-    const double share = options.rounds > 1 ? std::min(1.0, 1.5 * round / (options.rounds - 1)) : 1.0;
+    const double share =
+        options.rounds > 1 ? std::min(1.0, 1.5 * round / (options.rounds - 1)) : 1.0;
     const double reach = options.first_reach * std::pow(options.reach / options.first_reach, share);
     System system(kFirstPose + kDofs * SizeOf(*frames));
     const LocalSurface surface = SurfaceOf(*shape);
@@ -227,9 +239,10 @@ double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOp
     ShapePrior(*shape, scales, options, &system).Add();
     const Eigen::VectorXd step = system.Step();
     Move(step, frames, shape, &scales);
-    if (reach == options.reach && step.head(kLengths).cwiseAbs().maxCoeff() < ActorTuning::kSettled) round = options.rounds;
     cost = system.cost();
     ReportProgress(progress, (round + 1.0) / options.rounds, "the actor's shape");
+    const double change = step.head(kLengths).cwiseAbs().maxCoeff();
+    if (reach == options.reach && change < ActorTuning::kSettled) break;
   }
   return cost;
 }

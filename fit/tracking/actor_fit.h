@@ -18,7 +18,7 @@ struct ActorTuning {
   KEYPOSE_TUNED(double, kWave, 0.012);        ///< [m] of a radius around the segment
   KEYPOSE_TUNED(double, kBend, 0.008);        ///< [m] of second differences along the segment
   KEYPOSE_TUNED(double, kSides, 0.02);        ///< [m] of radii between left and right
-  KEYPOSE_TUNED(double, kSideLength, 0.015);   ///< share of a bone between left and right
+  KEYPOSE_TUNED(double, kSideLength, 0.015);  ///< share of a bone between left and right
   KEYPOSE_TUNED(double, kSettled, 3e-4);      ///< [m] of change of lengths in a round: it ends
 };
 
@@ -37,10 +37,9 @@ struct ActorOptions {
 
 /// Gauss-Newton over the shape and all frames' poses together. Proportions and smooth girths are
 /// preferred where outlines say little; size as a whole is free.
-/// @return the sum of all squares, outlines and preferences, before the last step: fits of one frame
-/// from different starts are compared by it
-/// Cost: frames x views rows of about 45 numbers, and one dense factor of 801 + 38 frames unknowns a
-/// round. Same bits for any thread count.
+/// @return the sum of all squares, outlines and preferences, before the last step: fits of one
+/// frame from different starts are compared by it Cost: frames x views rows of about 45 numbers,
+/// and one dense factor of 801 + 38 frames unknowns a round. Same bits for any thread count.
 double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOptions& options,
                 Progress* progress = nullptr);
 

@@ -34,13 +34,18 @@ class ContourFinder {
   ContourFinder(const Silhouette& silhouette, const LocalSurface& surface, const PosedBody& body,
                 const ProjectedBody& projected, const SegmentRaster& raster, int segment,
                 std::vector<OutlineSample>* samples)
-      : silhouette_(silhouette), points_(surface.points[segment]), normals_(surface.normals[segment]),
-        body_(body), projected_(projected), raster_(raster), segment_(segment),
-        joint_(Segments()[segment].joint), samples_(samples) {
+      : silhouette_(silhouette),
+        points_(surface.points[segment]),
+        normals_(surface.normals[segment]),
+        body_(body),
+        projected_(projected),
+        raster_(raster),
+        segment_(segment),
+        joint_(Segments()[segment].joint),
+        samples_(samples) {
     // The camera's place in the joint's frame: then no vertex has to be moved.
     eye_ = body.rotation[joint_].transpose() * (silhouette.center - body.position[joint_]);
-    for (int v = 0; v < kSegmentVertices; ++v)
-      facing_[v] = Normal(v).dot(eye_ - Point(v));
+    for (int v = 0; v < kSegmentVertices; ++v) facing_[v] = Normal(v).dot(eye_ - Point(v));
   }
 
   void Find() {
@@ -82,7 +87,8 @@ class ContourFinder {
     const Vector3d normal = body_.rotation[joint_] * mix(Normal(a), Normal(b));
     const Vector3d in_camera = silhouette_.camera_from_world.rotation * normal;
     // A line of the picture has the coordinates K^-T n.
-    sample.normal = Vector2d(in_camera.x() / silhouette_.pinhole.fx, in_camera.y() / silhouette_.pinhole.fy);
+    sample.normal =
+        Vector2d(in_camera.x() / silhouette_.pinhole.fx, in_camera.y() / silhouette_.pinhole.fy);
     const double size = sample.normal.norm();
     if (!(size > 0)) return;
     sample.normal /= size;
@@ -115,7 +121,8 @@ const std::vector<std::array<int, 3>>& DrawnTriangles() {
 
 std::uint16_t SegmentRaster::At(const Vector2d& pixel) const {
   const Vector2d cell = CellOf(pixel);
-  const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
+  const int x = static_cast<int>(std::lround(cell.x())),
+            y = static_cast<int>(std::lround(cell.y()));
   if (x < 0 || y < 0 || x >= width || y >= height) return 0;
   return bits[static_cast<std::size_t>(y) * width + x];
 }
@@ -166,7 +173,8 @@ std::vector<std::uint8_t> MaskCells(const Silhouette& silhouette, const SegmentR
       const int px = (x - SegmentRaster::kMargin) * SegmentRaster::kCell;
       const int py = (y - SegmentRaster::kMargin) * SegmentRaster::kCell;
       if (px < 0 || py < 0 || px + 1 >= field.width || py + 1 >= field.height) continue;
-      const float sum = field.At(px, py) + field.At(px + 1, py) + field.At(px, py + 1) + field.At(px + 1, py + 1);
+      const float sum =
+          field.At(px, py) + field.At(px + 1, py) + field.At(px, py + 1) + field.At(px + 1, py + 1);
       cells[static_cast<std::size_t>(y) * raster.width + x] = sum < 0;
     }
   return cells;

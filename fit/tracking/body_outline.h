@@ -10,8 +10,8 @@
 
 namespace keypose::fit {
 
-/// A coarse picture of the segments: bit s of a pixel is set where segment s covers it. It is larger
-/// than the silhouette's crop by a margin on each side.
+/// A coarse picture of the segments: bit s of a pixel is set where segment s covers it. It is
+/// larger than the silhouette's crop by a margin on each side.
 struct SegmentRaster {
   static constexpr int kCell = 2;     ///< pixels of the silhouette to a side of a cell
   static constexpr int kMargin = 24;  ///< cells around the crop
@@ -25,7 +25,8 @@ struct SegmentRaster {
   std::uint16_t At(const Eigen::Vector2d& pixel) const;
 };
 
-/// Vertices of the sixteen segments in the silhouette's pixels, and whether all lie before the camera.
+/// Vertices of the sixteen segments in the silhouette's pixels, and whether all lie before the
+/// camera.
 struct ProjectedBody {
   Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> pixels;  ///< kBodyVertices x 2
   bool before_camera = true;
@@ -39,7 +40,8 @@ SegmentRaster MakeRaster(const Silhouette& silhouette);
 /// Calls set(index of a cell) for each cell whose centre a face of the segment covers; a cell may
 /// come several times.
 template <class Set>
-void VisitCells(const SegmentRaster& raster, const ProjectedBody& projected, int segment, Set&& set);
+void VisitCells(const SegmentRaster& raster, const ProjectedBody& projected, int segment,
+                Set&& set);
 /// Sets the bits of the segments.
 void Draw(const ProjectedBody& projected, std::uint32_t segments, SegmentRaster* raster);
 /// 1 in cells whose centre lies in the mask.
@@ -48,12 +50,12 @@ std::vector<std::uint8_t> MaskCells(const Silhouette& silhouette, const SegmentR
 /// A point of the template's silhouette, on an edge between two vertices.
 struct OutlineSample {
   int segment = 0;
-  int a = 0, b = 0;      ///< the edge's vertices in the segment
-  double share = 0;      ///< the point is (1 - share) a + share b
-  Eigen::Vector3d local; ///< in its joint's frame
+  int a = 0, b = 0;       ///< the edge's vertices in the segment
+  double share = 0;       ///< the point is (1 - share) a + share b
+  Eigen::Vector3d local;  ///< in its joint's frame
   Eigen::Vector3d world;
   Eigen::Vector2d pixel, normal;  ///< in the silhouette's crop; unit, outwards
-  double length = 0;     ///< of the silhouette that it stands for [px]
+  double length = 0;              ///< of the silhouette that it stands for [px]
 };
 /// Points of occluding contours beyond which the raster shows no other segment.
 /// Source: recipes M.13: contours where the normal is perpendicular to the line of sight.

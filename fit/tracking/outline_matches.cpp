@@ -14,7 +14,8 @@ int NearestSample(const std::vector<OutlineSample>& samples, const Silhouette::P
   double least = reach * reach;
   for (int i = 0; i < SizeOf(samples); ++i) {
     const double squared = (samples[i].pixel - point.pixel).squaredNorm();
-    if (squared >= least || samples[i].normal.dot(point.normal) < OutlineTuning::kAgreement) continue;
+    if (squared >= least || samples[i].normal.dot(point.normal) < OutlineTuning::kAgreement)
+      continue;
     least = squared, nearest = i;
   }
   return nearest;

@@ -47,10 +47,10 @@ inline double TukeyLoss(double residual, double reach) {
 /// One residual at a point of the template: d(residual) = pull^T d(x).
 struct OutlineResidual {
   const OutlineSample* sample = nullptr;
-  Eigen::Vector3d x;     ///< in world
-  Eigen::Vector3d pull;  ///< [px/m]
-  double value = 0;      ///< [px]
-  double stands_for = 0; ///< length of outline over kAlike: how many independent measurements
+  Eigen::Vector3d x;      ///< in world
+  Eigen::Vector3d pull;   ///< [px/m]
+  double value = 0;       ///< [px]
+  double stands_for = 0;  ///< length of outline over kAlike: how many independent measurements
 };
 
 /// Calls visit(OutlineResidual) for each residual of a view, with its samples moved by `body`.

@@ -46,7 +46,8 @@ const std::vector<std::pair<int, int>>& Pairs() {
     }
     for (const int left : {5, 6})
       for (const int right : {8, 9}) all.emplace_back(left, right);
-    for (const auto& [a, b] : {std::pair{10, 13}, {11, 14}, {12, 15}, {11, 15}, {12, 14}, {10, 14}, {11, 13}})
+    for (const auto& [a, b] :
+         {std::pair{10, 13}, {11, 14}, {12, 15}, {11, 15}, {12, 14}, {10, 14}, {11, 13}})
       all.emplace_back(a, b);
     return all;
   }();

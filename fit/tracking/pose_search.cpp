@@ -18,10 +18,10 @@ constexpr int kHeadings = 16;
 
 /// The body's cells in one view without one limb, for comparing poses of that limb.
 struct LimbCanvas {
-  SegmentRaster raster;             // segments of the rest
-  std::vector<std::uint8_t> mask;   // 1 in the actor's mask
-  std::vector<int> stamp;           // the last candidate that covered a cell
-  double base = 0;                  // cells of the mask that the rest leaves
+  SegmentRaster raster;            // segments of the rest
+  std::vector<std::uint8_t> mask;  // 1 in the actor's mask
+  std::vector<int> stamp;          // the last candidate that covered a cell
+  double base = 0;                 // cells of the mask that the rest leaves
 };
 
 std::vector<LimbCanvas> CanvasesWithout(const std::vector<Silhouette>& silhouettes,
@@ -43,7 +43,8 @@ std::vector<LimbCanvas> CanvasesWithout(const std::vector<Silhouette>& silhouett
 
 /// Cells in which the body with this limb and the mask differ.
 double DifferenceWith(const Silhouette& silhouette, const LocalSurface& surface,
-                      const PosedBody& body, std::uint32_t limb, int candidate, LimbCanvas& canvas) {
+                      const PosedBody& body, std::uint32_t limb, int candidate,
+                      LimbCanvas& canvas) {
   if (silhouette.empty()) return 0;
   const ProjectedBody projected = Project(silhouette, surface, body, limb);
   double difference = canvas.base;
@@ -59,10 +60,14 @@ double DifferenceWith(const Silhouette& silhouette, const LocalSurface& surface,
 
 int FirstDof(Limb limb) {
   switch (limb) {
-    case Limb::kLeftArm: return Joints()[kShoulderL].first_dof;
-    case Limb::kRightArm: return Joints()[kShoulderR].first_dof;
-    case Limb::kLeftLeg: return Joints()[kHipL].first_dof;
-    default: return Joints()[kHipR].first_dof;
+    case Limb::kLeftArm:
+      return Joints()[kShoulderL].first_dof;
+    case Limb::kRightArm:
+      return Joints()[kShoulderR].first_dof;
+    case Limb::kLeftLeg:
+      return Joints()[kHipL].first_dof;
+    default:
+      return Joints()[kHipR].first_dof;
   }
 }
 
@@ -72,7 +77,8 @@ bool IsArm(Limb limb) { return limb == Limb::kLeftArm || limb == Limb::kRightArm
 std::vector<Vector3d> Directions(int count) {
   std::vector<Vector3d> directions;
   for (int i = 0; i < count; ++i) {
-    const double z = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - z * z), angle = 2.399963229728653 * i;
+    const double z = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - z * z),
+                 angle = 2.399963229728653 * i;
     directions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
   }
   return directions;
@@ -96,8 +102,10 @@ std::vector<LimbNumbers> Candidates(Limb limb) {
   const int first = FirstDof(limb);
   const Vector3d rest = arm ? Vector3d((limb == Limb::kLeftArm ? 1 : -1) * Vector3d::UnitX())
                             : Vector3d(-Vector3d::UnitZ());
-  const std::vector<double> bends = arm ? std::vector<double>{0.1, 0.7, 1.4, 2.1} : std::vector<double>{0.1, 0.7, 1.4};
-  const std::vector<double> twists = arm ? std::vector<double>{-1.5, -0.75, 0, 0.75, 1.5} : std::vector<double>{-0.5, 0, 0.5};
+  const std::vector<double> bends =
+      arm ? std::vector<double>{0.1, 0.7, 1.4, 2.1} : std::vector<double>{0.1, 0.7, 1.4};
+  const std::vector<double> twists =
+      arm ? std::vector<double>{-1.5, -0.75, 0, 0.75, 1.5} : std::vector<double>{-0.5, 0, 0.5};
   std::vector<LimbNumbers> all;
   for (const Vector3d& direction : Directions(arm ? 110 : 130)) {
     const Eigen::Quaterniond swing = Eigen::Quaterniond::FromTwoVectors(rest, direction);
@@ -154,15 +162,14 @@ Coverage CoverageOf(const std::vector<Silhouette>& silhouettes, const LocalSurfa
   return sum;
 }
 
-std::uint32_t SegmentsOf(Limb limb) {
-  return 7u << (4 + 3 * static_cast<int>(limb));
-}
+std::uint32_t SegmentsOf(Limb limb) { return 7u << (4 + 3 * static_cast<int>(limb)); }
 
 std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, const BodyShape& shape,
                                  const LocalSurface& surface, const BodyPose& pose, Limb limb,
                                  int keep) {
   const std::uint32_t segments = SegmentsOf(limb);
-  std::vector<LimbCanvas> canvases = CanvasesWithout(silhouettes, surface, Posed(pose, shape), segments);
+  std::vector<LimbCanvas> canvases =
+      CanvasesWithout(silhouettes, surface, Posed(pose, shape), segments);
   std::vector<LimbNumbers> candidates = Candidates(limb);
   candidates.push_back(pose.q.segment<6>(FirstDof(limb)));
   std::vector<std::vector<double>> differences(silhouettes.size());
@@ -209,19 +216,21 @@ Vector3d MiddleOfMasks(const std::vector<Silhouette>& silhouettes, double* radiu
   for (const Silhouette& s : silhouettes) {
     if (s.empty()) continue;
     const double depth = (s.camera_from_world * middle).z();
-    const double half = std::hypot(s.pinhole.width / s.pinhole.fx, s.pinhole.height / s.pinhole.fy) / 2;
+    const double half =
+        std::hypot(s.pinhole.width / s.pinhole.fx, s.pinhole.height / s.pinhole.fy) / 2;
     *radius = std::max(*radius, std::abs(depth) * half);
   }
   return middle;
 }
 
-bool InsideAll(const std::vector<Silhouette>& silhouettes, const Vector3d& x, double size, int most_against) {
+bool InsideAll(const std::vector<Silhouette>& silhouettes, const Vector3d& x, double size,
+               int most_against) {
   int against = 0;
   for (const Silhouette& s : silhouettes) {
     if (s.empty()) continue;
     const Vector3d in_camera = s.camera_from_world * x;
-    const bool outside = in_camera.z() <= 0 ||
-                         s.Distance(s.pinhole.Project(in_camera)) > size * s.pinhole.fx / in_camera.z();
+    const bool outside = in_camera.z() <= 0 || s.Distance(s.pinhole.Project(in_camera)) >
+                                                   size * s.pinhole.fx / in_camera.z();
     if (outside && ++against > most_against) return false;
   }
   return true;
@@ -230,8 +239,8 @@ bool InsideAll(const std::vector<Silhouette>& silhouettes, const Vector3d& x, do
 BodyPose StandingPose(const CoarseHull& hull, const Eigen::Quaterniond& up_from_world,
                       const BodyShape& shape, double heading, double arms, double elbows) {
   BodyPose pose;
-  pose.root_chart = up_from_world.conjugate() *
-                    Eigen::Quaterniond(Eigen::AngleAxisd(heading, Vector3d::UnitZ()));
+  pose.root_chart =
+      up_from_world.conjugate() * Eigen::Quaterniond(Eigen::AngleAxisd(heading, Vector3d::UnitZ()));
   for (const int shoulder : {kShoulderL, kShoulderR}) {
     const double side = shoulder == kShoulderL ? 1 : -1;
     pose.q[Joints()[shoulder].first_dof + 1] = side * arms;
@@ -243,7 +252,8 @@ BodyPose StandingPose(const CoarseHull& hull, const Eigen::Quaterniond& up_from_
   }
   // Feet on the hull's lowest point, the trunk over its middle.
   const double legs = shape.lengths[kThigh] + shape.lengths[kShin] + 0.09;
-  pose.q.head<3>() = up_from_world.conjugate() * Vector3d(hull.middle.x(), hull.middle.y(), hull.low.z() + legs);
+  pose.q.head<3>() =
+      up_from_world.conjugate() * Vector3d(hull.middle.x(), hull.middle.y(), hull.low.z() + legs);
   return pose;
 }
 
@@ -263,9 +273,11 @@ CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
   ParallelFor(kSide, [&](std::int64_t k) {
     for (int j = 0; j < kSide; ++j)
       for (int i = 0; i < kSide; ++i) {
-        const Vector3d offset = voxel * (Vector3d(i, j, static_cast<double>(k)).array() + 0.5 - kSide / 2.0);
+        const Vector3d offset =
+            voxel * (Vector3d(i, j, static_cast<double>(k)).array() + 0.5 - kSide / 2.0);
         const Vector3d x = middle + up_from_world.conjugate() * offset;
-        if (InsideAll(silhouettes, x, 0.3 * voxel, most_against)) layers[k].push_back(up_from_world * x);
+        if (InsideAll(silhouettes, x, 0.3 * voxel, most_against))
+          layers[k].push_back(up_from_world * x);
       }
   });
   CoarseHull hull;
@@ -280,9 +292,9 @@ CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
   return hull;
 }
 
-std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
-                                  const Eigen::Quaterniond& up_from_world, const BodyShape& shape,
-                                  int keep, Progress* progress) {
+std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes,
+                                  const CoarseHull& hull, const Eigen::Quaterniond& up_from_world,
+                                  const BodyShape& shape, int keep, Progress* progress) {
   const LocalSurface surface = SurfaceOf(shape);
   struct Start {
     BodyPose pose;
@@ -292,16 +304,20 @@ std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, co
   for (int h = 0; h < kHeadings; ++h)
     for (const double arms : {-0.6, 0.0, 0.7, 1.3})
       for (const double elbows : {0.15, 1.2}) {
-        const BodyPose pose = StandingPose(hull, up_from_world, shape, 2 * kPi * h / kHeadings, arms, elbows);
+        const BodyPose pose =
+            StandingPose(hull, up_from_world, shape, 2 * kPi * h / kHeadings, arms, elbows);
         starts.push_back({pose, CoverageOf(silhouettes, surface, Posed(pose, shape)).Difference()});
       }
-  const auto by_difference = [](const Start& a, const Start& b) { return a.difference < b.difference; };
+  const auto by_difference = [](const Start& a, const Start& b) {
+    return a.difference < b.difference;
+  };
   std::stable_sort(starts.begin(), starts.end(), by_difference);
   // The best start of each heading, so that front and back are both tried.
   std::vector<Start> chosen;
   for (const Start& start : starts) {
     const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Start& other) {
-      return other.pose.root_chart.angularDistance(start.pose.root_chart) < 0.7 * 2 * kPi / kHeadings;
+      return other.pose.root_chart.angularDistance(start.pose.root_chart) <
+             0.7 * 2 * kPi / kHeadings;
     });
     if (!known) chosen.push_back(start);
     if (SizeOf(chosen) == 8) break;
@@ -316,9 +332,11 @@ std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, co
       double least = CoverageOf(silhouettes, surface, Posed(start.pose, shape)).Difference();
       PoseOptions near = options;
       near.rounds = 5, near.first_reach = 20;
-      for (const BodyPose& candidate : SearchLimb(silhouettes, shape, surface, start.pose, limb, 2)) {
+      for (const BodyPose& candidate :
+           SearchLimb(silhouettes, shape, surface, start.pose, limb, 2)) {
         const BodyPose solved = SolvePose(silhouettes, shape, surface, candidate, near).pose;
-        const double difference = CoverageOf(silhouettes, surface, Posed(solved, shape)).Difference();
+        const double difference =
+            CoverageOf(silhouettes, surface, Posed(solved, shape)).Difference();
         if (difference < 0.995 * least) least = difference, start.pose = solved;
       }
     }

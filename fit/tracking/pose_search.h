@@ -31,7 +31,8 @@ Coverage CoverageOf(const std::vector<Silhouette>& silhouettes, const LocalSurfa
 /// Looks for one limb over all its directions and bends, the rest of the body fixed.
 /// @return the `keep` best poses that differ, best first; the given one may be among them
 /// Cost: about 1,000 drawings of three segments in each view.
-/// Source: Carranza et al., SIGGRAPH 2003, section 5.3 (regular samples, then the best one refined).
+/// Source: Carranza et al., SIGGRAPH 2003, section 5.3 (regular samples, then the best one
+/// refined).
 std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, const BodyShape& shape,
                                  const LocalSurface& surface, const BodyPose& pose, Limb limb,
                                  int keep);
@@ -52,8 +53,8 @@ CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
 /// @param keep   poses that look in different directions
 /// @return best first: what an average body cannot tell, such as front and back, a fit of the shape
 /// to each may decide
-std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes, const CoarseHull& hull,
-                                  const Eigen::Quaterniond& up_from_world,
+std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes,
+                                  const CoarseHull& hull, const Eigen::Quaterniond& up_from_world,
                                   const BodyShape& shape, int keep, Progress* progress = nullptr);
 
 }  // namespace keypose::fit

@@ -22,7 +22,8 @@ ViewSystem SystemOfView(const Silhouette& silhouette, const ViewMatches& matches
                         const PosedBody& body, double reach) {
   ViewSystem view;
   const std::size_t most = matches.samples.size() + matches.pulls.size();
-  Eigen::Matrix<double, Eigen::Dynamic, kDofs, Eigen::RowMajor> rows(static_cast<Eigen::Index>(most), kDofs);
+  Eigen::Matrix<double, Eigen::Dynamic, kDofs, Eigen::RowMajor> rows(
+      static_cast<Eigen::Index>(most), kDofs);
   Eigen::VectorXd values(static_cast<Eigen::Index>(most));
   Eigen::Index count = 0;
   VisitResiduals(silhouette, matches, body, [&](const OutlineResidual& r) {
@@ -32,7 +33,8 @@ ViewSystem SystemOfView(const Silhouette& silhouette, const ViewMatches& matches
     if (weight <= 0) return;
     const double root = std::sqrt(weight);
     rows.row(count).setZero();
-    body.AddPoseRow(Segments()[r.sample->segment].joint, r.x, root * r.pull, rows.row(count).data());
+    body.AddPoseRow(Segments()[r.sample->segment].joint, r.x, root * r.pull,
+                    rows.row(count).data());
     values[count++] = root * r.value;
   });
   const auto used = rows.topRows(count);
@@ -120,12 +122,16 @@ PoseFit SolvePose(const std::vector<Silhouette>& silhouettes, const BodyShape& s
 }
 
 DofVector StandardDeviations(const PoseFit& fit) {
-  // A residual's variance; a pixel's half at least.
-  DofMatrix information = fit.data.matrix / std::max(0.25, fit.cost);
+  // A residual's variance; a pixel's half at least. A template's errors are alike over whole limbs,
+  // so that far fewer residuals are independent than the matrix counts.
+  constexpr double kIndependent = 0.03;
+  DofMatrix information = kIndependent * fit.data.matrix / std::max(0.25, fit.cost);
   for (int i = 0; i < kDofs; ++i) {
     const DofModel& dof = Dofs()[i];
     // Evenly spread over its range, a number has the range over the root of 12.
-    const double spread = i < 3 ? 1.0 : dof.low == dof.high ? kPi : (dof.high - dof.low) / std::sqrt(12.0);
+    const double spread = i < 3                 ? 1.0
+                          : dof.low == dof.high ? kPi
+                                                : (dof.high - dof.low) / std::sqrt(12.0);
     information(i, i) += 1 / (spread * spread);
   }
   return information.ldlt().solve(DofMatrix::Identity()).diagonal().cwiseMax(0).cwiseSqrt();

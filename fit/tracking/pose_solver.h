@@ -9,8 +9,8 @@
 namespace keypose::fit {
 
 struct PoseOptions {
-  int rounds = 5;      ///< of new contours and matches
-  int steps = 2;       ///< of Gauss-Newton in each round
+  int rounds = 5;                        ///< of new contours and matches
+  int steps = 2;                         ///< of Gauss-Newton in each round
   double reach = OutlineTuning::kReach;  ///< [px] of the robust loss in the last round
   double first_reach = 0;  ///< [px] in the first round; 0: `reach`. It falls in between.
   std::vector<QuadraticPrior> priors;  ///< in the chart of the start
@@ -18,9 +18,9 @@ struct PoseOptions {
 
 struct PoseFit {
   BodyPose pose;
-  PoseSystem data;     ///< of the silhouettes alone at `pose`, in pixels^2
-  double measured = 0; ///< sum of stands_for: independent measurements
-  double cost = 0;     ///< robust cost of the silhouettes per measurement [px^2]
+  PoseSystem data;         ///< of the silhouettes alone at `pose`, in pixels^2
+  double measured = 0;     ///< sum of stands_for: independent measurements
+  double cost = 0;         ///< robust cost of the silhouettes per measurement [px^2]
   double unexplained = 0;  ///< share of the outlines without a part of the template near them
 };
 
@@ -45,8 +45,8 @@ PoseFit SolvePose(const std::vector<Silhouette>& silhouettes, const BodyShape& s
                   const LocalSurface& surface, const BodyPose& start, const PoseOptions& options);
 
 /// Standard deviations of the 38 numbers: the inverse of the silhouettes' system, scaled by their
-/// residuals, with each joint known at least to its range. A number that no outline depends on, such
-/// as the twist of a straight, round limb, gets about its range.
+/// residuals, with each joint known at least to its range. A number that no outline depends on,
+/// such as the twist of a straight, round limb, gets about its range.
 DofVector StandardDeviations(const PoseFit& fit);
 
 }  // namespace keypose::fit

@@ -50,7 +50,8 @@ class PlanePencil {
     second_ = line.cross(first_);
   }
   Tangents Of(const OutlineRays& rays) const {
-    Tangents t{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), usable_ && !rays.empty()};
+    Tangents t{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+               usable_ && !rays.empty()};
     for (const Vector3d& ray : rays) {
       const double angle = std::atan2(ray.dot(second_), ray.dot(first_));
       t.low = std::min(t.low, angle), t.high = std::max(t.high, angle);
@@ -79,7 +80,8 @@ std::vector<double> PairCosts(const std::vector<OutlineRays>& a, const std::vect
       const int g = f + k;
       if (g < 0 || g >= SizeOf(of_b) || !of_a[f].known || !of_b[g].known) continue;
       // A wrong mask must not decide: differences beyond five degrees count as five.
-      const double off = std::abs(of_a[f].low - of_b[g].low) + std::abs(of_a[f].high - of_b[g].high);
+      const double off =
+          std::abs(of_a[f].low - of_b[g].low) + std::abs(of_a[f].high - of_b[g].high);
       sum += std::min(off, 10 * kDegree), ++count;
     }
     costs.push_back(count > 0 ? sum / (2 * count) : 0);
@@ -111,7 +113,8 @@ RigAgreement CheckAgreement(const std::vector<Silhouette>& silhouettes,
     int best = -1;
     for (int c = 0; c < SizeOf(silhouettes); ++c) {
       const CoarseHull hull = FindCoarseHull(Without(silhouettes, c), up_from_world);
-      if (hull.voxels < kLeastVoxels || (best >= 0 && hull.voxels <= agreement.hull.voxels)) continue;
+      if (hull.voxels < kLeastVoxels || (best >= 0 && hull.voxels <= agreement.hull.voxels))
+        continue;
       best = c, agreement.hull = hull;
     }
     if (best >= 0) agreement.against.push_back(best);
@@ -119,8 +122,10 @@ RigAgreement CheckAgreement(const std::vector<Silhouette>& silhouettes,
   if (agreement.hull.voxels < kLeastVoxels) agreement.hull.voxels = 0;
   if (agreement.hull.voxels == 0) return agreement;
   for (int c = 0; c < SizeOf(silhouettes); ++c) {
-    const bool known = std::find(agreement.against.begin(), agreement.against.end(), c) != agreement.against.end();
-    if (!known && !Shows(silhouettes[c], agreement.hull, up_from_world)) agreement.against.push_back(c);
+    const bool known =
+        std::find(agreement.against.begin(), agreement.against.end(), c) != agreement.against.end();
+    if (!known && !Shows(silhouettes[c], agreement.hull, up_from_world))
+      agreement.against.push_back(c);
   }
   return agreement;
 }
@@ -143,7 +148,8 @@ OutlineRays RaysOf(const Silhouette& silhouette) {
 }
 
 ClockOffsets FindClockOffsets(const std::vector<std::vector<OutlineRays>>& rays,
-                              const std::vector<Vector3d>& centers, const Vector3d& middle, int most) {
+                              const std::vector<Vector3d>& centers, const Vector3d& middle,
+                              int most) {
   const int cameras = SizeOf(rays);
   std::vector<PairTable> pairs;
   for (int a = 0; a < cameras; ++a)
@@ -163,7 +169,8 @@ ClockOffsets FindClockOffsets(const std::vector<std::vector<OutlineRays>>& rays,
       double least = TotalCost(pairs, offsets, most);
       for (int k = -most; k <= most; ++k) {
         offsets[c] = k;
-        if (const double cost = TotalCost(pairs, offsets, most); cost < least - 1e-12) least = cost, best = k, changed = true;
+        if (const double cost = TotalCost(pairs, offsets, most); cost < least - 1e-12)
+          least = cost, best = k, changed = true;
       }
       offsets[c] = best;
     }

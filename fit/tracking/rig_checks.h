@@ -8,8 +8,9 @@
 namespace keypose::fit {
 
 struct RigAgreement {
-  CoarseHull hull;           ///< of the cameras that agree
-  std::vector<int> against;  ///< places in `silhouettes` of cameras that see nothing of the others' hull
+  CoarseHull hull;  ///< of the cameras that agree
+  std::vector<int>
+      against;  ///< places in `silhouettes` of cameras that see nothing of the others' hull
 };
 /// The hull of all cameras, without those that contradict the others. All of them contradict each
 /// other when `hull.voxels` is 0.
@@ -26,20 +27,22 @@ using OutlineRays = std::vector<Eigen::Vector3d>;
 OutlineRays RaysOf(const Silhouette& silhouette);
 
 struct ClockOffsets {
-  std::vector<int> frames;  ///< frame f of the shot is frame f + frames[c] of camera c; >= 0, one is 0
-  double before = 0;        ///< disagreement of the outlines without offsets [rad]
-  double after = 0;         ///< with them
+  std::vector<int>
+      frames;         ///< frame f of the shot is frame f + frames[c] of camera c; >= 0, one is 0
+  double before = 0;  ///< disagreement of the outlines without offsets [rad]
+  double after = 0;   ///< with them
 };
-/// Offsets between the cameras' clocks. In frames of one instant, the planes through two cameras that
-/// touch the actor touch both outlines; the offsets are those for which they agree best over time.
+/// Offsets between the cameras' clocks. In frames of one instant, the planes through two cameras
+/// that touch the actor touch both outlines; the offsets are those for which they agree best over
+/// time.
 ///
 /// @param rays     per camera and frame, all of one length
 /// @param centers  of the cameras
 /// @param middle   a point within the actor's reach
 /// @param most     largest offset that is tried [frames]
 /// @return all 0 when offsets explain less than a fifth of the disagreement
-/// Source: Sinha & Pollefeys, "Synchronization and calibration of camera networks from silhouettes",
-/// ICPR 2004. Departs: calibrated cameras, whole frames.
+/// Source: Sinha & Pollefeys, "Synchronization and calibration of camera networks from
+/// silhouettes", ICPR 2004. Departs: calibrated cameras, whole frames.
 ClockOffsets FindClockOffsets(const std::vector<std::vector<OutlineRays>>& rays,
                               const std::vector<Eigen::Vector3d>& centers,
                               const Eigen::Vector3d& middle, int most);

@@ -82,8 +82,8 @@ SilhouetteCamera::SilhouetteCamera(const View& view, double scale) : view_(view)
         const Vector2d p = camera.Project(pinhole_.Ray(x + dx, y + dy));
         const bool inside =
             p.x() >= 0 && p.y() >= 0 && p.x() < camera.width && p.y() < camera.height;
-        source_.push_back(
-            inside ? static_cast<int>(p.y()) * camera.width + static_cast<int>(p.x()) : -1);
+        source_.push_back(inside ? static_cast<int>(p.y()) * camera.width + static_cast<int>(p.x())
+                                 : -1);
       }
 }
 
@@ -111,7 +111,8 @@ double Silhouette::Distance(const Vector2d& pixel, Vector2d* gradient) const {
   const double u = x - x0, v = y - y0;
   const float* row = field.distance.data() + static_cast<std::size_t>(y0) * field.width + x0;
   const float* below = row + field.width;
-  const double inside = (1 - v) * ((1 - u) * row[0] + u * row[1]) + v * ((1 - u) * below[0] + u * below[1]);
+  const double inside =
+      (1 - v) * ((1 - u) * row[0] + u * row[1]) + v * ((1 - u) * below[0] + u * below[1]);
   const Vector2d beyond = pixel - Vector2d(x, y);
   if (gradient) {
     // Central differences over two pixels are smoother than the cell's own slope.
@@ -119,8 +120,10 @@ double Silhouette::Distance(const Vector2d& pixel, Vector2d* gradient) const {
     const float* last = below + field.width;
     const auto dx = [&](const float* r) { return (1 - u) * (r[1] - r[-1]) + u * (r[2] - r[0]); };
     const double along_x = ((1 - v) * dx(row) + v * dx(below)) / 2;
-    const double along_y = ((1 - v) * ((1 - u) * (below[0] - above[0]) + u * (below[1] - above[1])) +
-                            v * ((1 - u) * (last[0] - row[0]) + u * (last[1] - row[1]))) / 2;
+    const double along_y =
+        ((1 - v) * ((1 - u) * (below[0] - above[0]) + u * (below[1] - above[1])) +
+         v * ((1 - u) * (last[0] - row[0]) + u * (last[1] - row[1]))) /
+        2;
     *gradient = beyond.isZero() ? Vector2d(along_x, along_y) : Vector2d(beyond.normalized());
   }
   return inside + beyond.norm();

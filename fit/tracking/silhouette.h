@@ -27,7 +27,8 @@ class SilhouetteCamera {
  private:
   View view_;
   Pinhole pinhole_;
-  std::vector<int> source_;  ///< pixels of the mask that a reduced pixel looks at, four each; -1: none
+  std::vector<int>
+      source_;  ///< pixels of the mask that a reduced pixel looks at, four each; -1: none
 };
 
 /// One frame of one camera. Pixels are those of a crop of the reduced picture.
@@ -45,9 +46,11 @@ struct Silhouette {
   std::int64_t pixels = 0;  ///< in the mask
 
   bool empty() const { return pixels == 0; }
-  /// Signed distance [px], positive outside, and its gradient. Beyond the crop the way to it is added.
+  /// Signed distance [px], positive outside, and its gradient. Beyond the crop the way to it is
+  /// added.
   double Distance(const Eigen::Vector2d& pixel, Eigen::Vector2d* gradient = nullptr) const;
-  /// Whether the pixel is near a side of the picture that the mask touches: the outline is cut there.
+  /// Whether the pixel is near a side of the picture that the mask touches: the outline is cut
+  /// there.
   bool Cut(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d Project(const Eigen::Vector3d& x_in_world) const {
     return pinhole.Project(camera_from_world * x_in_world);

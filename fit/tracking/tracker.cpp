@@ -7,9 +7,9 @@
 namespace keypose::fit {
 namespace {
 
-constexpr int kSearchPause = 3;   // frames between searches for the same limb
+constexpr int kSearchPause = 3;              // frames between searches for the same limb
 constexpr double kFall = 0.3, kRise = 0.02;  // of the usual difference, a frame
-constexpr int kCandidates = 2;    // that are solved of a search
+constexpr int kCandidates = 2;               // that are solved of a search
 
 double RelativeDifference(const Coverage& c) { return c.Difference() / std::max(1.0, c.both); }
 
@@ -29,13 +29,15 @@ BodyPose Tracker::Predicted() const {
 std::vector<QuadraticPrior> Tracker::Priors(const Eigen::Quaterniond& chart) const {
   std::vector<QuadraticPrior> priors{RestPrior()};
   if (before_.size() < 2) return priors;
-  for (const QuadraticPrior& calm : CalmPriors(InChart(before_.back(), chart), InChart(before_.front(), chart)))
+  for (const QuadraticPrior& calm :
+       CalmPriors(InChart(before_.back(), chart), InChart(before_.front(), chart)))
     priors.push_back(calm);
   return priors;
 }
 
 std::vector<Limb> Tracker::Suspects(const Coverage& coverage) const {
-  const bool worse = usual_ > 0 && RelativeDifference(coverage) > TrackerTuning::kLostChange * usual_;
+  const bool worse =
+      usual_ > 0 && RelativeDifference(coverage) > TrackerTuning::kLostChange * usual_;
   std::vector<Limb> suspects;
   for (std::size_t l = 0; l < kLimbs.size(); ++l) {
     const double outside = coverage.limb_outside[l] / std::max(1.0, coverage.limb[l]);
@@ -52,7 +54,8 @@ void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOpt
     // What was, is no guide to a limb that was lost.
     PoseOptions free = options;
     free.priors = {RestPrior()}, free.first_reach = 2 * OutlineTuning::kReach;
-    for (const BodyPose& candidate : SearchLimb(silhouettes, shape_, surface_, fit->pose, limb, kCandidates)) {
+    for (const BodyPose& candidate :
+         SearchLimb(silhouettes, shape_, surface_, fit->pose, limb, kCandidates)) {
       const PoseFit solved = SolvePose(silhouettes, shape_, surface_, candidate, free);
       const Coverage coverage = CoverageOf(silhouettes, surface_, Posed(solved.pose, shape_));
       if (coverage.Difference() > TrackerTuning::kFound * frame->coverage.Difference()) continue;
@@ -79,8 +82,10 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   frame.deviations = StandardDeviations(fit);
   frame.unexplained = fit.unexplained;
   // A limb that jumped has no speed: the jump must not go on.
-  if (frame.found.empty()) before_.push_back(frame.pose);
-  else before_ = {frame.pose};
+  if (frame.found.empty())
+    before_.push_back(frame.pose);
+  else
+    before_ = {frame.pose};
   if (before_.size() > 2) before_.erase(before_.begin());
   ++frame_;
   return frame;

@@ -13,13 +13,13 @@ struct TrackerTuning {
   KEYPOSE_TUNED(int, kRounds, 4);            ///< of new contours in a frame
   KEYPOSE_TUNED(double, kSpeed, 0.8);        ///< share of the last frame's motion that goes on
   KEYPOSE_TUNED(double, kLostOutside, 0.3);  ///< share of a limb outside of the masks
-  KEYPOSE_TUNED(double, kLostChange, 1.2);  ///< factor on the usual difference to the masks
+  KEYPOSE_TUNED(double, kLostChange, 1.2);   ///< factor on the usual difference to the masks
   KEYPOSE_TUNED(double, kFound, 0.98);       ///< least gain of a search: factor on the difference
 };
 
 struct TrackedFrame {
   BodyPose pose;
-  DofVector deviations;     ///< standard deviations of the 38 numbers; StandardDeviations
+  DofVector deviations;  ///< standard deviations of the 38 numbers; StandardDeviations
   Coverage coverage;
   double unexplained = 0;   ///< share of the outlines that no part of the template is near
   std::vector<Limb> found;  ///< limbs that were lost and searched for with success
@@ -36,8 +36,8 @@ class Tracker {
   BodyPose Predicted() const;
   std::vector<QuadraticPrior> Priors(const Eigen::Quaterniond& chart) const;
   std::vector<Limb> Suspects(const Coverage& coverage) const;
-  void FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options, PoseFit* fit,
-                TrackedFrame* frame);
+  void FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
+                PoseFit* fit, TrackedFrame* frame);
 
   BodyShape shape_;
   LocalSurface surface_;

@@ -138,12 +138,12 @@ Shot OpenShot(const fs::path& folder) {
                        " masks; a mask for each frame is needed");
     shot.cameras.push_back(std::move(camera));
   }
-  std::sort(shot.cameras.begin(), shot.cameras.end(), [](const auto& a, const auto& b) {
-    return NumberedBefore(a.name, b.name);
-  });
+  std::sort(shot.cameras.begin(), shot.cameras.end(),
+            [](const auto& a, const auto& b) { return NumberedBefore(a.name, b.name); });
   if (shot.cameras.empty())
-    throw InputError("the shot " + PrintableName(folder) +
-                     " has no camera; it needs a folder of numbered pictures, or a video, for each");
+    throw InputError(
+        "the shot " + PrintableName(folder) +
+        " has no camera; it needs a folder of numbered pictures, or a video, for each");
   return shot;
 }
 

@@ -1,0 +1,131 @@
+// keypose-silhouettes: masks of an actor in the films of fixed cameras, against pictures of the
+// empty set.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/masking.h"
+#include "core/errors.h"
+#include "core/io/image_io.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+#include "views/shot/shot.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr int kTogether = 24;  // frames that are segmented as one set
+
+struct SilhouettesOptions {
+  double clean_plate_difference = MaskOptions{}.clean_plate_difference;
+  int mask_px = MaskOptions{}.working_px;
+
+  void Describe(OptionVisitor& visit) {
+    visit("clean_plate_difference", clean_plate_difference,
+          {"colour difference to the empty set at which actor and set are equally likely",
+           "CIE Lab",
+           1,
+           50,
+           {}});
+    visit("mask_px", mask_px, {"longer side at which masks are segmented", "px", 64, 4096, {}});
+  }
+};
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "silhouettes";
+  spec.version = "1";
+  spec.summary = "Masks of an actor in films of fixed cameras, against the empty set.";
+  spec.inputs = {
+      {"video", "folder",
+       "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg",
+       "", false, false}};
+  spec.outputs = {{"masked", "folder", "masks/CAMERA/000.png ...", "masked", false, false}};
+  spec.memory_gib = 2;
+  return spec;
+}
+
+/// One camera's film, a few frames at a time.
+class CameraMasks {
+ public:
+  CameraMasks(const ShotCamera& camera, const SilhouettesOptions& options,
+              const std::filesystem::path& folder)
+      : camera_(camera), reader_(camera.pictures), folder_(folder) {
+    masking_.working_px = options.mask_px;
+    masking_.clean_plate_difference = options.clean_plate_difference;
+    plate_ = WorkingImage(ReadImage(camera.plate, 3), masking_.working_px);
+    std::filesystem::create_directories(folder);
+  }
+
+  /// @return frames in which nothing was found
+  int Write(int first, int count) {
+    std::vector<Image8> pictures, small;
+    for (int f = first; f < first + count; ++f) {
+      pictures.push_back(reader_.Read(f, 3));
+      small.push_back(WorkingImage(pictures.back(), masking_.working_px));
+      if (small.back().width != plate_.width || small.back().height != plate_.height)
+        throw InputError("silhouettes: background and film of camera " + camera_.name +
+                         " have pictures of different shape");
+    }
+    const std::vector<Image8> masks = SegmentSet(small, plate_, {}, masking_);
+    std::vector<int> empty(masks.size());
+    ParallelFor(count, [&](std::int64_t i) {
+      const Image8 mask = RefinedMask(pictures[i], masks[i]);
+      empty[i] = MaskFraction(mask) == 0;
+      char name[32];
+      std::snprintf(name, sizeof name, "%03d.png", first + static_cast<int>(i));
+      WriteImage(folder_ / name, mask);
+    });
+    int sum = 0;
+    for (const int e : empty) sum += e;
+    return sum;
+  }
+
+ private:
+  const ShotCamera& camera_;
+  FrameReader reader_;
+  std::filesystem::path folder_;
+  MaskOptions masking_;
+  Image8 plate_;
+};
+
+void Run(StageContext& stage, const SilhouettesOptions& options) {
+  const Shot shot = OpenShot(stage.Input("video"));
+  for (const ShotCamera& camera : shot.cameras) {
+    if (camera.pictures.empty())
+      throw InputError("silhouettes: camera " + camera.name + " has no pictures");
+    if (camera.plate.empty())
+      throw InputError("silhouettes: camera " + camera.name +
+                       " has no picture of the empty set; put it at background/" + camera.name +
+                       ".jpg beside the films");
+  }
+  const std::filesystem::path out = stage.Output("masked") / "masks";
+  int done = 0, empty = 0, frames = 0;
+  for (const ShotCamera& camera : shot.cameras) {
+    CameraMasks masks(camera, options, out / camera.name);
+    for (int f = 0; f < camera.frames(); f += kTogether) {
+      if (stage.progress() && stage.progress()->cancelled()) throw Cancelled();
+      empty += masks.Write(f, std::min(kTogether, camera.frames() - f));
+      ReportProgress(stage.progress(),
+                     (done + static_cast<double>(f) / camera.frames()) / SizeOf(shot.cameras),
+                     camera.name);
+    }
+    ++done, frames += camera.frames();
+  }
+  stage.Report("masks", frames);
+  stage.Report("empty_masks", empty);
+  if (empty > 0)
+    stage.Warn(std::to_string(empty) + " of " + std::to_string(frames) +
+               " masks are empty: in them the actor looks like the set, or is not there");
+}
+
+}  // namespace
+}  // namespace keypose::capture
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::capture::SilhouettesOptions>(
+      argc, argv, keypose::capture::Spec(), keypose::capture::Run);
+}
