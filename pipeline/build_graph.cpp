@@ -172,7 +172,19 @@ class GraphBuilder {
     catalog_.Load(programs);
   }
 
+  /// Whether the project, or this shot of it, gives what the step exists for.
+  bool IsWanted(const StepRule& rule, const std::string& pose) const {
+    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
+      if (!word.text.starts_with("$"))
+        Fail(word.where, fmt::format("step '{}': `when` takes words such as $scan, not '{}'",
+                                     rule.name, word.text));
+      if (word.text == "$unmasked") return IsUnmasked(file_, disk_, places_.project, pose);
+      return ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
+    });
+  }
+
   void AddInstance(const StepRule& rule, const std::string& pose, const std::string& source_pose) {
+    if (!IsWanted(rule, pose)) return;
     Step step;
     step.rule = rule.name;
     step.pose = pose;
@@ -195,19 +207,9 @@ class GraphBuilder {
     AddInstance(rule, pose, source_pose);
   }
 
-  /// Whether the project gives what the step exists for.
-  bool IsWanted(const StepRule& rule) const {
-    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
-      if (!word.text.starts_with("$"))
-        Fail(word.where, fmt::format("step '{}': `when` takes words such as $scan, not '{}'",
-                                     rule.name, word.text));
-      return ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
-    });
-  }
-
   void MakeInstances() {
     for (const StepRule& rule : file_.steps) {
-      if (!rule.enabled || !IsWanted(rule)) continue;
+      if (!rule.enabled) continue;
       if (!rule.fan_out)
         Fail(rule.where,
              fmt::format("step '{}' needs `for:` with pose, template, pair, animation or project",

@@ -91,6 +91,27 @@ TEST(Performance, ScanWithoutMarksIsTrackedAlready) {
   EXPECT_EQ(stage.Run().ran, (Names{"calibrated/walk", "export/walk", "tell", "track/walk"}));
 }
 
+TEST(Performance, FilmsWithoutMasksHaveAStepMore) {
+  Stage stage;
+  const std::string track =
+      "  track:\n    stage: solve\n    for: shot\n    inputs: {images: $video}\n";
+  std::string& yaml = stage.default_pipeline;
+  ASSERT_NE(yaml.find(track), std::string::npos);
+  yaml.replace(yaml.find(track), track.size(),
+               "  silhouettes: {stage: shoot, for: shot, when: [$unmasked], inputs: {photos: "
+               "$unmasked}}\n"
+               "  track: {stage: solve, for: shot, inputs: {images: {either: [silhouettes.images, "
+               "$video]}}}\n");
+  stage.disk.Write(stage.project / "shots/walk/masks/cam1/000.png", "mask");
+  EXPECT_EQ(stage.Run().ran,
+            (Names{"calibrated/run", "calibrated/walk", "export/run", "export/walk",
+                   "silhouettes/run", "tell", "track/run", "track/walk"}));
+  stage.disk.Write(stage.project / "shots/run/masks/cam1/000.png", "mask");
+  const auto masked = stage.Look();
+  EXPECT_EQ(masked.graph->Find("track").size(), 2u);
+  EXPECT_THROW(masked.graph->Find("silhouettes"), UsageError) << "no shot needs it now";
+}
+
 TEST(Performance, RunRecordSaysItsKindAndThatOfPosesDoesNot) {
   Stage stage;
   stage.processes.stages["/bin/keypose-tell"].run = [](const FakeCall& call, MemoryDisk& d) {

@@ -14,10 +14,10 @@ namespace {
   throw UsageError(fmt::format("{}: {}", where.Text(), message));
 }
 
-const std::vector<std::string> kWords = {"$photos",    "$masks",     "$background",  "$cameras",
-                                         "$landmarks", "$stiffness", "$regions",     "$timeline",
-                                         "$run",       "$video",     "$calibration", "$actor",
-                                         "$scan",      "$texture",   "$marks"};
+const std::vector<std::string> kWords = {"$photos",    "$masks",     "$background", "$cameras",
+                                         "$landmarks", "$stiffness", "$regions",    "$timeline",
+                                         "$run",       "$video",     "$unmasked",   "$calibration",
+                                         "$actor",     "$scan",      "$texture",    "$marks"};
 
 bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") ||
@@ -37,6 +37,12 @@ std::string PhotographsOf(const PoseRule& pose) {
 
 std::string VideoOf(const PoseRule& shot) {
   return WithHome(shot.video ? shot.video->text : "shots/" + shot.name);
+}
+
+bool IsUnmasked(const PipelineFile& file, const Disk& disk, const std::filesystem::path& project,
+                const std::string& shot) {
+  const PoseRule* rule = file.FindPose(shot);
+  return rule && !disk.Stat(project / VideoOf(*rule) / "masks");
 }
 
 std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
@@ -185,7 +191,8 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
     return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
   }
-  const bool of_shot = word == "$video" || word == "$calibration" || word == "$actor";
+  const bool of_shot =
+      word == "$video" || word == "$unmasked" || word == "$calibration" || word == "$actor";
   const bool of_pose =
       word == "$photos" || word == "$masks" || word == "$background" || word == "$cameras";
   if (!of_shot && !of_pose)
@@ -209,7 +216,9 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
 
 std::vector<Flow> References::ShotWord(const Setting& reference, const PoseRule& shot) const {
   const Where where = shot.video ? shot.video->where : shot.where;
-  if (reference.text == "$video") return {Source({VideoOf(shot), where})};
+  if (reference.text == "$unmasked" && !IsUnmasked(file_, disk_, project_, shot.name)) return {};
+  if (reference.text == "$video" || reference.text == "$unmasked")
+    return {Source({VideoOf(shot), where})};
   if (reference.text == "$actor")
     return shot.actor ? std::vector<Flow>{Source(*shot.actor)} : std::vector<Flow>{};
   if (shot.calibration) return {Source(*shot.calibration)};

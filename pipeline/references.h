@@ -20,6 +20,9 @@ std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
                                    const std::filesystem::path& project, const std::string& word);
 /// The folder of a shot's films, as written in pipeline.yaml.
 std::string VideoOf(const PoseRule& shot);
+/// Whether there is a shot of that name, and no folder `masks` beside its films.
+bool IsUnmasked(const PipelineFile& file, const Disk& disk, const std::filesystem::path& project,
+                const std::string& shot);
 
 class References {
  public:

@@ -126,7 +126,7 @@ def main():
     parser.add_argument('--work', type=pathlib.Path)
     parser.add_argument('--views', type=int, default=24)
     parser.add_argument('--width', type=int, default=640)
-    parser.add_argument('--most', type=float, default=0.01, help='largest mean error / diagonal')
+    parser.add_argument('--most', type=float, default=0.005, help='largest mean error / diagonal')
     args = parser.parse_args()
     if args.work:
         return Walk(args.bin.resolve(), args.work.resolve(), args).all()
