@@ -336,6 +336,11 @@ class Reader : public YamlReader {
     }
   }
 
+  ProjectKind Kind(const YAML::Node& node) const {
+    const std::string text = Choice(node, "kind", {"poses", "performance"}).text;
+    return text == "performance" ? ProjectKind::kPerformance : ProjectKind::kPoses;
+  }
+
   PipelineFile File(const YAML::Node& root) const {
     PipelineFile file;
     YAML::Node timeline;
@@ -344,9 +349,7 @@ class Reader : public YamlReader {
           if (field == "name")
             file.name = Text(value, field);
           else if (field == "kind")
-            file.kind = Choice(value, field, {"poses", "performance"}).text == "performance"
-                            ? ProjectKind::kPerformance
-                            : ProjectKind::kPoses;
+            file.kind = Kind(value);
           else if (field == "scan")
             file.scan = PathText(value, field);
           else if (field == "texture")
