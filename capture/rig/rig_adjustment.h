@@ -4,7 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "capture/rig/rig_calibrator.h"
+#include "capture/rig/board_sighting.h"
+#include "core/camera.h"
 
 namespace keypose::capture {
 

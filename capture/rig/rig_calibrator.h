@@ -4,17 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "capture/rig/board_sighting.h"
 #include "core/calibration_board.h"
 #include "core/camera.h"
 #include "core/progress.h"
 
 namespace keypose::capture {
-
-/// The board as one camera saw it at one moment.
-struct BoardSighting {
-  int camera = 0, frame = 0;
-  std::vector<BoardCorner> corners;
-};
 
 struct RigCamera {
   std::string name;

@@ -1,0 +1,15 @@
+// The calibration board as one camera saw it at one moment.
+#pragma once
+
+#include <vector>
+
+#include "core/calibration_board.h"
+
+namespace keypose::capture {
+
+struct BoardSighting {
+  int camera = 0, frame = 0;
+  std::vector<BoardCorner> corners;
+};
+
+}  // namespace keypose::capture
