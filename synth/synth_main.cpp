@@ -247,8 +247,10 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
   CLI::App* performance = app.add_subcommand(
       "performance", "film a moving actor with several cameras, with exact truth beside it");
   performance->add_option("--output", c.output, "folder to write into")->required();
-  performance->add_option("--bvh", c.bvh, "the motion: a clip of the CMU database; default: our own");
-  performance->add_option("--first", c.first_frame, "first frame of the clip")->capture_default_str();
+  performance->add_option("--bvh", c.bvh,
+                          "the motion: a clip of the CMU database; default: our own");
+  performance->add_option("--first", c.first_frame, "first frame of the clip")
+      ->capture_default_str();
   performance->add_option("--every", c.every, "so many frames of the clip are one of the film")
       ->capture_default_str();
   performance->add_option("--frames", c.frames, "frames to film")->capture_default_str();
@@ -266,7 +268,9 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
       ->capture_default_str();
   performance->add_option("--cloth", c.performer.cloth_m, "height of the clothes' waves [m]")
       ->capture_default_str();
-  performance->add_option("--hide-arm-from", c.hidden_from, "the left arm is missing in all masks from this frame")
+  performance
+      ->add_option("--hide-arm-from", c.hidden_from,
+                   "the left arm is missing in all masks from this frame")
       ->capture_default_str();
   performance->add_option("--hide-arm-to", c.hidden_to, "up to this frame")->capture_default_str();
   performance->callback([&c] {
@@ -276,8 +280,10 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
 }
 
 void AddMotionScore(CLI::App& app, MotionScoreCommand& c) {
-  CLI::App* score = app.add_subcommand("score-motion", "compare a tracked performance with its truth; prints JSON");
-  score->add_option("--performance", c.performance, "folder that `synth performance` wrote")->required();
+  CLI::App* score = app.add_subcommand("score-motion",
+                                       "compare a tracked performance with its truth; prints JSON");
+  score->add_option("--performance", c.performance, "folder that `synth performance` wrote")
+      ->required();
   score->add_option("--frames", c.frames, "frames of `track`")->required();
   score->add_option("--motion", c.motion, "motion of `track` (.bvh)")->required();
   score->add_option("--from", c.from, "first frame that counts")->capture_default_str();
