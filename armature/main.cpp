@@ -1,0 +1,71 @@
+// The program `keypose armature`: a puppet of wire, with a sensor on each joint, as an input
+// device.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "armature/commands.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+
+namespace keypose::armature {
+namespace {
+
+struct Subcommand {
+  const char* name;
+  const char* help;
+  int (*run)(int argc, char** argv);
+};
+
+const std::vector<Subcommand> kSubcommands = {
+    {"check", "read a description and its chains, and say what is wrong or what they hold",
+     CheckCommand},
+};
+
+void PrintHelp(std::FILE* out) {
+  std::fputs("Reads a physical armature with a sensor on each joint.\n\n", out);
+  std::fputs("Usage: keypose armature SUBCOMMAND ... (each has --help)\n\n", out);
+  for (const Subcommand& command : kSubcommands)
+    std::fprintf(out, "  %-10s %s\n", command.name, command.help);
+}
+
+[[noreturn]] void RefuseWord(const std::string& word) {
+  std::vector<std::string> names;
+  for (const Subcommand& command : kSubcommands) names.push_back(command.name);
+  throw UsageError("armature: '" + word + "' is not a subcommand; did you mean '" +
+                   NearestWord(word, names) + "'? `keypose armature --help` lists all");
+}
+
+int Dispatch(int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "--help";
+  if (word == "--help" || word == "-h") {
+    PrintHelp(argc > 1 ? stdout : stderr);
+    return static_cast<int>(argc > 1 ? ExitCode::kOk : ExitCode::kUsage);
+  }
+  for (const Subcommand& command : kSubcommands) {
+    if (word != command.name) continue;
+    argv[1] = argv[0];
+    return command.run(argc - 1, argv + 1);
+  }
+  RefuseWord(word);
+}
+
+int Main(int argc, char** argv) {
+  try {
+    return Dispatch(argc, argv);
+  } catch (const Error& error) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "keypose: %s%s\n",
+                 error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "keypose: a bug: %s\nplease report it, with your command\n", error.what());
+    return static_cast<int>(ExitCode::kBug);
+  }
+}
+
+}  // namespace
+}  // namespace keypose::armature
+
+int main(int argc, char** argv) { return keypose::armature::Main(argc, argv); }
