@@ -1,0 +1,277 @@
+#include "core/io/shot_io.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+
+namespace keypose {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr double kFarthest = 1e12;  // a coordinate beyond it is a damaged file
+
+/// Reads fields of one object. Messages name `where`.
+class Fields {
+ public:
+  Fields(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+    if (!object.is_object()) Fail("is not an object");
+  }
+
+  [[noreturn]] void Fail(const std::string& what) const { throw InputError(where_ + " " + what); }
+  bool Has(const char* name) const { return object_.contains(name) && !object_[name].is_null(); }
+  const json& Get(const char* name) const {
+    if (!Has(name)) Fail(fmt::format("has no '{}'", name));
+    return object_[name];
+  }
+  Fields Part(const char* name) const { return {Get(name), where_ + ": '" + name + "'"}; }
+
+  double Number(const char* name, double least, double most) const {
+    const json& value = Get(name);
+    if (!value.is_number()) Fail(fmt::format("has a '{}' that is not a number", name));
+    const double number = value.get<double>();
+    if (!(number >= least && number <= most))
+      Fail(fmt::format("has '{}' {:.6g}, which must lie in {:g} to {:g}", name, number, least,
+                       most));
+    return number;
+  }
+  int Whole(const char* name, int least, int most) const {
+    if (!Get(name).is_number_integer())
+      Fail(fmt::format("has a '{}' that is not a whole number", name));
+    return static_cast<int>(Number(name, least, most));
+  }
+  std::string Text(const char* name) const {
+    if (!Get(name).is_string()) Fail(fmt::format("has a '{}' that is not a text", name));
+    return Get(name).get<std::string>();
+  }
+  std::string OneOf(const char* name, const std::vector<std::string>& words) const {
+    const std::string word = Text(name);
+    if (std::find(words.begin(), words.end(), word) == words.end())
+      Fail(fmt::format("has '{}' \"{}\"; did you mean \"{}\"?", name, word,
+                       NearestWord(word, words)));
+    return word;
+  }
+  bool Truth(const char* name) const {
+    if (!Get(name).is_boolean()) Fail(fmt::format("has a '{}' that is not true or false", name));
+    return Get(name).get<bool>();
+  }
+  template <int N>
+  Eigen::Matrix<double, N, 1> Vector(const char* name) const {
+    const json& list = Get(name);
+    if (!list.is_array() || list.size() != N)
+      Fail(fmt::format("has a '{}' that is not a list of {} numbers", name, N));
+    Eigen::Matrix<double, N, 1> vector;
+    for (int i = 0; i < N; ++i) {
+      const json& value = list[static_cast<std::size_t>(i)];
+      if (!value.is_number() || !(std::abs(value.get<double>()) <= kFarthest))
+        Fail(fmt::format("has a '{}' that is not a list of {} finite numbers", name, N));
+      vector[i] = value.get<double>();
+    }
+    return vector;
+  }
+  Eigen::Quaterniond Rotation() const {
+    const Eigen::Vector4d q = Vector<4>("rotation");
+    if (std::abs(q.norm() - 1) > 1e-3)
+      Fail(fmt::format("has a 'rotation' of length {:.6g}; a quaternion [w, x, y, z] has 1",
+                       q.norm()));
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  }
+
+ private:
+  const json& object_;
+  std::string where_;
+};
+
+Camera CameraFrom(const Fields& root, const Fields& lens, const std::string& where) {
+  Camera camera;
+  camera.width = root.Whole("width", 1, 1 << 20), camera.height = root.Whole("height", 1, 1 << 20);
+  constexpr double kMost = 1e7;
+  camera.fx = camera.fy = lens.Has("f") ? lens.Number("f", 0.01, kMost) : 0;
+  if (lens.Has("fx") || !lens.Has("f")) camera.fx = lens.Number("fx", 0.01, kMost);
+  if (lens.Has("fy") || !lens.Has("f")) camera.fy = lens.Number("fy", 0.01, kMost);
+  camera.cx = lens.Number("cx", -kMost, kMost), camera.cy = lens.Number("cy", -kMost, kMost);
+  const auto distortion = [&](const char* name) {
+    return lens.Has(name) ? lens.Number(name, -kMost, kMost) : 0;
+  };
+  camera.k1 = distortion("k1"), camera.k2 = distortion("k2");
+  camera.p1 = distortion("p1"), camera.p2 = distortion("p2");
+  RequireUsableCamera(camera, where);
+  return camera;
+}
+
+ShotFrame FrameFrom(const Fields& fields) {
+  ShotFrame frame;
+  frame.frame = fields.Whole("frame", 0, 1 << 24);
+  frame.picture = fields.Text("picture");
+  if (frame.picture.empty() || frame.picture.find('/') != std::string::npos)
+    fields.Fail("has a 'picture' that is not the name of a file in the film's folder");
+  if (fields.Has("pose")) frame.pose = fields.Text("pose");
+  const Fields camera = fields.Part("camera_from_world");
+  frame.camera_from_world = {camera.Rotation(), camera.Vector<3>("translation")};
+  const Fields place = fields.Part("world_from_character");
+  frame.world_from_character = {place.Has("scale") ? place.Number("scale", 1e-9, kFarthest) : 1,
+                                place.Rotation().toRotationMatrix(),
+                                place.Vector<3>("translation")};
+  frame.method = fields.OneOf("method", {"features", "outlines", "clicks", "given"});
+  if (fields.Has("contour_px")) frame.contour_px = fields.Number("contour_px", 0, kFarthest);
+  if (fields.Has("iou")) frame.iou = fields.Number("iou", 0, 1);
+  if (fields.Has("inliers")) frame.inliers = fields.Whole("inliers", 0, 1 << 30);
+  return frame;
+}
+
+bool SamePlace(const Rigid3& a, const Rigid3& b) {
+  return std::abs(std::abs(a.rotation.dot(b.rotation)) - 1) < 1e-12 &&
+         (a.translation - b.translation).norm() <= 1e-9 * (1 + a.translation.norm());
+}
+
+void RequireOneSequence(const FilmedShot& shot, const std::string& source) {
+  if (shot.frames.empty()) throw InputError(source + " has no frames; locate one at least");
+  for (std::size_t i = 1; i < shot.frames.size(); ++i) {
+    if (shot.frames[i].frame <= shot.frames[i - 1].frame)
+      throw InputError(fmt::format("{}: frame {} comes after frame {}; sort them, each once",
+                                   source, shot.frames[i].frame, shot.frames[i - 1].frame));
+    if (shot.still &&
+        !SamePlace(shot.frames[i].camera_from_world, shot.frames[0].camera_from_world))
+      throw InputError(
+          fmt::format("{}: frame {} has another camera_from_world than frame {}, but "
+                      "'still' is true; make it false if the camera moves",
+                      source, shot.frames[i].frame, shot.frames[0].frame));
+  }
+}
+
+ordered_json ListOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+ordered_json ListOf(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+ordered_json JsonOf(const ShotFrame& frame) {
+  ordered_json node = {{"frame", frame.frame},
+                       {"picture", frame.picture},
+                       {"pose", frame.pose.empty() ? ordered_json() : ordered_json(frame.pose)}};
+  node["camera_from_world"] = {{"rotation", ListOf(frame.camera_from_world.rotation)},
+                               {"translation", ListOf(frame.camera_from_world.translation)}};
+  const Similarity3& place = frame.world_from_character;
+  node["world_from_character"] = {
+      {"rotation", ListOf(Eigen::Quaterniond(place.rotation).normalized())},
+      {"translation", ListOf(place.translation)},
+      {"scale", place.scale}};
+  node["method"] = frame.method;
+  if (frame.contour_px) node["contour_px"] = *frame.contour_px;
+  if (frame.iou) node["iou"] = *frame.iou;
+  if (frame.inliers) node["inliers"] = *frame.inliers;
+  return node;
+}
+
+/// The last number in a name, such as 12 of "take2_0012.png"; -1: none.
+long NumberIn(const std::string& stem) {
+  const std::size_t last = stem.find_last_of("0123456789");
+  if (last == std::string::npos) return -1;
+  std::size_t first = last;
+  while (first > 0 && std::isdigit(static_cast<unsigned char>(stem[first - 1]))) --first;
+  if (last - first >= 9) return -1;
+  return std::stol(stem.substr(first, last - first + 1));
+}
+
+bool IsPicture(const fs::path& path) {
+  static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".tif",
+                                           ".tiff", ".heic", ".heif"};
+  std::string kind = path.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kinds.count(kind) && path.filename().string().front() != '.';
+}
+
+void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
+  const long number = NumberIn(path.stem().string());
+  const std::string name = PrintableName(path.filename());
+  if (number < 0)
+    throw InputError(
+        fmt::format("{}: the picture {} has no frame number in its name, such as "
+                    "0012.png; rename it, or move it elsewhere",
+                    PrintableName(path.parent_path()), name));
+  const auto [at, inserted] = numbered->emplace(number, path);
+  if (!inserted)
+    throw InputError(fmt::format("{}: {} and {} have the same frame number {}; remove one",
+                                 PrintableName(path.parent_path()),
+                                 PrintableName(at->second.filename()), name, number));
+}
+
+}  // namespace
+
+FilmedShot ParseShot(const std::string& text, const std::string& source) {
+  RequireShallowJson(text, source);
+  try {
+    const json root_node = json::parse(text);
+    const Fields root(root_node, source);
+    if (const int schema = root.Whole("schema", 1, 1 << 20); schema != 1)
+      root.Fail(fmt::format("has schema {}; this program reads schema 1", schema));
+    FilmedShot shot;
+    const Fields lens = root.Part("camera");
+    if (lens.Has("model")) lens.OneOf("model", {"OPENCV"});
+    shot.camera = CameraFrom(root, lens, source);
+    if (lens.Has("focal")) shot.focal = lens.OneOf("focal", {"exif", "solved", "given", "kept"});
+    if (lens.Has("focal_uncertainty"))
+      shot.focal_uncertainty = lens.Number("focal_uncertainty", 0, 1e6);
+    shot.fps = root.Number("fps", 0.01, 1000);
+    shot.still = root.Truth("still");
+    const json& frames = root.Get("frames");
+    if (!frames.is_array()) root.Fail("has 'frames' that are not a list");
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      shot.frames.push_back(FrameFrom({frames[i], fmt::format("{}: frames[{}]", source, i)}));
+    RequireOneSequence(shot, source);
+    return shot;
+  } catch (const json::exception& error) {
+    throw InputError(fmt::format("{} is not a shot: {}", source, JsonFault(error)));
+  }
+}
+
+FilmedShot ReadShot(const fs::path& path) { return ParseShot(ReadFile(path), PrintableName(path)); }
+
+std::string ShotText(const FilmedShot& shot) {
+  const Camera& c = shot.camera;
+  ordered_json root = {{"schema", 1}, {"width", c.width}, {"height", c.height}, {"fps", shot.fps}};
+  root["camera"] = {{"model", "OPENCV"},
+                    {"fx", c.fx},
+                    {"fy", c.fy},
+                    {"cx", c.cx},
+                    {"cy", c.cy},
+                    {"k1", c.k1},
+                    {"k2", c.k2},
+                    {"p1", c.p1},
+                    {"p2", c.p2},
+                    {"focal", shot.focal},
+                    {"focal_uncertainty", shot.focal_uncertainty}};
+  root["still"] = shot.still;
+  root["frames"] = ordered_json::array();
+  for (const ShotFrame& frame : shot.frames) root["frames"].push_back(JsonOf(frame));
+  return root.dump(1) + "\n";
+}
+
+std::vector<FilmPicture> FilmPictures(const fs::path& path) {
+  if (fs::is_regular_file(path)) return {{0, path}};
+  if (!fs::is_directory(path))
+    throw InputError(PrintableName(path) + " is neither a folder of pictures nor a picture");
+  std::map<long, fs::path> numbered;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file() && IsPicture(entry.path())) AddNumbered(entry.path(), &numbered);
+  if (numbered.empty())
+    throw InputError(PrintableName(path) +
+                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)");
+  std::vector<FilmPicture> pictures;
+  for (const auto& [number, picture] : numbered)
+    pictures.push_back({static_cast<int>(number - numbered.begin()->first), picture});
+  return pictures;
+}
+
+}  // namespace keypose

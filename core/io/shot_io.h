@@ -1,0 +1,33 @@
+// Reads and writes shot.json: the camera of a filmed shot, and the character's place in its frames.
+// Also lists the pictures of a film.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/filmed_shot.h"
+
+namespace keypose {
+
+/// docs/file-formats.md has the fields.
+/// @throws DiskError   cannot be opened
+/// @throws InputError  malformed; a field that is missing, of the wrong kind or out of range;
+/// frames that are not in order; a still camera that moves; names file, frame and field
+FilmedShot ReadShot(const std::filesystem::path& path);
+FilmedShot ParseShot(const std::string& json, const std::string& source);
+std::string ShotText(const FilmedShot& shot);
+
+/// A picture of a film.
+struct FilmPicture {
+  int frame = 0;  ///< counts from the first picture, which is 0
+  std::filesystem::path path;
+};
+
+/// The pictures of a film's folder, or the one picture that `path` is. The last number in a
+/// picture's name is its frame, counted from the first picture's: what a film leaves out (0000.png,
+/// 0004.png) takes time. Other files, hidden files and folders are left out.
+/// @throws InputError  no picture; a name without a number beside others; a number twice
+std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path);
+
+}  // namespace keypose
