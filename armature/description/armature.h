@@ -35,7 +35,8 @@ struct ArmatureNode {
   bool moves() const { return kind == NodeKind::kJoint || kind == NodeKind::kSlide; }
 };
 
-/// Parents come before their children. In the zero position all frames are parallel to the world's.
+/// In file order: each node is followed by all below it. In the zero position all frames are
+/// parallel to the world's.
 struct Armature {
   std::vector<ArmatureNode> nodes;
   std::vector<int> joints;              ///< the nodes that move, joints and slides, in file order
