@@ -4,21 +4,12 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/face_pairs.h"
 #include "core/mesh.h"
 #include "core/ray_scene.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::fit {
-
-/// The edges of a mesh with the two faces at each.
-struct FacePairs {
-  struct Pair {
-    int a, b;         ///< the edge's vertices
-    int left, right;  ///< faces; left has the edge in the direction a to b
-  };
-  std::vector<Pair> pairs;  ///< sorted by vertices; edges without exactly two faces are left out
-};
-FacePairs FindFacePairs(const FacesX3& faces);
 
 /// A point of a contour, midway on an edge between a face towards the camera and one away from it.
 struct ContourPoint {
