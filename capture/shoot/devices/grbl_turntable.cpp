@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "capture/shoot/devices/serial_port.h"
+#include "capture/shoot/devices/line_port.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -193,7 +193,7 @@ class GrblTurntable final : public Turntable {
   std::filesystem::path device_;
   GrblOptions options_;
   GrblTimes times_;
-  SerialPort port_;
+  LinePort port_;
   bool was_reset_ = false, set_up_ = false;
   double position_deg_ = 0;
   double offset_ = 0;  ///< machine minus work position [units]

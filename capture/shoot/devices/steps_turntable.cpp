@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "capture/shoot/devices/serial_port.h"
+#include "capture/shoot/devices/line_port.h"
 #include "capture/shoot/devices/steps_lines.h"
 
 namespace keypose::capture::shoot {
@@ -159,7 +159,7 @@ class StepsTurntable final : public Turntable {
 
   std::filesystem::path device_;
   StepsTimes times_;
-  SerialPort port_;
+  LinePort port_;
   int sequence_ = 0;
   std::int64_t boot_ = -1, steps_a_turn_ = 1, position_steps_ = 0;
 };

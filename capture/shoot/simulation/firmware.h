@@ -9,6 +9,7 @@
 
 #include "capture/shoot/simulation/faults.h"
 #include "capture/shoot/simulation/world.h"
+#include "core/io/serial_port.h"
 
 namespace keypose::capture::shoot {
 
@@ -57,9 +58,7 @@ class Firmware {
 
  private:
   void Run();
-  void OpenPort();
-  void ClosePort();
-  void Serve(double passed_s);
+  void Serve(double passed_s, const std::string& received);
   void MakeFaults();
   void Turn(double passed_s);
   void Send(std::string reply);
@@ -70,7 +69,7 @@ class Firmware {
   std::filesystem::path link_;
   FirmwareOptions options_;
   SimulatedMotor motor_;
-  int master_ = -1;
+  PseudoTerminal terminal_;
   int boot_ = 1, known_moves_ = 0;
   int lose_replies_ = 0, lose_lines_ = 0;
   double back_in_s_ = 0, mute_s_ = 0;

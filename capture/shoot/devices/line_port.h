@@ -1,7 +1,4 @@
-// A serial port, or a pseudo terminal in its place, by POSIX termios.
-//
-// Not libserialport: it opens no pseudo terminals (sigrokproject/libserialport, pull request 4),
-// and the simulated turntables of the tests must run the code that the real ones run.
+// Lines of text to and from a device on a serial port (core/io/serial_port.h).
 #pragma once
 
 #include <filesystem>
@@ -10,22 +7,18 @@
 #include <string_view>
 
 #include "capture/shoot/devices/patience.h"
+#include "core/io/serial_port.h"
 
 namespace keypose::capture::shoot {
 
-/// Lines of text to and from a device: 115,200 baud, 8 bits, no parity, no flow control.
-class SerialPort {
+/// A turntable's port: 115,200 baud, 8 bits, no parity, no flow control.
+class LinePort {
  public:
-  SerialPort() = default;
-  ~SerialPort();
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
-
   /// @throws DeviceFault  "table-gone": no such device, no right to open it, or another program
   /// holds it; says what to do, and which ports there are
   void Open(const std::filesystem::path& device);
   void Close();
-  bool is_open() const { return fd_ >= 0; }
+  bool is_open() const { return port_.is_open(); }
 
   /// @throws DeviceFault  "table-gone"
   void Write(std::string_view bytes);
@@ -37,14 +30,9 @@ class SerialPort {
   void Drain();
 
  private:
-  [[noreturn]] void Gone();
   std::optional<std::string> TakeLine();
-  std::filesystem::path device_;
-  int fd_ = -1;
+  SerialPort port_;
   std::string arrived_;
 };
-
-/// The serial ports of this machine, by names that stay the same where there are such.
-std::string KnownPorts();
 
 }  // namespace keypose::capture::shoot
