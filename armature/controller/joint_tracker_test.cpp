@@ -1,0 +1,159 @@
+#include "armature/controller/joint_tracker.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "armature/controller/calibration.h"
+#include "armature/description/description_file.h"
+#include "core/angles.h"
+#include "core/errors.h"
+
+namespace keypose::armature {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Armature Arm() {
+  return DescriptionFile::Parse(
+             "node { name a axis 1 0 0 sensor 1 scale 25 node { name b axis 1 0 0 sensor 0 scale "
+             "-10 } }",
+             "arm.txt")
+      .armature();
+}
+
+BoxInfo Box(int boot, int sensors = 2, CardKind kind = CardKind::kEncoders) {
+  return {boot, sensors, {{kind, sensors}}};
+}
+
+TEST(JointTracker, CountsBecomeAnglesByTheGearAndItsSign) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1), false);
+  tracker.Take({256, 512}, 0);
+  EXPECT_NEAR(tracker.values()[0], 2 * kPi * 512 / (1024 * 25), 1e-15);
+  EXPECT_NEAR(tracker.values()[1], -2 * kPi * 256 / (1024 * 10), 1e-15);
+  EXPECT_NEAR(tracker.StepOf(0), 0.0140625 * kDegree, 1e-12);
+}
+
+TEST(JointTracker, WrapsInBothDirections) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1), false);
+  double time = 0;
+  std::int64_t truth = 0;
+  const auto turn = [&](std::int64_t counts) {
+    truth += counts;
+    tracker.Take({static_cast<std::int32_t>(truth & 0xFFFFFF), 0}, time += 1);
+    ASSERT_EQ(tracker.states()[1].counts, truth);
+    ASSERT_TRUE(tracker.held().empty());
+  };
+  turn(0);
+  for (int i = 0; i < 3000; ++i) turn(-13001);  // twice round downwards
+  for (int i = 0; i < 6000; ++i) turn(13007);   // and four times up
+}
+
+TEST(JointTracker, JumpIsHeldAndGoesBy) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1), false);
+  tracker.Take({100, 200}, 0);
+  tracker.Take({105, 200 ^ (1 << 20)}, 0.01);
+  EXPECT_THAT(tracker.held(), ElementsAre(0));
+  EXPECT_EQ(tracker.states()[0].counts, 200);
+  EXPECT_EQ(tracker.states()[1].counts, 105);
+  tracker.Take({105, 203}, 0.02);
+  EXPECT_TRUE(tracker.held().empty());
+  EXPECT_EQ(tracker.states()[0].counts, 203);
+}
+
+TEST(JointTracker, FastTurnOfAHandIsNoJump) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1), false);
+  tracker.Take({0, 0}, 0);
+  tracker.Take({200, 0}, 0.01);  // 19.5 revolutions a second
+  EXPECT_TRUE(tracker.held().empty());
+  tracker.Take({420, 0}, 0.02);  // 21.5
+  EXPECT_THAT(tracker.held(), ElementsAre(1));
+}
+
+TEST(JointTracker, GoesOnOverARestartOfTheHost) {
+  const Armature arm = Arm();
+  std::vector<SensorState> states(2);
+  states[0] = {50000, 0xFFFF00, 1};
+  JointTracker tracker(arm, states);
+  EXPECT_NEAR(tracker.values()[0], 2 * kPi * 50000 / (1024 * 25), 1e-12);
+  tracker.Begin(Box(7), true);
+  tracker.Take({0, 0x000300}, 0);  // moved by 0x400 meanwhile
+  EXPECT_EQ(tracker.states()[0].counts, 50000 + 0x400);
+}
+
+TEST(JointTracker, AfterAPowerUpItStandsAsItDid) {
+  const Armature arm = Arm();
+  std::vector<SensorState> states(2);
+  states[0] = {50000, 0xFFFF00, 1};
+  JointTracker tracker(arm, states);
+  tracker.Begin(Box(8), false);
+  tracker.Take({0, 3}, 0);
+  EXPECT_EQ(tracker.states()[0].counts, 50003);
+}
+
+TEST(JointTracker, AnalogueInputIsQuietAndKnowsItsPlace) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1, 2, CardKind::kAnalogue), false);
+  tracker.Take({0, 30000}, 0);
+  tracker.SetValue(0, 0);
+  const double before = tracker.values()[0];
+  for (const int noise : {30064, 29936, 30064, 30000, 29936, 65535, 30000})
+    tracker.Take({0, noise}, 0.1);
+  EXPECT_EQ(tracker.values()[0], before);
+  for (int i = 0; i < 5; ++i) tracker.Take({0, 20000}, 0.2);
+  EXPECT_NEAR(tracker.values()[0], 2 * kPi * -10000 / (65536 * 25), 1e-12);
+  tracker.Begin(Box(2, 2, CardKind::kAnalogue), false);  // power was lost, the pot turned meanwhile
+  for (int i = 0; i < 5; ++i) tracker.Take({0, 25000}, 0.3);
+  EXPECT_NEAR(tracker.values()[0], 2 * kPi * -5000 / (65536 * 25), 1e-12);
+}
+
+TEST(JointTracker, SensorBeyondTheBoxIsAFault) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  try {
+    tracker.Begin(Box(1, 1), false);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("sensor 1 of 'a' (line 1 of the description) is beyond the "
+                                        "controller's 1 sensors"));
+  }
+}
+
+TEST(Calibration, IsReadAsWritten) {
+  const Armature arm = Arm();
+  const Calibration made{9, {{-70000000000, 0xFFFFFF, 1.004}, {3, 2, 1}}};
+  const Calibration read = ParseCalibration(CalibrationText(arm, made), "c.json", arm);
+  EXPECT_EQ(read.boot, 9);
+  EXPECT_EQ(read.sensors[0].counts, -70000000000);
+  EXPECT_EQ(read.sensors[0].raw, 0xFFFFFF);
+  EXPECT_EQ(read.sensors[0].gear, 1.004);
+  EXPECT_EQ(read.sensors[1].counts, 3);
+}
+
+TEST(Calibration, OfAnotherDescriptionIsAFault) {
+  const Armature arm = Arm();
+  Armature other = arm;
+  other.nodes[1].name = "c";
+  const std::string text = CalibrationText(other, {9, std::vector<SensorState>(2)});
+  try {
+    ParseCalibration(text, "c.json", arm);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("c.json: it has no joint 'b' with sensor 0"));
+  }
+  EXPECT_THROW(ParseCalibration("{}", "c.json", arm), InputError);
+  EXPECT_THROW(ParseCalibration("[1", "c.json", arm), InputError);
+  EXPECT_THROW(ParseCalibration(std::string(100000, '['), "c.json", arm), InputError);
+}
+
+}  // namespace
+}  // namespace keypose::armature
