@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <utility>
 
+#include "armature/controller/steady_clock.h"
 #include "core/errors.h"
 #include "core/io/serial_port.h"
 
@@ -15,10 +15,6 @@ namespace {
 
 /// Some flags stay until their counter is reset; they need not be asked for with each reading.
 constexpr double kFlagsEvery_s = 0.5;
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::string AdviceFor(int error, const std::string& device) {
   if (error == EACCES)
@@ -106,13 +102,13 @@ void ArmatureReader::Lose(const std::string& code, const std::string& words,
                           const std::string& what_to_do) {
   if (!away_) Say(code, words, what_to_do);
   away_ = true;
-  next_try_s_ = Now() + options_.retry_s;
+  next_try_s_ = SteadySeconds() + options_.retry_s;
 }
 
 const Reading& ArmatureReader::Poll() {
   reading_.fresh = false;
   reading_.changed.clear();
-  reading_.time_s = Now();
+  reading_.time_s = SteadySeconds();
   try {
     if (away_) {
       if (reading_.time_s < next_try_s_) return reading_;
@@ -130,7 +126,7 @@ const Reading& ArmatureReader::Poll() {
     Lose("silent", fault.what(), "look after the controller's power; it goes on by itself");
     return reading_;
   }
-  reading_.time_s = Now();
+  reading_.time_s = SteadySeconds();
   tracker_.Take(link_->counts(), reading_.time_s);
   reading_.fresh = true;
   reading_.held = tracker_.held();

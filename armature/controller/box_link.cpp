@@ -1,7 +1,8 @@
 #include "armature/controller/box_link.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "armature/controller/steady_clock.h"
 
 namespace keypose::armature {
 namespace {
@@ -10,10 +11,6 @@ constexpr unsigned kHello = 0x01, kRead = 0x02, kChanges = 0x03, kReset = 0x04, 
                    kFlags = 0x06, kReply = 0x80, kError = 0xFF;
 constexpr unsigned kVersion = 1, kAllSensors = 0xFFFF;
 constexpr std::size_t kMostPreloads = 64;
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 [[noreturn]] void Refused(unsigned kind, const Frame& reply) {
   static const char* const kWhy[] = {"for no known reason", "it does not know the request",
@@ -45,7 +42,7 @@ Frame BoxLink::Ask(unsigned kind, const std::string& payload) {
   for (int attempt = 0; attempt < options_.tries; ++attempt) {
     if (attempt > 0) ++repeats_;
     line_.Write(bytes);
-    const double until = Now() + options_.reply_s;
+    const double until = SteadySeconds() + options_.reply_s;
     while (true) {
       while (const auto reply = reader_.Next()) {
         if (reply->seq != request.seq) continue;  // of an earlier request, too late
@@ -53,7 +50,7 @@ Frame BoxLink::Ask(unsigned kind, const std::string& payload) {
         if (kind == kChanges && reply->kind == (kRead | kReply)) return *reply;
         if (reply->kind == kError) Refused(kind, *reply);
       }
-      const double left = until - Now();
+      const double left = until - SteadySeconds();
       if (left <= 0) break;
       reader_.Push(line_.Read(left));
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "armature/description/armature.h"
-#include "armature/firmware/keypose_armature/keypose_box.h"
+#include "armature/firmware/keypose_box.h"
 
 namespace keypose::armature {
 

@@ -1,6 +1,6 @@
 // The controller box's side of the serial protocol (docs/armature-protocol.md).
 //
-// It is compiled twice: for the microcontroller, where keypose_armature.ino gives it bytes and
+// It is compiled twice: for the microcontroller, where firmware.ino gives it bytes and
 // encoders, and on the host, where the simulated controller and the tests do. So it needs C++11 and
 // no library, no heap, and at most 2.5 KB of RAM with sixteen cards.
 #ifndef KEYPOSE_BOX_H

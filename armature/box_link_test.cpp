@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-#include "armature/firmware/keypose_armature/keypose_box.h"
+#include "armature/firmware/keypose_box.h"
 
 namespace keypose::armature {
 namespace {
