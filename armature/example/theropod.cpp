@@ -302,4 +302,22 @@ std::vector<double> TheropodWalk(const Armature& theropod, double time_s) {
   return values;
 }
 
+std::vector<double> ExampleMotion(const Armature& armature, double time_s) {
+  static const Armature theropod = MakeTheropod();
+  const auto name = [](const Armature& of, std::size_t j) {
+    return of.nodes[static_cast<std::size_t>(of.joints[j])].name;
+  };
+  bool same = armature.joints.size() == theropod.joints.size();
+  for (std::size_t j = 0; same && j < armature.joints.size(); ++j)
+    same = name(armature, j) == name(theropod, j);
+  if (same) return TheropodWalk(armature, time_s);
+  std::vector<double> values;
+  for (const int node : armature.joints) {
+    const bool slides = armature.nodes[static_cast<std::size_t>(node)].kind == NodeKind::kSlide;
+    const double phase = 2 * kPi * time_s / 2 - 0.3 * static_cast<double>(values.size());
+    values.push_back((slides ? 0.01 : 0.3) * std::sin(phase));
+  }
+  return values;
+}
+
 }  // namespace keypose::armature

@@ -24,4 +24,8 @@ MotionClip MakeTheropodSkeleton();
 /// @return a value for each of the theropod's joints, as ForwardKinematics takes them
 std::vector<double> TheropodWalk(const Armature& theropod, double time_s);
 
+/// A motion for any armature: the walk, if its joints are the theropod's; else each joint swings by
+/// 0.3 rad (slides by 0.01), each a little later than the one before.
+std::vector<double> ExampleMotion(const Armature& armature, double time_s);
+
 }  // namespace keypose::armature

@@ -1,7 +1,10 @@
 #include "armature/simulation/simulated_box.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "core/angles.h"
 
 namespace keypose::armature {
 
@@ -27,9 +30,12 @@ std::chrono::steady_clock::duration Seconds(double seconds) {
 
 SimulatedBox::SimulatedBox(const Armature& armature, const std::filesystem::path& link,
                            const SimulationOptions& options)
-    : options_(options),
+    : armature_(armature),
+      options_(options),
       link_(link),
       sensors_(armature, options.gears),
+      values_(armature.joints.size()),
+      targets_(armature.joints.size()),
       cards_(CardsFor(armature.sensor_count())),
       boot_(options.boot - 1) {
   PowerUp();
@@ -56,7 +62,30 @@ void SimulatedBox::PowerUp() {
 
 void SimulatedBox::SetValues(const std::vector<double>& values) {
   const std::lock_guard lock(mutex_);
+  values_ = targets_ = values;
   sensors_.SetValues(values);
+}
+
+void SimulatedBox::MoveTo(const std::vector<double>& values) {
+  const std::lock_guard lock(mutex_);
+  targets_ = values;
+}
+
+bool SimulatedBox::at_rest() const {
+  const std::lock_guard lock(mutex_);
+  return values_ == targets_;
+}
+
+void SimulatedBox::Turn(double passed_s) {
+  if (values_ == targets_) return;
+  for (std::size_t j = 0; j < values_.size(); ++j) {
+    const ArmatureNode& node = armature_.nodes[static_cast<std::size_t>(armature_.joints[j])];
+    const double turn = node.kind == NodeKind::kSlide ? 1 : 2 * kPi;
+    const double most = options_.speed_rev_s * passed_s * turn / std::abs(node.scale);
+    const double way = targets_[j] - values_[j];
+    values_[j] = std::abs(way) <= most ? targets_[j] : values_[j] + std::copysign(most, way);
+  }
+  sensors_.SetValues(values_);
 }
 
 void SimulatedBox::BeginFrame(int frame) {
@@ -107,10 +136,14 @@ void SimulatedBox::Mend(int sensor) {
 }
 
 void SimulatedBox::Run() {
+  auto last = Clock::now();
   while (!ends_) {
     const std::string received = terminal_.Read(0.005);
     const std::lock_guard lock(mutex_);
-    EndOldFaults(Clock::now());
+    const auto now = Clock::now();
+    EndOldFaults(now);
+    Turn(std::chrono::duration<double>(now - last).count());
+    last = now;
     Serve(received);
   }
 }

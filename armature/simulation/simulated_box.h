@@ -25,6 +25,7 @@ struct SimulationOptions {
   int boot = 1;  ///< number of the first power-up
   double unplugged_s = 0.5;
   double disturbed_s = 0.3;  ///< how long drops, noise and glitches last
+  double speed_rev_s = 10;   ///< of the encoders' shafts in MoveTo
 };
 
 /// All functions may be called from any thread.
@@ -40,7 +41,11 @@ class SimulatedBox {
   SimulatedBox(const SimulatedBox&) = delete;
   SimulatedBox& operator=(const SimulatedBox&) = delete;
 
+  /// Puts the joints there at once, as no hand could: for motions that are smooth by themselves.
   void SetValues(const std::vector<double>& values);
+  /// Lets them turn there, no shaft faster than the options say.
+  void MoveTo(const std::vector<double>& values);
+  bool at_rest() const;
   /// Makes the faults that are planned for this frame, once each.
   void BeginFrame(int frame);
   /// Makes a fault now.
@@ -59,15 +64,18 @@ class SimulatedBox {
   using Clock = std::chrono::steady_clock;
 
   void Run();
+  void Turn(double passed_s);
   void Serve(const std::string& received);
   std::string Disturbed(std::string bytes);
   void EndOldFaults(Clock::time_point now);
   void PowerUp();
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
+  const Armature& armature_;
   SimulationOptions options_;
   std::filesystem::path link_;
   SimulatedSensors sensors_;
+  std::vector<double> values_, targets_;
   std::vector<keypose_box::Card> cards_;
   Wire wire_;
   std::unique_ptr<keypose_box::Box> box_;

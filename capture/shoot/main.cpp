@@ -17,9 +17,9 @@
 #include "capture/shoot/session/white_card.h"
 #include "capture/shoot/simulation/simulated_set.h"
 #include "capture/shoot/talk/json_lines.h"
-#include "capture/shoot/talk/line_input.h"
 #include "capture/shoot/talk/terminal.h"
 #include "core/errors.h"
+#include "core/io/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "capture/shoot/talk/line_input.h"
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/shoot/talk/json_lines.h"
-#include "capture/shoot/talk/line_input.h"
 #include "capture/shoot/talk/terminal.h"
 #include "core/errors.h"
+#include "core/io/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "capture/shoot/record/plan.h"
-#include "capture/shoot/talk/line_input.h"
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace keypose::capture::shoot {
+namespace keypose {
 
 class LineInput {
  public:
@@ -26,4 +26,4 @@ class LineInput {
 void CatchInterrupts();
 bool WasInterrupted();
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose

@@ -1,4 +1,4 @@
-#include "capture/shoot/talk/line_input.h"
+#include "core/io/line_input.h"
 
 #include <poll.h>
 #include <signal.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace keypose::capture::shoot {
+namespace keypose {
 namespace {
 
 constexpr std::size_t kLongest = 64 << 10;
@@ -54,4 +54,4 @@ std::optional<std::string> LineInput::Next(double timeout_s) {
   return Taken();
 }
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose
