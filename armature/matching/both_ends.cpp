@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kLongestTurn = 0.5;  // [rad] of a rod in one step
-constexpr double kFlat = 1e-11;       // gradient at which a minimum is reached
+constexpr double kFlat = 1e-13;       // gradient at which a minimum is reached
 constexpr double kConstraintWeight = 10;
 constexpr int kMostHalvings = 30;
 

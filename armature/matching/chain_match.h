@@ -18,7 +18,7 @@ struct MatchOptions {
   /// Weight of each rod's direction beside the joints' distances from the curve, both relative to
   /// the chain's length. It decides where a chain that is longer than its curve puts the rest, and
   /// keeps that from jumping; >= 0.
-  double direction_weight = 1e-3;
+  double direction_weight = 1e-2;
   /// Weight of the change against the match before; 0: none. Above 0 the result lags.
   double calm_weight = 0;
   Unreachable unreachable = Unreachable::kSplit;

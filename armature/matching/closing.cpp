@@ -17,7 +17,7 @@ namespace {
 
 // Relative to the chain's length. Nearer to the limits a chain counts as straight.
 constexpr double kLimit = 1e-13, kClosed = 1e-14, kAlmostClosed = 3e-13;
-constexpr double kLongestTurn = 0.5;  // [rad] of a rod in one step
+constexpr double kLongestClosingTurn = 0.5;  // [rad] of a rod in one step
 constexpr int kMostSteps = 60;
 
 /// How far the rods of half angles asin(length * curvature) reach on a circle of that curvature,
@@ -63,11 +63,22 @@ void TurnRods(const Eigen::VectorXd& lengths, const Vector3d& missing, Direction
   moves.diagonal().array() += 1e-15 * moves.trace();
   Vector3d pull = moves.ldlt().solve(missing);
   const double turn = lengths.maxCoeff() * pull.norm();
-  if (turn > kLongestTurn) pull *= kLongestTurn / turn;
+  if (turn > kLongestClosingTurn) pull *= kLongestClosingTurn / turn;
   for (int i = 0; i < SizeOf(directions); ++i) {
     Vector3d& u = directions[i];
     u = (u + lengths[i] * (pull - u * u.dot(pull))).normalized();
   }
+}
+
+/// The direction across `along` on the given side. Without a side that is upwards, or, for a chain
+/// that stands upright, along y: a figure whose mirror plane is x = 0 stays symmetric.
+Vector3d AcrossTo(const Vector3d& along, const Vector3d& side) {
+  constexpr double kUpright = 0.5;
+  const Vector3d given = side - along * along.dot(side);
+  if (given.norm() > 1e-9 * side.norm()) return given.normalized();
+  const Vector3d up = Vector3d::UnitZ() - along * along.z();
+  return up.norm() > kUpright ? up.normalized()
+                              : Vector3d(Vector3d::UnitY() - along * along.y()).normalized();
 }
 
 }  // namespace
@@ -99,9 +110,7 @@ Directions RodsOnCircle(const Eigen::VectorXd& lengths, const Vector3d& span,
                         const Vector3d& side) {
   const double distance = span.norm();
   const Vector3d along = distance > 0 ? Vector3d(span / distance) : Vector3d::UnitX();
-  Vector3d up = side - along * along.dot(side);
-  if (up.norm() < 1e-9 * (1 + side.norm())) up = along.unitOrthogonal();
-  up.normalize();
+  const Vector3d up = AcrossTo(along, side);
   int longest = -1;
   const double curvature = CurvatureOf(lengths, distance, &longest);
   std::vector<double> headings;

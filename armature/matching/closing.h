@@ -21,7 +21,8 @@ bool CloseChain(const Eigen::VectorXd& lengths, const Eigen::Vector3d& span,
                 Directions& directions);
 
 /// Rods on a circle, in the plane of `span` and `side`: a chain that ends at `span` whenever one
-/// exists.
+/// exists. If `side` lies along `span`, the circle bulges upwards (z), or along y if they stand
+/// upright.
 /// @pre ReachOf(lengths, |span|) is kReachable
 Directions RodsOnCircle(const Eigen::VectorXd& lengths, const Eigen::Vector3d& span,
                         const Eigen::Vector3d& side);

@@ -114,9 +114,12 @@ struct PuppetMatcher::Impl {
     const int count = SizeOf(chain.nodes);
     physical.curve.resize(count, 3);
     for (int p = 0; p < count; ++p) physical.curve.row(p) = InWorld(chain.nodes[p]);
-    // A piece between two nodes is fixed to the lower of both.
-    for (int p = 0; p + 1 < count; ++p)
-      physical.turns.push_back(TurnOf(std::max(chain.nodes[p], chain.nodes[p + 1])));
+    // What lies between two nodes is fixed to what the lower of both stands on: if that is a joint,
+    // its own turn comes after the piece.
+    for (int p = 0; p + 1 < count; ++p) {
+      const int lower = std::max(chain.nodes[p], chain.nodes[p + 1]);
+      physical.turns.push_back(TurnOf(armature.nodes[lower].parent));
+    }
     return physical;
   }
 
