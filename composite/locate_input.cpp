@@ -1,0 +1,294 @@
+#include "composite/locate_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "composite/locate_clicks.h"
+#include "composite/locating/mattes/mattes.h"
+#include "composite/locating/outline/shrunk.h"
+#include "core/errors.h"
+#include "core/io/frame_folder.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
+#include "core/size_of.h"
+
+namespace keypose::composite {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUsualFocal35mm = 50, kExifDeviation = 0.03;
+
+std::vector<std::string> SplitByCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+std::optional<int> NumberIn(std::string_view text) {
+  int number = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || fault != std::errc() || end != text.data() + text.size() || number < 0)
+    return {};
+  return number;
+}
+
+/// The meshes' files: those of --mesh, or all of the folder --frames.
+std::vector<fs::path> MeshFiles(StageContext& stage) {
+  if (stage.Has("frames") == stage.Has("mesh"))
+    throw UsageError(
+        "locate: pass either --frames (the animation's folder) or --mesh (one for each "
+        "pose)");
+  return stage.Has("mesh") ? stage.Inputs("mesh") : NumberedFrames(stage.Input("frames"), "locate");
+}
+
+/// Which mesh each picture shows. Without --shows: the same for all, one each, or evenly spread.
+class Shows {
+ public:
+  Shows(const LocateStageOptions& options, int meshes, const std::vector<FilmPicture>& pictures)
+      : meshes_(meshes), pictures_(pictures), names_(SplitByCommas(options.poses)) {
+    if (!names_.empty() && SizeOf(names_) != meshes)
+      throw UsageError(fmt::format("locate: --poses names {} poses, but there are {} meshes",
+                                   names_.size(), meshes));
+    for (const std::string& part : SplitByCommas(options.shows)) AddPart(part);
+  }
+
+  /// @return pictures to locate, and the mesh of each
+  std::vector<std::pair<FilmPicture, int>> Chosen() const {
+    std::vector<std::pair<FilmPicture, int>> chosen;
+    for (int i = 0; i < SizeOf(pictures_); ++i) {
+      if (given_.empty())
+        chosen.push_back({pictures_[i], MeshOf(i)});
+      else if (const auto at = given_.find(pictures_[i].frame); at != given_.end())
+        chosen.push_back({pictures_[i], at->second});
+    }
+    for (const auto& [frame, mesh] : given_)
+      if (std::none_of(pictures_.begin(), pictures_.end(),
+                       [&, f = frame](const FilmPicture& p) { return p.frame == f; }))
+        throw InputError(
+            fmt::format("locate: --shows names frame {}, but the plate has no picture "
+                        "of that number",
+                        frame));
+    return chosen;
+  }
+  std::string NameOf(int mesh) const { return names_.empty() ? "" : names_[mesh]; }
+
+ private:
+  void AddPart(const std::string& part) {
+    const std::size_t equals = part.find('=');
+    const std::string_view text(part);
+    const std::optional<int> frame = NumberIn(text.substr(0, std::min(equals, text.size())));
+    if (!frame || equals == std::string::npos)
+      throw UsageError("locate: --shows has '" + part + "'; it needs FRAME=POSE, such as 4=wave");
+    const std::string pose = part.substr(equals + 1);
+    int mesh = static_cast<int>(std::find(names_.begin(), names_.end(), pose) - names_.begin());
+    if (mesh == SizeOf(names_)) mesh = NumberIn(pose).value_or(-1);
+    if (mesh < 0 || mesh >= meshes_)
+      throw UsageError(
+          fmt::format("locate: --shows has pose '{}', which is neither one of --poses "
+                      "nor the number of a mesh from 0 to {}",
+                      pose, meshes_ - 1));
+    given_[*frame] = mesh;
+  }
+  int MeshOf(int i) const {
+    if (meshes_ == 1) return 0;
+    if (meshes_ == SizeOf(pictures_)) return i;
+    // An animation over the whole film: its frames are spread evenly between the pictures.
+    const int last = pictures_.back().frame;
+    if (last > 0 && (meshes_ - 1) % last == 0) return pictures_[i].frame * ((meshes_ - 1) / last);
+    throw UsageError(fmt::format(
+        "locate: there are {} meshes and {} pictures; say by --shows which picture shows which, "
+        "such as 0=0,4=1",
+        meshes_, pictures_.size()));
+  }
+
+  int meshes_;
+  const std::vector<FilmPicture>& pictures_;
+  std::vector<std::string> names_;
+  std::map<int, int> given_;
+};
+
+/// Reads the meshes that are used; `pose` of each frame becomes an index into shot.poses.
+void ReadMeshes(const std::vector<fs::path>& files, const Shows& shows,
+                std::vector<std::pair<FilmPicture, int>>& chosen, LocateInput& input) {
+  std::map<int, int> index;
+  for (auto& [picture, mesh] : chosen) {
+    const auto [at, added] = index.emplace(mesh, SizeOf(input.shot.poses));
+    if (added) {
+      Mesh read = ReadMesh(files[mesh]);
+      RequireUsable(read, "locate: " + files[mesh].filename().string());
+      if (!input.shot.poses.empty() && read.faces != input.mesh.faces)
+        throw InputError("locate: " + files[mesh].string() +
+                         " has other faces than the first mesh; pass poses that register or fit "
+                         "made from one template");
+      input.shot.poses.push_back(read.points);
+      input.pose_names.push_back(shows.NameOf(mesh));
+      if (SizeOf(input.shot.poses) == 1) input.mesh = std::move(read);
+    }
+    mesh = at->second;
+  }
+}
+
+/// The file for a picture in a folder of mattes, by number; or the one file given.
+fs::path PartnerOf(const std::vector<FilmPicture>& files, const FilmPicture& picture, bool single) {
+  if (single) return files[0].path;
+  for (const FilmPicture& file : files)
+    if (file.frame == picture.frame) return file.path;
+  throw InputError("locate: there is no matte for " + picture.path.filename().string() +
+                   "; mattes are numbered as the pictures are");
+}
+
+void RequireSize(const Image8& image, const fs::path& path, const Camera& camera,
+                 const std::string& of) {
+  if (image.width == camera.width && image.height == camera.height) return;
+  throw InputError(fmt::format("locate: {} has {} x {} pixels, but {} has {} x {}",
+                               path.filename().string(), image.width, image.height, of,
+                               camera.width, camera.height));
+}
+
+Image8 Reduced(const Image8& image, const Camera& camera) {
+  return image.width == camera.width ? image : Shrunk(image, camera.width, camera.height);
+}
+
+/// The camera of the whole pictures: lens from EXIF, or as given.
+void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs::path& first,
+               LocateInput& input) {
+  const ImageInfo info = ReadImageInfo(first);
+  Camera& camera = input.camera;
+  camera.width = info.width, camera.height = info.height;
+  camera.cx = info.width / 2.0, camera.cy = info.height / 2.0;
+  const double longer = std::max(info.width, info.height);
+  double focal_35mm = kUsualFocal35mm;
+  if (options.focal_35mm > 0) {
+    focal_35mm = options.focal_35mm;
+    input.shot.focal_fixed = true;
+  } else if (info.focal_35mm.value_or(0) > 0) {
+    focal_35mm = *info.focal_35mm;
+    input.shot.focal_deviation = kExifDeviation;
+  } else if (info.focal_mm && info.sensor_width_mm) {
+    focal_35mm = *info.focal_mm / *info.sensor_width_mm * 36;
+    input.shot.focal_deviation = kExifDeviation;
+  }
+  camera.fx = camera.fy = focal_35mm / 36 * longer;
+  input.scale = std::min(1.0, options.max_size / longer);
+  input.shot.camera = camera.Scaled(input.scale);
+  stage.Report("focal_start_px", camera.fx);
+}
+
+void AddFrame(StageContext& stage, const FilmPicture& picture, int pose,
+              const std::vector<FilmPicture>& mattes, bool single_matte, const Image8& plate,
+              LocateInput& input) {
+  const std::string first =
+      input.pictures.empty() ? "" : input.pictures[0].path.filename().string();
+  LocateFrame frame;
+  frame.name = picture.path.filename().string();
+  frame.pose = pose;
+  const Image8 whole = ReadImage(picture.path, 3);
+  RequireSize(whole, picture.path, input.camera, first);
+  frame.picture = Reduced(whole, input.shot.camera);
+  if (!mattes.empty()) {
+    const fs::path path = PartnerOf(mattes, picture, single_matte);
+    const Image8 matte = ReadImage(path, 1);
+    RequireSize(matte, path, input.camera, frame.name);
+    frame.matte = Reduced(matte, input.shot.camera);
+  } else if (stage.Has("background")) {
+    RequireSize(plate, stage.Input("background"), input.camera, frame.name);
+    frame.matte = Reduced(MatteFromPlate(whole, plate), input.shot.camera);
+    frame.matte_deviation_px = 1;
+  }
+  input.shot.frames.push_back(std::move(frame));
+  input.pictures.push_back(picture);
+}
+
+void AddClicks(StageContext& stage, LocateInput& input) {
+  if (!stage.Has("clicks")) return;
+  const std::vector<FrameClick> clicks =
+      ReadClicks(stage.Input("clicks"), input.mesh, input.camera.width, input.camera.height);
+  for (const FrameClick& click : clicks) {
+    int at = 0;
+    while (click.frame >= 0 && at < SizeOf(input.pictures) &&
+           input.pictures[at].frame != click.frame)
+      ++at;
+    if (at == SizeOf(input.pictures))
+      throw InputError(fmt::format("locate: {} is on frame {}, of which there is no picture",
+                                   click.click.name, click.frame));
+    Click reduced = click.click;
+    reduced.pixel *= static_cast<double>(input.shot.camera.width) / input.camera.width;
+    input.shot.frames[at].clicks.push_back(reduced);
+  }
+}
+
+}  // namespace
+
+void LocateStageOptions::Describe(OptionVisitor& visit) {
+  visit("focal_35mm", focal_35mm,
+        {"35 mm equivalent focal length; 0: from EXIF, else solved where the pictures show it",
+         "mm",
+         0,
+         2000,
+         {}});
+  visit("distortion", distortion, {.help = "also solve the lens distortion k1"});
+  visit("camera", camera,
+        {"still: the camera stands on a tripod, and frames may share one place; moving: each frame "
+         "has a camera of its own",
+         "",
+         0,
+         0,
+         {"still", "moving"}});
+  visit("shows", shows,
+        {"which pictures show which pose, such as 0=rest,4=wave: frame number and a name of "
+         "--poses, or the number of a mesh from 0; other pictures are left out; empty: all "
+         "pictures, one mesh each or evenly spread",
+         "",
+         0,
+         0,
+         {}});
+  visit("poses", poses, {"names of the meshes, in order, such as rest,wave", "", 0, 0, {}});
+  visit("fps", fps, {"pictures a second of the film", "1/s", 0.01, 1000, {}});
+  visit("max_size", max_size,
+        {"pictures are scaled down to this longer side", "px", 240, 16384, {}});
+  visit("min_iou", min_iou,
+        {"a frame in which the mesh overlaps with the matte by less than this does not show the "
+         "character (intersection over union)",
+         "",
+         0,
+         1,
+         {}});
+}
+
+void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
+  const std::vector<fs::path> files = MeshFiles(stage);
+  const std::vector<FilmPicture> pictures = FilmPictures(stage.Input("plate"));
+  const Shows shows(options, SizeOf(files), pictures);
+  std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen();
+  ReadMeshes(files, shows, chosen, input);
+  SetCamera(stage, options, chosen[0].first.path, input);
+  const std::vector<FilmPicture> mattes =
+      stage.Has("matte") ? FilmPictures(stage.Input("matte")) : std::vector<FilmPicture>{};
+  const bool single = stage.Has("matte") && !fs::is_directory(stage.Input("matte"));
+  if (single && chosen.size() > 1)
+    throw InputError("locate: one matte for " + std::to_string(chosen.size()) +
+                     " pictures; pass a folder with a matte for each");
+  const Image8 plate = stage.Has("background") ? ReadImage(stage.Input("background"), 3) : Image8{};
+  for (const auto& [picture, pose] : chosen)
+    AddFrame(stage, picture, pose, mattes, single, plate, input);
+  AddClicks(stage, input);
+  if (stage.Has("textures"))
+    input.texture = ReadImage(FilmPictures(stage.Input("textures"))[0].path, 3);
+  input.shot.mesh = &input.mesh;
+  if (!input.texture.empty()) input.shot.texture = &input.texture;
+  input.shot.solve_k1 = options.distortion;
+  input.shot.still = options.camera == "still";
+}
+
+}  // namespace keypose::composite

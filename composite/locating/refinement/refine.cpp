@@ -1,0 +1,184 @@
+#include "composite/locating/refinement/refine.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/size_of.h"
+
+namespace keypose::composite {
+namespace {
+
+constexpr double kDamping = 1e-4, kLongestTurn = 0.25;  // rad
+
+double ReachOf(const RefineStep& step, int round) {
+  if (step.rounds < 2) return step.last_reach_px;
+  const double t = static_cast<double>(round) / (step.rounds - 1);
+  return step.reach_px * std::pow(step.last_reach_px / step.reach_px, t);
+}
+
+Terms TermsOf(const RefineStep& step, int round) {
+  return {ReachOf(step, round), step.texture, step.edges};
+}
+
+Step Limited(Step step) {
+  const double longest = step.head<6>().norm();
+  if (longest > kLongestTurn) step *= kLongestTurn / longest;
+  return step;
+}
+
+/// The whole picture's camera with the lens that was found at another size.
+Placement AtWholeSize(const Placement& whole, const Placement& scaled, double start_focal) {
+  Placement result{whole.camera, scaled.camera_from_mesh};
+  const double factor = scaled.camera.fx / start_focal;
+  result.camera.fx *= factor, result.camera.fy *= factor;
+  result.camera.k1 = scaled.camera.k1;
+  return result;
+}
+
+/// The lens's part of one frame's equations when its place is solved for each lens, and back.
+struct LensPart {
+  Eigen::Matrix2d h;
+  Eigen::Vector2d g;
+  Eigen::Matrix<double, 6, 2> place_by_lens;
+  Eigen::Matrix<double, 6, 1> place;
+};
+LensPart Eliminated(const NormalEquations& equations) {
+  const StepMatrix& m = equations.matrix();
+  const Step g = equations.gradient();
+  Eigen::Matrix<double, 6, 6> p = m.topLeftCorner<6, 6>();
+  p.diagonal() *= 1 + kDamping;
+  p.diagonal().array() += 1e-12 * p.trace();
+  const auto solver = p.ldlt();
+  const Eigen::Matrix<double, 6, 2> cross = m.topRightCorner<6, 2>();
+  LensPart part;
+  part.place_by_lens = solver.solve(cross);
+  part.place = solver.solve(g.head<6>());
+  part.h = m.bottomRightCorner<2, 2>() - cross.transpose() * part.place_by_lens;
+  part.g = g.tail<2>() - cross.transpose() * part.place;
+  return part;
+}
+
+/// The lens's step from the sum of all frames' parts.
+Eigen::Vector2d LensStep(Eigen::Matrix2d h, Eigen::Vector2d g, const LensPrior& lens) {
+  const std::array<bool, 2> free{lens.focal_free, lens.k1_free};
+  for (int i = 0; i < 2; ++i)
+    if (!free[i]) h.row(i).setZero(), h.col(i).setZero(), h(i, i) = 1, g[i] = 0;
+  const Eigen::Vector2d step = h.ldlt().solve(g);
+  return step.allFinite() ? step : Eigen::Vector2d::Zero();
+}
+
+/// @return the misfit when each frame's place is refined at this focal length
+double CostAt(const std::vector<SharedFrame>& frames, double focal_px, double reach_px,
+              double* count) {
+  double cost = 0;
+  LensPrior fixed;
+  if (count) *count = 0;
+  for (const SharedFrame& frame : frames) {
+    Placement at = WithFocal(frame.at, focal_px, frame.figure->center);
+    at = Refined(*frame.figure, *frame.evidence, at, {reach_px, reach_px, 5}, fixed);
+    const Misfit misfit =
+        MisfitOf(*frame.figure, *frame.evidence, at.Scaled(frame.evidence->scale), reach_px);
+    cost += misfit.cost;
+    if (count) *count += misfit.count;
+  }
+  return cost;
+}
+
+}  // namespace
+
+Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center) {
+  Placement result = at;
+  const double factor = focal_px / at.camera.fx;
+  result.camera.fx *= factor, result.camera.fy *= factor;
+  const Eigen::Vector3d c = at.camera_from_mesh * center;
+  result.camera_from_mesh.translation.z() += (factor - 1) * c.z();
+  return result;
+}
+
+Placement Refined(const Figure& figure, const Evidence& evidence, const Placement& at,
+                  const RefineStep& step, const LensPrior& lens) {
+  Placement scaled = at.Scaled(evidence.scale);
+  const double start_focal = scaled.camera.fx;
+  for (int round = 0; round < step.rounds; ++round) {
+    NormalEquations equations = EquationsOf(figure, evidence, scaled, TermsOf(step, round));
+    AddLensPrior(equations, lens, evidence.scale);
+    const Step move =
+        Limited(equations.Solve(FreeUnknowns(lens.focal_free, lens.k1_free), kDamping));
+    scaled = equations.Moved(move);
+    if (move.norm() < 1e-8) break;
+  }
+  return AtWholeSize(at, scaled, start_focal);
+}
+
+void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, const LensPrior& lens) {
+  for (int round = 0; round < step.rounds; ++round) {
+    std::vector<NormalEquations> equations;
+    std::vector<LensPart> parts;
+    Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    for (SharedFrame& frame : frames) {
+      NormalEquations of_frame =
+          EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(frame.evidence->scale),
+                      TermsOf(step, round));
+      if (equations.empty()) AddLensPrior(of_frame, lens, frame.evidence->scale);
+      equations.push_back(of_frame);
+      parts.push_back(Eliminated(of_frame));
+      h += parts.back().h, g += parts.back().g;
+    }
+    const Eigen::Vector2d lens_step = LensStep(h, g, lens);
+    for (int i = 0; i < SizeOf(frames); ++i) {
+      Step move;
+      move << parts[i].place - parts[i].place_by_lens * lens_step, lens_step;
+      const double start = equations[i].at().camera.fx;
+      frames[i].at = AtWholeSize(frames[i].at, equations[i].Moved(Limited(move)), start);
+    }
+  }
+  // A step that was limited moved its lens less.
+  for (SharedFrame& frame : frames) frame.at.camera = frames[0].at.camera;
+}
+
+Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
+                       const RefineStep& step, const LensPrior& lens) {
+  Placement result = at;
+  const Figure& first = *frames[0].figure;
+  for (int round = 0; round < step.rounds; ++round) {
+    const Placement scaled = result.Scaled(frames[0].evidence->scale);
+    NormalEquations sum(scaled, first.center, first.radius);
+    for (const SharedFrame& frame : frames)
+      sum.Add(EquationsOf(*frame.figure, *frame.evidence, scaled, TermsOf(step, round),
+                          first.center, first.radius));
+    AddLensPrior(sum, lens, frames[0].evidence->scale);
+    const Step move = Limited(sum.Solve(FreeUnknowns(lens.focal_free, lens.k1_free), kDamping));
+    result = AtWholeSize(result, sum.Moved(move), scaled.camera.fx);
+    if (move.norm() < 1e-8) break;
+  }
+  return result;
+}
+
+FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px) {
+  constexpr std::array<double, 11> kSteps{-0.7, -0.4, -0.2, -0.1, -0.04, 0,
+                                          0.04, 0.1,  0.2,  0.4,  0.7};
+  const double start = frames[0].at.camera.fx;
+  std::array<double, kSteps.size()> costs;
+  double count = 0;
+  for (int i = 0; i < SizeOf(kSteps); ++i)
+    costs[i] = CostAt(frames, start * std::exp(kSteps[i]), reach_px, &count);
+  const int best = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+  // What the model cannot explain is counted as noise.
+  const double variance = std::max(1.0, costs[best] / std::max(1.0, count));
+  FocalProfile profile{start * std::exp(kSteps[best]), 1};
+  const auto side = [&](int direction) {
+    for (int i = best + direction; i >= 0 && i < SizeOf(kSteps); i += direction) {
+      const double rise = (costs[i] - costs[best]) / variance;
+      // Near its minimum the curve is a parabola, whose width a value beyond it gives.
+      if (rise > 1) return std::abs(kSteps[i] - kSteps[best]) / std::sqrt(rise);
+    }
+    return 1.0;
+  };
+  profile.deviation = std::min(1.0, std::max(side(-1), side(1)));
+  return profile;
+}
+
+}  // namespace keypose::composite

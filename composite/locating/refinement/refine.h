@@ -1,0 +1,47 @@
+// Refines a placement by outlines, inner edges, features and grey values, coarse to fine.
+#pragma once
+
+#include <vector>
+
+#include "composite/locating/refinement/evidence.h"
+
+namespace keypose::composite {
+
+/// One size of the picture.
+struct RefineStep {
+  double reach_px = 10, last_reach_px = 3;  ///< of outlines: falls from the first to the last round
+  int rounds = 6;
+  const GreyTexture* texture = nullptr;
+  bool edges = false;
+};
+
+/// @param at  with the whole picture's camera, as the result
+Placement Refined(const Figure& figure, const Evidence& evidence, const Placement& at,
+                  const RefineStep& step, const LensPrior& lens);
+
+/// Several frames with one lens. Each has its own place.
+struct SharedFrame {
+  const Figure* figure;
+  const Evidence* evidence;
+  Placement at;
+};
+/// @param frames  their placements are refined; all end with one lens
+void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, const LensPrior& lens);
+/// Several frames with one lens and one place: the meshes are in one frame of coordinates, and the
+/// camera stands still.
+Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
+                       const RefineStep& step, const LensPrior& lens);
+
+/// How well the focal length is known from the pictures alone.
+struct FocalProfile {
+  double best_px = 0;
+  double deviation =
+      0;  ///< of its logarithm: where twice the log likelihood falls by one; at most 1
+};
+/// Profile likelihood: the place is solved anew for each of several focal lengths.
+FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px);
+
+/// The placement with another focal length, moved in depth so that its size stays.
+Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center);
+
+}  // namespace keypose::composite

@@ -1,0 +1,285 @@
+#include "composite/locating/search/locate_shot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+
+#include "composite/locating/mattes/mattes.h"
+#include "core/errors.h"
+#include "core/size_of.h"
+#include "core/tuned.h"
+
+namespace keypose::composite {
+namespace {
+
+// Chosen on the clay creature's seeds 1 to 4 (synth).
+struct ShotTuning {
+  KEYPOSE_TUNED(double, kFollowed, 1.5);     // px at 480: the place before still serves
+  KEYPOSE_TUNED(double, kColourMatte, 1.5);  // px, deviation of mattes made by colours
+  KEYPOSE_TUNED(double, kOnePlace, 0.1);     // px that one place for all frames may cost
+};
+
+constexpr double kMostUncertain = 0.1;     // of the focal length
+constexpr double kRollFree = 1e-4;         // ratio of eigenvalues
+constexpr double kReach = 6, kFine = 2.5;  // px
+constexpr int kLensFrames = 8;
+constexpr double kWithin = 0.006;  // of the longer side: how well features place outlines
+
+class Locator {
+ public:
+  Locator(const ShotInput& input, Progress* progress) : input_(input), progress_(progress) {
+    scales_ = SearchScales(input.camera.width, input.camera.height);
+    if (!input.texture) return;
+    texture_ = std::make_unique<GreyTexture>(*input.mesh, *input.texture);
+    Mesh first = *input.mesh;
+    first.points = input.poses[input.frames[0].pose];
+    SurfaceFeatureOptions options;
+    options.directions = 36, options.size = 560, options.most = 900;
+    SubProgress rendering(progress, 0, 0.2);
+    features_ = std::make_unique<SurfaceFeatures>(first, *input.texture, options, &rendering);
+  }
+
+  LocatedShot Locate() {
+    for (int i = 0; i < count(); ++i) FindFrame(i);
+    MakeEvidences();
+    SolveLens();
+    for (int i = 0; i < count(); ++i) FinishFrame(i);
+    JoinPlaces();
+    return Result();
+  }
+
+ private:
+  struct State {
+    LocateFrame frame;  // with a matte made by colours, if there was none
+    FoundPlace found;
+    Placement at;
+    std::vector<Evidence> evidence;  // one for each of scales_
+  };
+
+  int count() const { return SizeOf(input_.frames); }
+  bool focal_known() const { return input_.focal_fixed || input_.focal_deviation > 0; }
+  Look look() const { return {texture_.get(), features_.get()}; }
+  void Tell(double fraction, const std::string& what) {
+    ReportProgress(progress_, 0.2 + 0.8 * fraction, what);
+  }
+
+  const PosedFigure& FigureOf(int i) {
+    std::unique_ptr<PosedFigure>& figure = figures_[input_.frames[i].pose];
+    if (!figure)
+      figure =
+          std::make_unique<PosedFigure>(input_.poses[input_.frames[i].pose], input_.mesh->faces);
+    return *figure;
+  }
+
+  /// Whether the frame shows the figure about where the frame before did.
+  bool Follow(State& state, const PosedFigure& figure) {
+    if (states_.empty() || state.frame.matte.empty() || !state.frame.clicks.empty()) return false;
+    const State& before = states_.back();
+    const Evidence rough = MakeEvidence(state.frame.picture, state.frame.matte,
+                                        state.frame.matte_deviation_px, scales_[0]);
+    state.at = Refined(figure.fine, rough, before.at, {20, 3, 8, texture_.get()}, {});
+    const double off = MatchOutlines(FindSilhouette(figure.fine, state.at.Scaled(rough.scale), 2),
+                                     rough.outline, 12)
+                           .Mean(12);
+    if (off > ShotTuning::kFollowed) return false;
+    state.found = {state.at, before.found.method, {}, 0};
+    return true;
+  }
+
+  void FindFrame(int i) {
+    Tell(0.6 * i / count(), "finding the character in " + input_.frames[i].name);
+    State state;
+    state.frame = input_.frames[i];
+    const PosedFigure& figure = FigureOf(i);
+    if (!Follow(state, figure)) {
+      const Camera& camera = states_.empty() ? input_.camera : states_[0].at.camera;
+      const bool known = focal_known() || !states_.empty();
+      state.found = FindPlace(figure, state.frame, look(), camera, known);
+      state.at = state.found.at;
+    }
+    if (state.frame.matte.empty()) MakeMatte(state, figure);
+    states_.push_back(std::move(state));
+  }
+
+  /// Outlines by colours, near where features, clicks and grey values have them.
+  void MakeMatte(State& state, const PosedFigure& figure) {
+    Evidence bare = MakeEvidence(state.frame.picture, {}, 0, scales_.back());
+    SetSightings(bare, state.found.sightings);
+    SetClicks(bare, state.frame.clicks);
+    state.at = Refined(figure.fine, bare, state.at, {kReach, kReach, 3, texture_.get()}, {});
+    const int within = std::max(
+        4, static_cast<int>(kWithin * std::max(input_.camera.width, input_.camera.height)));
+    state.frame.matte = MatteByColours(state.frame.picture, Covered(figure.fine, state.at), within);
+    state.frame.matte_deviation_px = ShotTuning::kColourMatte;
+  }
+
+  void MakeEvidences() {
+    for (State& state : states_)
+      for (const double scale : scales_) {
+        state.evidence.push_back(MakeEvidence(state.frame.picture, state.frame.matte,
+                                              state.frame.matte_deviation_px, scale));
+        SetSightings(state.evidence.back(), state.found.sightings);
+        SetClicks(state.evidence.back(), state.frame.clicks);
+      }
+  }
+
+  /// Some frames, evenly chosen, at one size.
+  std::vector<SharedFrame> LensFrames(int level) {
+    std::vector<SharedFrame> frames;
+    const int step = (count() + kLensFrames - 1) / kLensFrames;
+    for (int i = 0; i < count(); i += step)
+      frames.push_back({&FigureOf(i).fine, &states_[i].evidence[level], states_[i].at});
+    return frames;
+  }
+  void TakeLens(const std::vector<SharedFrame>& frames) {
+    const int step = (count() + kLensFrames - 1) / kLensFrames;
+    for (int i = 0; i < count(); ++i) {
+      const SharedFrame& near = frames[std::min(i / step, SizeOf(frames) - 1)];
+      if (i % step == 0) states_[i].at = near.at;
+      const Placement moved =
+          WithFocal(states_[i].at, frames[0].at.camera.fx, FigureOf(i).fine.center);
+      if (i % step != 0) states_[i].at = moved;
+      states_[i].at.camera = frames[0].at.camera;
+    }
+  }
+
+  LensPrior Prior() const {
+    LensPrior prior;
+    prior.focal_px = input_.camera.fx;
+    prior.focal_deviation = input_.focal_deviation;
+    prior.focal_free = !input_.focal_fixed && focal_ != "kept";
+    prior.k1_free = input_.solve_k1 && focal_ != "kept";
+    return prior;
+  }
+
+  void SolveLens() {
+    Tell(0.6, "lens");
+    focal_ = input_.focal_fixed ? "given" : input_.focal_deviation > 0 ? "exif" : "solved";
+    const int middle = std::min(1, SizeOf(scales_) - 1);
+    std::vector<SharedFrame> frames = LensFrames(middle);
+    RefineShared(frames, {kReach, kFine, 8, texture_.get(), true}, Prior());
+    if (!input_.focal_fixed) {
+      profile_ = ProfileFocal(frames, kReach);
+      if (focal_ == "solved" && profile_.deviation > kMostUncertain) {
+        focal_ = "kept";
+        for (SharedFrame& frame : frames) {
+          frame.at = WithFocal(frame.at, input_.camera.fx, frame.figure->center);
+          frame.at.camera.k1 = input_.camera.k1;
+        }
+        RefineShared(frames, {kReach, kFine, 8, texture_.get(), true}, Prior());
+      }
+    }
+    TakeLens(frames);
+    if (SizeOf(scales_) < 3 || focal_ == "kept") return;
+    frames = LensFrames(SizeOf(scales_) - 1);
+    RefineShared(frames, {kReach, kFine, 3, texture_.get(), true}, Prior());
+    TakeLens(frames);
+  }
+
+  void FinishFrame(int i) {
+    Tell(0.7 + 0.25 * i / count(), "refining " + input_.frames[i].name);
+    State& state = states_[i];
+    const Figure& figure = FigureOf(i).fine;
+    state.at = Refined(figure, state.evidence.back(), state.at,
+                       {kReach, kFine, 4, texture_.get(), true}, {});
+  }
+
+  double ContourOf(int i, const Placement& at) {
+    return MatchOutlines(FindSilhouette(FigureOf(i).fine, at, 2),
+                         states_[i].evidence.back().outline, kReach)
+        .Mean(kReach);
+  }
+
+  /// One place for all frames, where the meshes move as what was filmed does: then nothing jitters.
+  void JoinPlaces() {
+    if (!input_.still || count() < 2) return;
+    std::vector<SharedFrame> frames;
+    for (int i = 0; i < count(); ++i)
+      frames.push_back({&FigureOf(i).fine, &states_[i].evidence.back(), states_[i].at});
+    const Placement joined =
+        RefinedStill(frames, states_[0].at, {kReach, kFine, 4, texture_.get(), true}, {});
+    double worse = -1e300;
+    for (int i = 0; i < count(); ++i)
+      worse = std::max(worse, ContourOf(i, joined) - ContourOf(i, states_[i].at));
+    one_place_ = worse <= ShotTuning::kOnePlace;
+    if (one_place_)
+      for (State& state : states_) state.at = joined;
+  }
+
+  void RequireTurnSeen(int i, double ratio) {
+    const State& state = states_[i];
+    if (ratio >= kRollFree || !state.found.sightings.empty() || !state.frame.clicks.empty() ||
+        texture_)
+      return;
+    throw InputError(fmt::format(
+        "locate: {}: the character looks the same from all sides about one axis, so its outline "
+        "does not tell how it is turned; pass --clicks with one pair of pixel and place on the "
+        "mesh "
+        "beside that axis, or --textures",
+        state.frame.name));
+  }
+
+  LocatedFrame Described(int i) {
+    State& state = states_[i];
+    const Figure& figure = FigureOf(i).fine;
+    const Evidence& evidence = state.evidence.back();
+    LocatedFrame frame;
+    frame.at = state.at;
+    frame.method = state.found.method;
+    frame.inliers = SizeOf(state.found.sightings);
+    frame.rival_ratio = state.found.rival_ratio;
+    const OutlineMatches outlines =
+        MatchOutlines(FindSilhouette(figure, state.at, 2), evidence.outline, 4 * kReach);
+    frame.outlines = outlines.matches;
+    frame.contour_px = ContourOf(i, state.at);
+    frame.iou = Overlap(Covered(figure, state.at), state.frame.matte);
+    if (texture_)
+      frame.correlation =
+          MatchGreys(figure, *texture_, evidence.luma, evidence.matte, state.at).correlation;
+    frame.turn_ratio = SmoothOutlineEquations(figure, state.at).TurnEigenvalueRatio();
+    RequireTurnSeen(i, frame.turn_ratio);
+    frame.matte = state.frame.matte;
+    return frame;
+  }
+
+  LocatedShot Result() {
+    LocatedShot shot;
+    for (int i = 0; i < count(); ++i) {
+      Tell(0.95 + 0.05 * i / count(), "measuring");
+      shot.frames.push_back(Described(i));
+    }
+    shot.camera = states_[0].at.camera;
+    shot.focal = focal_;
+    shot.profile_deviation = profile_.deviation;
+    const double prior = input_.focal_deviation, own = profile_.deviation;
+    if (focal_ == "exif")
+      shot.focal_deviation = prior * own / std::hypot(prior, own);
+    else if (focal_ != "given")
+      shot.focal_deviation = own;
+    shot.one_place = one_place_;
+    return shot;
+  }
+
+  const ShotInput& input_;
+  Progress* progress_;
+  std::vector<double> scales_;
+  std::unique_ptr<GreyTexture> texture_;
+  std::unique_ptr<SurfaceFeatures> features_;
+  std::map<int, std::unique_ptr<PosedFigure>> figures_;
+  std::vector<State> states_;
+  std::string focal_;
+  FocalProfile profile_{0, 1};
+  bool one_place_ = false;
+};
+
+}  // namespace
+
+LocatedShot LocateShot(const ShotInput& input, Progress* progress) {
+  return Locator(input, progress).Locate();
+}
+
+}  // namespace keypose::composite

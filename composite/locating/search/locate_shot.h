@@ -1,0 +1,51 @@
+// The camera of a filmed shot and the character's place in each of its frames.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "composite/locating/search/find_place.h"
+#include "core/progress.h"
+
+namespace keypose::composite {
+
+struct ShotInput {
+  const Mesh* mesh = nullptr;       ///< faces, and UVs if there is a texture
+  std::vector<PointsX3> poses;      ///< V x 3 each
+  const Image8* texture = nullptr;  ///< null: unknown
+  std::vector<LocateFrame> frames;  ///< pictures of one size; at least one
+  Camera camera;                    ///< of that size; its focal length is known or a start
+  double focal_deviation = 0;       ///< of its logarithm; 0: not known
+  bool focal_fixed = false;         ///< it is given, and not improved
+  bool solve_k1 = true;
+  bool still = true;  ///< the camera does not move
+};
+
+struct LocatedFrame {
+  Placement at;
+  std::string method;
+  int inliers = 0;         ///< features that agree
+  double contour_px = 0;   ///< mean distance of the outlines, both ways; 0 without a matte
+  double iou = 0;          ///< of matte and mesh
+  double correlation = 0;  ///< of grey values; 0 without texture
+  double turn_ratio = 0;   ///< least over greatest eigenvalue of the turns, by outlines
+  double rival_ratio = 0;  ///< FoundPlace::rival_ratio
+  std::vector<OutlineMatch> outlines;  ///< what the mesh and the filmed figure differ by
+  Image8 matte;                        ///< given or made
+};
+
+struct LocatedShot {
+  std::vector<LocatedFrame> frames;
+  Camera camera;
+  std::string focal;             ///< "exif", "solved", "given" or "kept"
+  double focal_deviation = 0;    ///< relative
+  double profile_deviation = 1;  ///< of the pictures alone
+  bool one_place = false;        ///< one place serves all frames, since the meshes move as filmed
+};
+
+/// @throws InputError  a frame without character; a body that can be turned unseen; see FindPlace
+/// Same bits for any thread count.
+LocatedShot LocateShot(const ShotInput& input, Progress* progress = nullptr);
+
+}  // namespace keypose::composite
