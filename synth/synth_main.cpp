@@ -14,6 +14,8 @@
 #include "synth/performance_command.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
+#include "synth/video_score.h"
+#include "synth/shot_command.h"
 
 namespace {
 
@@ -260,6 +262,8 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
   performance->add_option("--noise", c.noise_px, "standard deviation of the masks' outlines [px]")
       ->capture_default_str();
   performance->add_flag("!--masks-only", c.pictures, "no colour pictures");
+  performance->add_option("--meshes", c.mesh_spacing_m,
+                          "the actor's true mesh in each frame too, with vertices so far apart [m]");
   performance->add_flag("!--no-start-pose", c.start_pose,
                         "do not begin with arms and legs apart, as actors do for their measures");
   performance->add_option("--seed", c.performer.seed, "proportions, girths, clothes, colours")
@@ -277,6 +281,78 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
     ConsoleProgress progress;
     std::printf("%s\n", RunPerformance(c, &progress).c_str());
   });
+}
+
+void AddShotCamera(CLI::App& shot, ShotSetOptions& set) {
+  shot.add_option("--width", set.width, "of the film [px]; the height is 9/16 of it unless given")
+      ->capture_default_str();
+  shot.add_option("--height", set.height, "[px]");
+  shot.add_option("--focal", set.focal_35mm, "35 mm equivalent [mm]")->capture_default_str();
+  shot.add_option("--distance", set.distance_m, "of the camera [m]")->capture_default_str();
+  shot.add_option("--camera-azimuth", set.camera_azimuth_deg, "[deg], -90: from the front")
+      ->capture_default_str();
+  shot.add_option("--camera-elevation", set.camera_elevation_deg, "[deg]")->capture_default_str();
+  shot.add_option("--lamp-azimuth", set.lamp_azimuth_deg, "[deg]")->capture_default_str();
+  shot.add_option("--lamp-elevation", set.lamp_elevation_deg, "[deg]")->capture_default_str();
+  shot.add_option("--grain", set.grain, "sensor noise; 1: an ordinary camera")
+      ->capture_default_str();
+  shot.add_option("--grain-seed", set.seed, "of the sensor noise")->capture_default_str();
+}
+
+void AddShot(CLI::App& app, ShotCommand& c) {
+  CLI::App* shot = app.add_subcommand(
+      "shot", "film a clay character on a set, and photograph its key poses, with exact truth");
+  shot->add_option("--output", c.output, "folder to write into")->required();
+  shot->add_option_function<std::vector<std::string>>(
+          "--shows", [&c](const std::vector<std::string>& list) { c.shows = ReadShows(list); },
+          "FRAME=POSE: which frames show a key pose; default 0=rest,4=wave,8=bow")
+      ->delimiter(',');
+  shot->add_option("--fps", c.fps, "filmed frames a second")->capture_default_str();
+  shot->add_option("--between", c.between, "pictures of the truth a filmed frame")
+      ->capture_default_str();
+  shot->add_option("--travel", c.travel_m, "way of the character over the shot [m]")
+      ->capture_default_str();
+  shot->add_option("--turn", c.turn_deg, "turn of the character over the shot [deg]")
+      ->capture_default_str();
+  shot->add_flag("--keys-only", c.keys_only, "film only the frames that show a key pose");
+  shot->add_flag("--clean-plate", c.clean_plate, "also film the empty set");
+  shot->add_flag("!--no-photographs", c.photographs, "film only");
+  shot->add_flag("--meshes", c.meshes, "also write the true surface of every picture");
+  shot->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
+  shot->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
+  shot->add_option("--spacing", c.world.spacing_m, "of the true surface's vertices [m]")
+      ->capture_default_str();
+  AddShotCamera(*shot, c.set);
+  PhotographerOptions& photographer = c.photos.photographer;
+  shot->add_option("--views", photographer.views, "photographs per pose")->capture_default_str();
+  shot->add_option("--photo-width", photographer.width, "[px]; the height is 3/4 of it")
+      ->capture_default_str();
+  shot->add_option_function<std::vector<std::string>>(
+          "--few", [&c](const std::vector<std::string>& list) { c.photos.few = ReadFew(list); },
+          "POSE=N: only N photographs of that pose")
+      ->delimiter(',');
+  shot->add_flag("--charuco", photographer.board.charuco,
+                 "a ChArUco calibration board under the character on the turntable");
+  shot->callback([shot, &c] {
+    if (!shot->count("--height")) c.set.height = c.set.width * 9 / 16;
+    c.photos.photographer.height = c.photos.photographer.width * 3 / 4;
+    ConsoleProgress progress;
+    std::printf("%s\n", RunShot(c, &progress).c_str());
+  });
+}
+
+void AddVideoScore(CLI::App& app, VideoScoreCommand& c) {
+  CLI::App* score = app.add_subcommand(
+      "score-video",
+      "compare a textured performance with the film of the camera that it never saw; prints JSON");
+  score->add_option("--performance", c.performance, "folder that `synth performance` wrote")
+      ->required();
+  score->add_option("--frames", c.frames, "frames of the moving mesh")->required();
+  score->add_option("--textures", c.textures, "textures of video3d")->required();
+  score->add_option("--layout", c.layout, "mesh with texture coordinates, if frames have none");
+  score->add_option("--every", c.every, "only every n-th frame")->capture_default_str();
+  score->add_option("--picture", c.picture, "also film, render, and difference side by side (.jpg)");
+  score->callback([&c] { std::printf("%s", ToJson(ScoreVideo(c)).c_str()); });
 }
 
 void AddMotionScore(CLI::App& app, MotionScoreCommand& c) {
@@ -303,6 +379,8 @@ int main(int argc, char** argv) {
   DamageFlags damage;
   PerformanceCommand performance;
   MotionScoreCommand motion_score;
+  VideoScoreCommand video_score;
+  ShotCommand shot;
   AddPhotos(app, photos);
   AddPair(app, pair);
   AddPick(app, pick);
@@ -311,6 +389,8 @@ int main(int argc, char** argv) {
   AddDamage(app, damage);
   AddPerformance(app, performance);
   AddMotionScore(app, motion_score);
+  AddVideoScore(app, video_score);
+  AddShot(app, shot);
   try {
     app.parse(argc, argv);
     return 0;
