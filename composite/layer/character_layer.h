@@ -1,0 +1,51 @@
+// The character alone, as a camera sees it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+#include "core/ray_scene.h"
+#include "core/render.h"
+
+namespace keypose::composite {
+
+/// What does not change from frame to frame.
+struct Character {
+  FacesX3 faces;
+  UvsX2 uvs;         ///< in [0,1], v up
+  FacesX3 uv_faces;  ///< F x 3
+  ImageF texture;    ///< RGB, linear light
+};
+
+/// Points with z = 1 in the camera's frame for places in pixels. Between the pixels' corners the
+/// lens' distortion is interpolated, exact to 1e-5 px.
+class PixelRays {
+ public:
+  explicit PixelRays(const Camera& camera);
+  /// @param sx, sy  place inside the pixel, in [0,1]
+  Eigen::Vector3d At(int x, int y, double sx, double sy) const {
+    const Eigen::Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
+    const Eigen::Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) +
+                              sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
+    return {p[0], p[1], 1};
+  }
+
+ private:
+  int stride_;
+  std::vector<Eigen::Vector2d> corners_;
+};
+
+/// RGBA in linear light, premultiplied: alpha is the share of the pixel that the character covers.
+/// Rays spread over each pixel's area; soft edges come from them alone.
+///
+/// @param points  V x 3 in world
+/// @param gains   V x 3, factors on the texture's light; empty: all 1
+/// @param along   rays along each side of a pixel, at least 1
+/// Same bits for any thread count.
+ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
+                   const PointsX3& gains, const View& view, const PixelRays& rays, int along);
+
+}  // namespace keypose::composite

@@ -1,0 +1,128 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+
+#include "composite/plan/film_plan.h"
+#include "composite/plan/placement.h"
+#include "core/errors.h"
+
+namespace keypose::composite {
+namespace {
+
+using ::testing::HasSubstr;
+
+FilmedShot ShotWith(const std::vector<std::pair<int, std::string>>& frames, double fps = 12) {
+  FilmedShot shot;
+  shot.fps = fps;
+  for (const auto& [number, pose] : frames) {
+    ShotFrame frame;
+    frame.frame = number, frame.pose = pose;
+    shot.frames.push_back(frame);
+  }
+  return shot;
+}
+
+std::string KindsOf(const FilmPlan& plan) {
+  std::string kinds;
+  for (const PlannedPicture& picture : plan.pictures)
+    kinds += "FBH"[static_cast<int>(picture.kind)];
+  return kinds;
+}
+
+std::string FaultOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(PlanFilm, TwelveBecomeTwentyFour) {
+  const FilmPlan plan =
+      PlanFilm(ShotWith({{0, "rest"}, {2, "wave"}}), {0, 1, 2}, {24, 5, {0, 4}, {}});
+  EXPECT_EQ(KindsOf(plan), "FBFBF");
+  EXPECT_EQ(plan.pictures[3].animation, 3);
+  EXPECT_EQ(plan.pictures[4].filmed, 2);
+  EXPECT_EQ(plan.filmed, 3);
+  EXPECT_EQ(plan.between, 2);
+}
+
+TEST(PlanFilm, GapsInTheFilmAreFilledAndEndsStand) {
+  // The character enters at frame 1; frame 3 was not filmed; frame 5 comes after the last key.
+  const FilmPlan plan =
+      PlanFilm(ShotWith({{1, "rest"}, {4, "wave"}}), {0, 1, 2, 4, 5}, {24, 7, {0, 6}, {}});
+  EXPECT_EQ(KindsOf(plan), "FHFBFBBBFHF");
+  EXPECT_EQ(plan.start, 2);
+  EXPECT_EQ(plan.pictures[1].filmed, 0);
+  EXPECT_EQ(plan.pictures[6].animation, 4);
+  EXPECT_EQ(plan.held, 2);
+}
+
+TEST(PlanFilm, WithoutFilmEveryFrameIsRendered) {
+  const FilmPlan plan = PlanFilm(ShotWith({{3, "rest"}}), {}, {12, 4, {}, {}});
+  EXPECT_EQ(KindsOf(plan), "BBBB");
+  EXPECT_EQ(plan.pictures[0].animation, 0);
+}
+
+TEST(PlanFilm, WhatDoesNotFitIsRefused) {
+  const FilmedShot shot = ShotWith({{0, "rest"}, {2, "wave"}});
+  EXPECT_THAT(FaultOf([&] { PlanFilm(shot, {0, 1, 2}, {25, 5, {}, {}}); }), HasSubstr("multiple"));
+  EXPECT_THAT(FaultOf([&] {
+                PlanFilm(shot, {0, 1, 2}, {24, 5, {0, 3}, {}});
+              }),
+              HasSubstr("at the animation's frames 0, 4, but the animation has its keys at 0, 3"));
+  EXPECT_THAT(FaultOf([&] {
+                PlanFilm(ShotWith({{0, ""}}), {0}, {24, 5, {}, {}});
+              }),
+              HasSubstr("no frame of the shot shows a key pose"));
+}
+
+/// A body, and an arm of a third of the vertices that swings about the body's corner.
+PointsX3 BodyWithArm(double swing_rad) {
+  PointsX3 points(90, 3);
+  for (int i = 0; i < 60; ++i)
+    points.row(i) << std::sin(1.0 * i), std::cos(1.7 * i), 0.5 + 0.5 * std::sin(2.3 * i);
+  const Eigen::AngleAxisd swing(swing_rad, Eigen::Vector3d::UnitY());
+  for (int i = 60; i < 90; ++i) {
+    const Eigen::Vector3d x(0.05 * (i - 60), 0.02 * std::sin(i), 0.02 * std::cos(i));
+    points.row(i) = (Eigen::Vector3d(1, 0, 0.5) + swing * x).transpose();
+  }
+  return points;
+}
+
+TEST(CommonMotion, ALimbDoesNotPullTheBody) {
+  const Similarity3 moved{
+      1, Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.2, -0.1, 0}};
+  const PointsX3 a = BodyWithArm(0), b = Transformed(moved, BodyWithArm(1.2));
+  const CommonMotion motion = FindCommonMotion(a, b);
+  EXPECT_LT((motion.b_from_a.translation - moved.translation).norm(), 1e-3);
+  EXPECT_LT(motion.weights.tail(20).maxCoeff(), 0.05);
+  EXPECT_GT(motion.weights.head(60).minCoeff(), 0.5);
+}
+
+TEST(PlacementBetween, WhatStandsStillStandsStill) {
+  // The shapes come in coordinates of their own, turned and scaled, as reconstructions do.
+  const PointsX3 a = BodyWithArm(0), b = BodyWithArm(1.2), middle = BodyWithArm(0.6);
+  const Similarity3 odd{
+      0.5,
+      Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+      {3, 2, 1}};
+  const PointsX3 placed = PlacementBetween(a, b).Place(Transformed(odd, middle), 2, 0.5);
+  EXPECT_LT((placed - middle).rowwise().norm().maxCoeff(), 2e-3);
+}
+
+TEST(PlacementBetween, EndsAreTheLocatedPlaces) {
+  const Similarity3 moved{
+      1, Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.2, -0.1, 0}};
+  const PointsX3 a = BodyWithArm(0), b = Transformed(moved, BodyWithArm(1.2));
+  const PlacementBetween between(a, b);
+  EXPECT_LT((between.Place(BodyWithArm(0), 1, 0) - a).rowwise().norm().maxCoeff(), 1e-9);
+  EXPECT_LT((between.Place(BodyWithArm(1.2), 1, 1) - b).rowwise().norm().maxCoeff(), 1e-9);
+}
+
+}  // namespace
+}  // namespace keypose::composite

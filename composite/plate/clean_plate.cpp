@@ -1,0 +1,140 @@
+#include "composite/plate/clean_plate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/photo.hpp>
+
+#include "composite/layer/linear_light.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "core/srgb.h"
+
+namespace keypose::composite {
+namespace {
+
+constexpr double kGrainLevels = 8;   // stored levels that grain may differ by
+constexpr double kUpper = 0.8;       // quantile of the brightest frames
+constexpr float kShadowBand = 0.1f;  // frames whose shadow is as weak as the weakest, and this much
+constexpr double kPaintRadius = 5;   // [px]
+
+double LevelOf(double light) { return 255 * SrgbFromLinear(std::clamp(light, 0.0, 1.0)); }
+double LightOf(double level) { return LinearFromSrgb(level / 255); }
+
+struct Sample {
+  double level[3];
+  double sum;
+};
+
+double Quantile(std::vector<double>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
+                                       share * (static_cast<double>(values.size()) - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// What the frames show at a pixel, without their shadows where those are known.
+std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int y) {
+  std::vector<Sample> samples;
+  float most = 0;
+  for (const PlateFrame& frame : frames)
+    if (*frame.away.at(x, y) <= 127)
+      most = std::max(most, frame.kept.empty() ? 1.0f : *frame.kept.at(x, y));
+  for (const PlateFrame& frame : frames) {
+    const float kept = frame.kept.empty() ? 1.0f : *frame.kept.at(x, y);
+    if (*frame.away.at(x, y) > 127 || kept < most - kShadowBand || kept <= 0.05f) continue;
+    Sample sample{};
+    for (int c = 0; c < 3; ++c) {
+      sample.level[c] = LevelOf(frame.light.at(x, y)[c] / kept);
+      sample.sum += sample.level[c];
+    }
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+/// @return number of samples in the mean
+int RobustMean(const std::vector<Sample>& samples, bool shadows_known, double* levels) {
+  std::vector<double> sums;
+  for (const Sample& sample : samples) sums.push_back(sample.sum);
+  const double middle = Quantile(sums, shadows_known ? 0.5 : kUpper);
+  int count = 0;
+  std::fill_n(levels, 3, 0.0);
+  for (const Sample& sample : samples) {
+    if (std::abs(sample.sum - middle) > 3 * kGrainLevels) continue;
+    for (int c = 0; c < 3; ++c) levels[c] += sample.level[c];
+    ++count;
+  }
+  for (int c = 0; c < 3; ++c) levels[c] /= count;
+  return count;
+}
+
+/// Paints in what `missing` marks, in stored levels of 8 bit.
+void Inpaint(const Image8& missing, ImageF* light) {
+  Image8 stored = SrgbOf(*light);
+  cv::Mat picture(stored.height, stored.width, CV_8UC3, stored.data.data());
+  const cv::Mat mask(missing.height, missing.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(missing.data.data()));
+  cv::Mat painted;
+  cv::inpaint(picture, mask, painted, kPaintRadius, cv::INPAINT_TELEA);
+  for (int y = 0; y < stored.height; ++y)
+    for (int x = 0; x < stored.width; ++x)
+      if (*missing.at(x, y))
+        for (int c = 0; c < 3; ++c)
+          light->at(x, y)[c] = static_cast<float>(LightOf(painted.at<cv::Vec3b>(y, x)[c]));
+}
+
+void RequireSizes(const std::vector<PlateFrame>& frames, const ImageF& given) {
+  if (frames.empty() && given.empty())
+    throw InputError("composite: there is neither a clean plate nor a frame to make one from");
+  const ImageF& first = frames.empty() ? given : frames.front().light;
+  for (const PlateFrame& frame : frames)
+    if (frame.light.width != first.width || frame.light.height != first.height)
+      throw InputError("composite: frames of the plate differ in size");
+  if (!given.empty() && (given.width != first.width || given.height != first.height))
+    throw InputError("composite: the given plate has another size than the frames");
+}
+
+}  // namespace
+
+CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& given) {
+  RequireSizes(frames, given);
+  const int width = frames.empty() ? given.width : frames[0].light.width,
+            height = frames.empty() ? given.height : frames[0].light.height;
+  CleanPlate plate{ImageF(width, height, 3), ImageF(width, height, 1), 0, 0, 0};
+  Image8 missing(width, height, 1);
+  const bool known = !frames.empty() && !frames[0].kept.empty();
+  ParallelFor(height, [&](std::int64_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < width; ++x) {
+      const std::vector<Sample> samples = SamplesAt(frames, x, y);
+      if (samples.empty()) {
+        *missing.at(x, y) = 255;
+        continue;
+      }
+      double levels[3];
+      const int count = RobustMean(samples, known, levels);
+      for (int c = 0; c < 3; ++c) plate.light.at(x, y)[c] = static_cast<float>(LightOf(levels[c]));
+      *plate.grain_lacking.at(x, y) = 1 - 1 / static_cast<float>(count);
+    }
+  });
+  plate.hidden = static_cast<int>(std::count(missing.data.begin(), missing.data.end(), 255));
+  if (plate.hidden == 0) return plate;
+  if (given.empty()) {
+    Inpaint(missing, &plate.light);
+    plate.inpainted = plate.hidden;
+  }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!*missing.at(x, y)) continue;
+      if (given.empty()) {
+        *plate.grain_lacking.at(x, y) = 1;
+        continue;
+      }
+      for (int c = 0; c < 3; ++c) plate.light.at(x, y)[c] = given.at(x, y)[c];
+      ++plate.given;
+    }
+  return plate;
+}
+
+}  // namespace keypose::composite
