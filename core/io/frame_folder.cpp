@@ -57,6 +57,29 @@ double FrameRateOf(const fs::path& folder) {
   return fps > 0 && fps < 1e6 ? fps : 0;
 }
 
+FrameTimes ReadFrameTimes(const fs::path& folder, int frame_count) {
+  FrameTimes times;
+  const fs::path path = folder / "distortion.json";
+  if (!fs::exists(path)) return times;
+  const std::string text = ReadFile(path);
+  RequireShallowJson(text, path.string());
+  const auto notes = nlohmann::json::parse(text, nullptr, false);
+  if (!notes.is_object() || !notes.contains("frames") || !notes["frames"].is_array())
+    throw InputError(path.string() +
+                     " is not JSON with a list `frames`; make the frames again, or delete it");
+  times.fps = FrameRateOf(folder);
+  if (static_cast<int>(notes["frames"].size()) != frame_count) return times;
+  if (notes.contains("key_frames") && notes["key_frames"].is_array())
+    for (const auto& frame : notes["key_frames"])
+      if (frame.is_number_integer() && frame >= 0 && frame < frame_count)
+        times.key_frames.push_back(frame);
+  for (const auto& frame : notes["frames"])
+    if (frame.is_object() && frame.contains("t") && frame["t"].is_number())
+      times.t.push_back(frame["t"].get<double>());
+  if (SizeOf(times.t) != frame_count || times.key_frames.empty()) times.t.clear();
+  return times;
+}
+
 std::string FrameNotesText(const std::vector<FrameMeasures>& frames, double fps,
                            const std::string& method) {
   const int count = SizeOf(frames);

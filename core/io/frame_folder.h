@@ -20,6 +20,15 @@ std::string FrameFileName(int frame);
 /// Frames per second as the folder's distortion.json has them; 0 where it has none.
 double FrameRateOf(const std::filesystem::path& folder);
 
+/// What a folder's distortion.json says of its frames' times; lists are empty where it does not.
+struct FrameTimes {
+  double fps = 0;               ///< 0: not known
+  std::vector<int> key_frames;  ///< the frame of each key
+  std::vector<double> t;        ///< per frame: key number plus share of the way to the next
+};
+/// @throws InputError  distortion.json is not JSON with a list `frames`
+FrameTimes ReadFrameTimes(const std::filesystem::path& folder, int frame_count);
+
 /// What is known of each frame of a motion that was not interpolated between keys.
 struct FrameMeasures {
   double area = 1, volume = 1;  ///< relative to the shape at rest

@@ -1,0 +1,48 @@
+// The shot as a scene for Blender: a script that builds it, and the files that it reads.
+//
+// Blender's camera has no lens distortion: its pictures are those of the pinhole camera with the
+// same focal length and centre, so plates for it are undistorted.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+
+namespace keypose::composite {
+
+/// How Blender describes a pinhole camera. Sensor fit is horizontal.
+struct BlenderCamera {
+  double lens_mm = 50, sensor_width_mm = 36;
+  double shift_x = 0, shift_y = 0;  ///< shares of the picture's width
+  double pixel_aspect_y = 1;        ///< height of a pixel over its width
+  Eigen::Matrix4d matrix_world;     ///< looks along its own -z, y up
+};
+BlenderCamera BlenderCameraOf(const View& view);
+
+/// The picture as the pinhole camera with the same focal length and centre would show it, bilinear.
+/// What the lens did not see repeats the border.
+Image8 Undistorted(const Image8& picture, const Camera& camera);
+
+struct BlenderShot {
+  View view;
+  double fps = 24;
+  int first_picture = 0;              ///< Blender's frame of the animation's frame 0
+  int pictures = 0;                   ///< of the whole shot
+  std::vector<std::string> textures;  ///< files beside the script; the first shows
+  std::string plate, film;            ///< clean plate; first picture of the numbered film
+};
+
+/// Names and contents of shot.py, shot.json, character.bin and character.pc2.
+struct BlenderFile {
+  std::string name, bytes;
+};
+/// @param frames  the animation's, with positions in world: as many as it has
+/// @param uvs, uv_faces  v up
+std::vector<BlenderFile> BlenderFiles(const BlenderShot& shot, const FacesX3& faces,
+                                      const UvsX2& uvs, const FacesX3& uv_faces,
+                                      const std::vector<PointsX3>& frames);
+
+}  // namespace keypose::composite

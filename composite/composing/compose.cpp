@@ -1,0 +1,115 @@
+#include "composite/composing/compose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "composite/layer/linear_light.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+
+namespace keypose::composite {
+namespace {
+
+constexpr int kShutterMoments = 8;  // shapes that a blurred picture is the mean of
+
+/// The character over the time that the shutter is open.
+ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLessons& lessons,
+                 double time, const ComposeOptions& options, const PixelRays& rays) {
+  const View view = geometry.view();
+  const Character character = looks.At(static_cast<int>(std::lround(time)));
+  const int moments = options.shutter_deg > 0 ? kShutterMoments : 1;
+  // So many rays altogether as without blur, but four a pixel at least in each moment.
+  const int along = moments > 1 ? std::max(2, options.along / 2) : options.along;
+  ImageF mean(view.camera.width, view.camera.height, 4);
+  for (int i = 0; i < moments; ++i) {
+    const double open = options.shutter_deg / 360 * ((i + 0.5) / moments - 0.5);
+    const PointsX3 points = geometry.Points(time + open);
+    const RayScene scene(points, looks.faces);
+    const PointsX3 gains =
+        GainsAt(geometry, lessons, time + open, VertexNormals(points, looks.faces));
+    const ImageF layer = RenderLayer(character, points, scene, gains, view, rays, along);
+    for (std::size_t k = 0; k < mean.data.size(); ++k)
+      mean.data[k] += layer.data[k] / static_cast<float>(moments);
+  }
+  return Blurred(mean, lessons.blur_px);
+}
+
+}  // namespace
+
+ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
+                     const PixelRays& rays) {
+  ImageF kept(view.camera.width, view.camera.height, 1, 1.0f);
+  const Rigid3 world_from_camera = view.camera_from_world.Inverse();
+  const Eigen::Matrix3d turn = world_from_camera.rotation.toRotationMatrix();
+  const double height = (world_from_camera.translation - table.origin).dot(table.up);
+  ParallelFor(kept.height, [&](std::int64_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < kept.width; ++x) {
+      const Eigen::Vector3d ray = turn * rays.At(x, y, 0.5, 0.5);
+      const double down = -ray.dot(table.up);
+      if (!(down * height > 0)) continue;  // above the horizon
+      *kept.at(x, y) =
+          static_cast<float>(shadow.Kept(world_from_camera.translation + height / down * ray));
+    }
+  });
+  return kept;
+}
+
+PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,
+                 const PointsX3& normals) {
+  const auto at = geometry.At(time);
+  const auto light_of = [&](int anchor) {
+    return anchor < SizeOf(lessons.light_of_anchor) ? lessons.light_of_anchor[anchor] : -1;
+  };
+  int before = light_of(at.before), after = light_of(at.after);
+  double share = at.share;
+  if (before < 0) before = after, share = 0;
+  if (after < 0) after = before, share = 0;
+  return GainsBetween(lessons.light, before, after, share, normals);
+}
+
+ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const Film& film,
+                        const FilmLessons& lessons, double time, const Eigen::Vector3d& exposure,
+                        const ComposeOptions& options, std::uint64_t grain_seed) {
+  const View view = geometry.view();
+  const PixelRays rays(view.camera);
+  ComposedPicture composed;
+  composed.layer = LayerOver(geometry, looks, lessons, time, options, rays);
+  ImageF kept;
+  const ShadowStrength& strength = lessons.shadow.strength;
+  if (options.shadow && (strength.sky > 0 || strength.lamp > 0)) {
+    const Ground table = geometry.Table();
+    const RayScene scene(geometry.Points(time), looks.faces);
+    kept = ShadowPicture(TableShadow(scene, table, strength), table, view, rays);
+  }
+  const int width = view.camera.width, height = view.camera.height;
+  composed.light = ImageF(width, height, 3);
+  composed.coverage = ImageF(width, height, 1);
+  ImageF lacking(width, height, 1);
+  const auto pixel = [&](int x, int y) {
+    const float shown =
+        film.holdout.empty() ? 1.0f : 1 - static_cast<float>(*film.holdout.at(x, y)) / 255;
+    float* over = composed.layer.at(x, y);
+    for (int c = 0; c < 4; ++c) over[c] *= shown;
+    const float alpha = over[3], left = kept.empty() ? 1.0f : 1 - shown * (1 - *kept.at(x, y));
+    *composed.coverage.at(x, y) = alpha;
+    *lacking.at(x, y) = alpha + (1 - alpha) * *lessons.plate.grain_lacking.at(x, y);
+    for (int c = 0; c < 3; ++c) {
+      const float behind = lessons.plate.light.at(x, y)[c] * left;
+      const float factor = static_cast<float>(exposure[c]);
+      composed.light.at(x, y)[c] = factor * (over[c] + (1 - alpha) * behind);
+      over[c] *= factor;
+    }
+    over[3] = 1 - (1 - alpha) * left;  // the shadow is black, and lies behind the character
+  };
+  ParallelFor(height, [&](std::int64_t y) {
+    for (int x = 0; x < width; ++x) pixel(x, static_cast<int>(y));
+  });
+  const ImageF levels = LevelsOf(composed.light);
+  const Grain grain = options.grain && lessons.grain ? *lessons.grain : Grain();
+  composed.picture = WithGrain(levels, grain, lacking, grain_seed);
+  return composed;
+}
+
+}  // namespace keypose::composite

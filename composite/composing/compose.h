@@ -1,0 +1,37 @@
+// One picture of a shot: the character over the clean plate.
+#pragma once
+
+#include "composite/composing/film_lessons.h"
+
+namespace keypose::composite {
+
+struct ComposeOptions {
+  int along = 4;           ///< rays along each side of a pixel
+  double shutter_deg = 0;  ///< 0: no motion blur; 180: half of a picture's time
+  bool shadow = true, grain = true;
+};
+
+struct ComposedPicture {
+  ImageF light;     ///< RGB, linear, with exposure, without grain
+  Image8 picture;   ///< RGB, sRGB, with grain
+  ImageF layer;     ///< RGBA, linear, premultiplied: the character and its shadow (black) alone
+  ImageF coverage;  ///< 1 channel: of the character, after props
+};
+
+/// @param time      in frames of the animation
+/// @param exposure  factors on the plate's light
+/// @param grain_seed  the same gives the same grain
+/// Same bits for any thread count.
+ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const Film& film,
+                        const FilmLessons& lessons, double time, const Eigen::Vector3d& exposure,
+                        const ComposeOptions& options, std::uint64_t grain_seed);
+
+/// The share of light that the shadow leaves at each pixel, where the table is: 1 channel.
+ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
+                     const PixelRays& rays);
+
+/// Vertices' gains at a time of the animation.
+PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,
+                 const PointsX3& normals);
+
+}  // namespace keypose::composite

@@ -1,0 +1,319 @@
+#include "composite/composing/film_lessons.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "composite/composing/compose.h"
+#include "composite/layer/linear_light.h"
+#include "composite/light/exposure.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+
+namespace keypose::composite {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kMostFrames = 24;  // of the film that are looked at
+constexpr int kMostShadowFrames = 3, kShadowSamples = 900;
+constexpr double kLeastExplained = 0.1;  // of the lost light; less is no shadow
+constexpr double kMargin = 0.008;  // of the picture's width: how far from the character it counts
+constexpr double kCompareBlur = 0.0025;  // of the picture's width
+
+/// One of the frames that are looked at.
+struct Looked {
+  const FilmedPicture* picture = nullptr;
+  Image8 stored;
+  ImageF light;  // divided by its exposure
+  PointsX3 points;
+  std::unique_ptr<RayScene> scene;
+  ImageF layer;  // with gains of 1
+  Image8 away;
+  ImageF kept;
+};
+
+/// All anchors first, then others spread evenly, at most kMostFrames; in the film's order.
+std::vector<const FilmedPicture*> ChooseFrames(const Film& film) {
+  std::vector<const FilmedPicture*> anchors, others;
+  for (const FilmedPicture& picture : film.pictures)
+    (picture.anchor >= 0 ? anchors : others).push_back(&picture);
+  std::vector<const FilmedPicture*> chosen;
+  const auto spread = [&](const std::vector<const FilmedPicture*>& from, int most) {
+    const int count = std::min(most, SizeOf(from));
+    for (int i = 0; i < count; ++i)
+      chosen.push_back(from[static_cast<std::size_t>(i) * from.size() / count]);
+  };
+  spread(anchors, kMostFrames / 2);
+  spread(others, kMostFrames - SizeOf(chosen));
+  std::sort(chosen.begin(), chosen.end(),
+            [](const auto* a, const auto* b) { return a->film < b->film; });
+  return chosen;
+}
+
+/// 255 within `radius` pixels (of a square) of what the layer covers, except behind props.
+Image8 AwayMask(const ImageF& layer, const Image8& holdout, int radius) {
+  Image8 rows(layer.width, layer.height, 1), away(layer.width, layer.height, 1);
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x)
+      if (layer.at(x, y)[3] > 0)
+        for (int k = std::max(0, x - radius); k <= std::min(layer.width - 1, x + radius); ++k)
+          *rows.at(k, y) = 255;
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x) {
+      for (int k = std::max(0, y - radius); k <= std::min(layer.height - 1, y + radius); ++k)
+        if (*rows.at(x, k)) *away.at(x, y) = 255;
+      if (!holdout.empty() && *holdout.at(x, y) > 127) *away.at(x, y) = 0;
+    }
+  return away;
+}
+
+class Lesson {
+ public:
+  Lesson(const ShotGeometry& geometry, const Looks& looks, const Film& film, int along,
+         Progress* progress)
+      : geometry_(geometry),
+        looks_(looks),
+        film_(film),
+        view_(geometry.view()),
+        rays_(view_.camera),
+        along_(along),
+        progress_(progress) {}
+
+  FilmLessons Learn() {
+    LookAtFrames();
+    lessons_.exposures.assign(film_.pictures.size(), Vector3d::Ones());
+    LearnPlate();
+    LearnShadow();
+    LearnLight();
+    LearnGrain();
+    LearnBlur();
+    for (const FilmedPicture& picture : film_.pictures) Exposure(picture);
+    return std::move(lessons_);
+  }
+
+ private:
+  void LookAtFrames() {
+    const std::vector<const FilmedPicture*> chosen = ChooseFrames(film_);
+    const int margin = std::max(3, static_cast<int>(kMargin * view_.camera.width));
+    bool seen = false;
+    for (const FilmedPicture* picture : chosen) {
+      if (progress_ && progress_->cancelled()) throw Cancelled();
+      ReportProgress(progress_, 0.5 * SizeOf(looked_) / SizeOf(chosen), "looking at the film");
+      Looked look;
+      look.picture = picture;
+      look.stored = film_.read(picture->film);
+      look.light = LinearOf(look.stored);
+      look.points = geometry_.Points(picture->animation);
+      look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
+      look.layer = RenderLayer(looks_.At(picture->animation), look.points, *look.scene, {}, view_,
+                               rays_, picture->anchor >= 0 ? std::min(along_, 3) : 1);
+      look.away = AwayMask(look.layer, film_.holdout, picture->anchor >= 0 ? margin : 2 * margin);
+      seen = seen ||
+             std::find(look.away.data.begin(), look.away.data.end(), 255) != look.away.data.end();
+      looked_.push_back(std::move(look));
+    }
+    if (!seen && !looked_.empty())
+      throw InputError(
+          "composite: the character is in none of the filmed frames: by the shot it is outside of "
+          "the picture, or a holdout hides all of it; locate it again, or look at the holdout");
+  }
+
+  std::vector<PlateFrame> PlateFrames() const {
+    std::vector<PlateFrame> frames;
+    for (const Looked& look : looked_) frames.push_back({look.light, look.away, look.kept});
+    return frames;
+  }
+
+  void LearnPlate() {
+    ReportProgress(progress_, 0.5, "clean plate");
+    ImageF given = LinearOf(film_.given_plate);
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+    if (looked_.empty()) return;
+    for (Looked& look : looked_) Normalise(&look);
+    if (!given.empty()) given = Scaled(given, ExposureOf(lessons_.plate.light, given, {}));
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+  }
+
+  static ImageF Scaled(ImageF image, const Vector3d& factors) {
+    for (std::size_t i = 0; i < image.data.size(); ++i)
+      image.data[i] *= static_cast<float>(factors[static_cast<Eigen::Index>(i % 3)]);
+    return image;
+  }
+
+  void Normalise(Looked* look) {
+    const Vector3d exposure = ExposureOf(look->light, lessons_.plate.light, look->away);
+    look->light = Scaled(std::move(look->light), exposure.cwiseInverse());
+  }
+
+  /// Places of the table around the character, and what they lost of the plate's light.
+  ShadowSamples SamplesOf(const Looked& look, const Ground& table) const {
+    ShadowSamples samples{look.scene.get(), {}, {}};
+    const Rigid3 world_from_camera = view_.camera_from_world.Inverse();
+    const double height = (world_from_camera.translation - table.origin).dot(table.up);
+    std::vector<std::pair<Vector3d, double>> all;
+    for (int y = 2; y < look.light.height - 2; y += 3)
+      for (int x = 2; x < look.light.width - 2; x += 3) {
+        if (*look.away.at(x, y) > 127) continue;
+        const Vector3d ray = world_from_camera.rotation * rays_.At(x, y, 0.5, 0.5);
+        const double down = -ray.dot(table.up);
+        if (!(down * height > 0)) continue;
+        const Vector3d place = world_from_camera.translation + height / down * ray;
+        if ((place - table.origin).norm() > 1.6 * table.diagonal) continue;
+        double plate = 0, light = 0;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i)
+            for (int c = 0; c < 3; ++c) {
+              plate += lessons_.plate.light.at(x + i, y + j)[c];
+              light += look.light.at(x + i, y + j)[c];
+            }
+        if (plate > 0.2) all.emplace_back(place, 1 - light / plate);
+      }
+    const std::size_t step = std::max<std::size_t>(1, all.size() / kShadowSamples);
+    for (std::size_t i = step / 2; i < all.size(); i += step)
+      samples.places.push_back(all[i].first), samples.lost.push_back(all[i].second);
+    return samples;
+  }
+
+  void LearnShadow() {
+    const Ground table = geometry_.Table();
+    // A second round undoes the shadow in the frames that the plate is made from.
+    for (int round = 0; round < (film_.given_plate.empty() ? 2 : 1); ++round) {
+      ReportProgress(progress_, 0.6 + 0.1 * round, "shadow");
+      std::vector<ShadowSamples> samples;
+      for (const Looked& look : looked_)
+        if (look.picture->anchor >= 0 && SizeOf(samples) < kMostShadowFrames)
+          samples.push_back(SamplesOf(look, table));
+      lessons_.shadow = FitShadow(samples, table);
+      if (lessons_.shadow.explained < kLeastExplained) {
+        lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
+        if (!samples.empty())
+          lessons_.notes.push_back(
+              "no shadow on the table was found in the filmed frames, so in-betweens have none");
+        return;
+      }
+      for (Looked& look : looked_) look.kept = KeptOf(look, table);
+      const ImageF given = film_.given_plate.empty() ? ImageF() : lessons_.plate.light;
+      lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+    }
+  }
+
+  ImageF KeptOf(const Looked& look, const Ground& table) const {
+    return ShadowPicture(TableShadow(*look.scene, table, lessons_.shadow.strength), table, view_,
+                         rays_);
+  }
+
+  void LearnLight() {
+    ReportProgress(progress_, 0.8, "light");
+    lessons_.light_of_anchor.assign(geometry_.anchors().size(), -1);
+    std::vector<ObservedGains> observed;
+    for (const Looked& look : looked_) {
+      if (look.picture->anchor < 0) continue;
+      lessons_.light_of_anchor[look.picture->anchor] = SizeOf(observed);
+      observed.push_back(ObserveGains(look.light, look.layer, film_.holdout, look.points,
+                                      looks_.faces, *look.scene, view_,
+                                      kCompareBlur * view_.camera.width));
+    }
+    lessons_.light = FitShotLight(observed, looks_.faces);
+    if (observed.empty())
+      lessons_.notes.push_back(
+          "no located frame was filmed, so the character has the light of its textures");
+  }
+
+  void LearnGrain() {
+    ReportProgress(progress_, 0.85, "grain");
+    for (std::size_t i = 0; i + 1 < looked_.size() && !lessons_.grain; ++i) {
+      Image8 away = looked_[i].away;
+      for (std::size_t k = 0; k < away.data.size(); ++k)
+        away.data[k] = std::max(away.data[k], looked_[i + 1].away.data[k]);
+      lessons_.grain = MeasureGrain(looked_[i].stored, looked_[i + 1].stored, away);
+    }
+    if (!lessons_.grain && looked_.size() == 1)
+      lessons_.grain = MeasureGrain(looked_[0].stored, SrgbOf(lessons_.plate.light),
+                                    looked_[0].away, film_.given_plate.empty() ? 0 : 1);
+    if (!lessons_.grain && !looked_.empty())
+      lessons_.notes.push_back("the grain could not be measured, so in-betweens have none");
+  }
+
+  /// The blur of the lens that makes the character's render most like a filmed frame.
+  void LearnBlur() {
+    ReportProgress(progress_, 0.9, "sharpness");
+    const auto look = std::find_if(looked_.begin(), looked_.end(),
+                                   [](const Looked& l) { return l.picture->anchor >= 0; });
+    if (look == looked_.end()) return;
+    const int frame = look->picture->animation;
+    const PointsX3 gains =
+        GainsAt(geometry_, lessons_, frame, VertexNormals(look->points, looks_.faces));
+    const ImageF layer =
+        RenderLayer(looks_.At(frame), look->points, *look->scene, gains, view_, rays_, along_);
+    double least = std::numeric_limits<double>::infinity();
+    for (const double sigma : {0.0, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.7}) {
+      const double error = ErrorOf(*look, Blurred(layer, sigma));
+      if (error < least) least = error, lessons_.blur_px = sigma;
+    }
+  }
+
+  double ErrorOf(const Looked& look, const ImageF& layer) const {
+    double sum = 0;
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = 0; x < layer.width; ++x) {
+        const float* over = layer.at(x, y);
+        if (over[3] <= 0.01f) continue;
+        for (int c = 0; c < 3; ++c) {
+          const float plate =
+              lessons_.plate.light.at(x, y)[c] * (look.kept.empty() ? 1.0f : *look.kept.at(x, y));
+          const double d = over[c] + (1 - over[3]) * plate - look.light.at(x, y)[c];
+          sum += std::min(d * d, 0.01);
+        }
+      }
+    return sum;
+  }
+
+  void Exposure(const FilmedPicture& picture) {
+    const auto look = std::find_if(looked_.begin(), looked_.end(),
+                                   [&](const Looked& l) { return l.picture == &picture; });
+    const Image8 away = look == looked_.end() ? Image8() : look->away;
+    lessons_.exposures[&picture - film_.pictures.data()] =
+        ExposureOf(LinearOf(film_.read(picture.film)), lessons_.plate.light, away);
+  }
+
+  const ShotGeometry& geometry_;
+  const Looks& looks_;
+  const Film& film_;
+  View view_;
+  PixelRays rays_;
+  int along_;
+  Progress* progress_;
+  std::vector<Looked> looked_;
+  FilmLessons lessons_;
+};
+
+}  // namespace
+
+Character Looks::At(int frame) const {
+  Character character{faces, uvs, uv_faces, textures.front()};
+  if (weights.empty()) return character;
+  const std::vector<double>& shares = weights[frame];
+  ParallelBlocks(std::ssize(character.texture.data), 1 << 16,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t i = begin; i < end; ++i) {
+                     double sum = 0;
+                     for (std::size_t k = 0; k < textures.size(); ++k)
+                       sum += shares[k] * textures[k].data[i];
+                     character.texture.data[i] = static_cast<float>(sum);
+                   }
+                 });
+  return character;
+}
+
+FilmLessons LearnFromFilm(const ShotGeometry& geometry, const Looks& looks, const Film& film,
+                          int along, Progress* progress) {
+  return Lesson(geometry, looks, film, along, progress).Learn();
+}
+
+}  // namespace keypose::composite

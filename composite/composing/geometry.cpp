@@ -1,0 +1,107 @@
+#include "composite/composing/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/errors.h"
+#include "core/size_of.h"
+
+namespace keypose::composite {
+
+ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
+                           const std::vector<Mesh>& frames, const AnimationTimes& times)
+    : shot_(shot), frames_(frames), t_(times.t) {
+  if (!shot.still)
+    throw InputError(
+        "composite: the camera of this shot moves (\"still\" is false), so it has no clean plate; "
+        "only shots with a still camera can be composited");
+  int start = 0;
+  for (const ShotFrame& frame : shot.frames)
+    if (!frame.pose.empty()) {
+      start = frame.frame * plan.per_frame;
+      break;
+    }
+  if (SizeOf(t_) != SizeOf(frames)) {
+    t_.resize(frames.size());
+    for (std::size_t i = 0; i < t_.size(); ++i) t_[i] = static_cast<double>(i);
+  }
+  for (int i = 0; i < SizeOf(shot.frames); ++i) {
+    const int shown = shot.frames[i].frame * plan.per_frame - start;
+    if (shown >= 0 && shown < SizeOf(frames)) anchors_.push_back({shown, i});
+  }
+  if (anchors_.empty())
+    throw InputError("composite: no located frame of the shot lies within the animation");
+  for (std::size_t i = 0; i + 1 < anchors_.size(); ++i)
+    ways_.emplace_back(PointsOfFrame(anchors_[i].animation),
+                       PointsOfFrame(anchors_[i + 1].animation));
+}
+
+const Similarity3& ShotGeometry::PlaceOf(const Anchor& anchor) const {
+  return shot_.frames[anchor.shot_frame].world_from_character;
+}
+
+View ShotGeometry::view() const {
+  return {"shot", shot_.camera, shot_.frames[0].camera_from_world};
+}
+
+ShotGeometry::Between ShotGeometry::At(double frame) const {
+  const auto after = std::find_if(anchors_.begin(), anchors_.end(),
+                                  [&](const Anchor& a) { return a.animation >= frame; });
+  const int i = static_cast<int>(after - anchors_.begin());
+  if (i == 0) return {0, 0, 0};
+  if (i == SizeOf(anchors_)) return {i - 1, i - 1, 0};
+  const auto time = [&](double at) {
+    const int low = std::clamp(static_cast<int>(at), 0, SizeOf(t_) - 1),
+              high = std::min(low + 1, SizeOf(t_) - 1);
+    return t_[low] + (at - low) * (t_[high] - t_[low]);
+  };
+  const double from = time(anchors_[i - 1].animation), to = time(anchors_[i].animation);
+  const double share = to > from ? (time(frame) - from) / (to - from) : 0.5;
+  return {i - 1, i, std::clamp(share, 0.0, 1.0)};
+}
+
+PointsX3 ShotGeometry::PointsOfFrame(int frame) const {
+  const Between at = At(frame);
+  const Anchor &before = anchors_[at.before], &after = anchors_[at.after];
+  const PointsX3& shape = frames_[frame].points;
+  if (before.animation == frame || at.before == at.after)
+    return Transformed(PlaceOf(before), shape);
+  if (after.animation == frame) return Transformed(PlaceOf(after), shape);
+  const double scale =
+      std::pow(PlaceOf(before).scale, 1 - at.share) * std::pow(PlaceOf(after).scale, at.share);
+  return ways_[at.before].Place(shape, scale, at.share);
+}
+
+PointsX3 ShotGeometry::Points(double frame) const {
+  const double at = std::clamp(frame, 0.0, SizeOf(frames_) - 1.0);
+  const int low = static_cast<int>(at);
+  const double share = at - low;
+  if (share < 1e-9) return PointsOfFrame(low);
+  return (1 - share) * PointsOfFrame(low) + share * PointsOfFrame(low + 1);
+}
+
+Ground ShotGeometry::Table() const {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Anchor& anchor : anchors_)
+    lowest = std::min(lowest, frames_[anchor.animation].points.col(2).minCoeff());
+  Eigen::Vector3d up = Eigen::Vector3d::Zero(), low = Eigen::Vector3d::Constant(1e300), high = -low;
+  double height = 0;
+  for (const Anchor& anchor : anchors_) up += PlaceOf(anchor).rotation.col(2);
+  up.normalize();
+  for (const Anchor& anchor : anchors_) {
+    height += up.dot(PlaceOf(anchor) * Eigen::Vector3d(0, 0, lowest)) / SizeOf(anchors_);
+    const PointsX3 points = PointsOfFrame(anchor.animation);
+    low = low.cwiseMin(points.colwise().minCoeff().transpose());
+    high = high.cwiseMax(points.colwise().maxCoeff().transpose());
+  }
+  Ground table;
+  table.up = up, table.right = up.unitOrthogonal(), table.back = up.cross(table.right);
+  const Eigen::Vector3d middle = 0.5 * (low + high);
+  table.origin = middle + (height - middle.dot(up)) * up;
+  table.diagonal = std::max((high - low).norm(), 1e-9);
+  table.reach = 0.4 * table.diagonal;
+  return table;
+}
+
+}  // namespace keypose::composite

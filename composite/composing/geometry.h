@@ -1,0 +1,52 @@
+// The character's vertices in the set's world, at any time of a shot.
+#pragma once
+
+#include <vector>
+
+#include "composite/plan/film_plan.h"
+#include "composite/plan/placement.h"
+#include "core/filmed_shot.h"
+#include "core/mesh.h"
+#include "views/film/ground_shadow.h"
+
+namespace keypose::composite {
+
+/// A filmed frame that was located.
+struct Anchor {
+  int animation = 0;   ///< frame of the animation that it shows
+  int shot_frame = 0;  ///< index into the shot's frames
+};
+
+class ShotGeometry {
+ public:
+  /// @param frames  the animation's, of one connectivity; must outlive this object
+  /// @throws InputError  no located frame lies within the animation, or the camera is not still
+  ShotGeometry(const FilmedShot& shot, const FilmPlan& plan, const std::vector<Mesh>& frames,
+               const AnimationTimes& times);
+  const std::vector<Anchor>& anchors() const { return anchors_; }
+  View view() const;
+
+  /// Where an animation's frame lies between two anchors; outside of them both are the nearest one.
+  struct Between {
+    int before = 0, after = 0;  ///< indices of anchors
+    double share = 0;           ///< of the way
+  };
+  Between At(double animation_frame) const;
+  /// Vertices in world. Between two frames they go straight.
+  /// @param animation_frame  clamped to the animation
+  PointsX3 Points(double animation_frame) const;
+  /// The table: the plane below the character's lowest point, with the character's own up.
+  Ground Table() const;
+
+ private:
+  PointsX3 PointsOfFrame(int frame) const;
+  const Similarity3& PlaceOf(const Anchor& anchor) const;
+
+  FilmedShot shot_;
+  const std::vector<Mesh>& frames_;
+  std::vector<double> t_;  // time of each frame
+  std::vector<Anchor> anchors_;
+  std::vector<PlacementBetween> ways_;  // from each anchor to the next
+};
+
+}  // namespace keypose::composite

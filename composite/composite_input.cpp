@@ -1,0 +1,177 @@
+#include "composite/composite_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "composite/layer/linear_light.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/size_of.h"
+
+namespace keypose::composite {
+namespace {
+
+namespace fs = std::filesystem;
+
+void RequireSize(const fs::path& path, const Camera& camera, const char* what) {
+  const ImageInfo info = ReadImageInfo(path);
+  if (info.width == camera.width && info.height == camera.height) return;
+  throw InputError(fmt::format(
+      "composite: {} {} has {} x {} pixels, but the shot was located in pictures of {} x {}; all "
+      "pictures of a shot must have one size: scale or crop none of them",
+      what, PrintableName(path), info.width, info.height, camera.width, camera.height));
+}
+
+void ReadFrames(const fs::path& folder, double fps, CompositeInput* input, Progress* progress) {
+  const std::vector<fs::path> paths = NumberedFrames(folder, "composite");
+  for (const fs::path& path : paths) {
+    ReportProgress(progress, 0.1 * SizeOf(input->frames) / SizeOf(paths), "reading frames");
+    input->frames.push_back(ReadMesh(path));
+    const Mesh& first = input->frames.front();
+    if (input->frames.back().faces != first.faces ||
+        input->frames.back().points.rows() != first.points.rows())
+      throw InputError(
+          fmt::format("composite: {} has other faces than the first frame; all frames "
+                      "of an animation have one connectivity",
+                      PrintableName(path)));
+  }
+  const FrameTimes times = ReadFrameTimes(folder, SizeOf(paths));
+  input->times = {times.fps > 0 ? times.fps : fps, SizeOf(paths), times.key_frames, times.t};
+}
+
+/// Weights of the textures at a time between keys, whose textures are these.
+std::vector<double> WeightsAt(double t, const std::vector<int>& of_key, int count) {
+  std::vector<double> weights(static_cast<std::size_t>(count), 0.0);
+  const int last = SizeOf(of_key) - 1, key = std::clamp(static_cast<int>(t), 0, last);
+  const double share = std::clamp(t - key, 0.0, 1.0);
+  weights[of_key[key]] += 1 - share;
+  weights[of_key[std::min(key + 1, last)]] += share;
+  return weights;
+}
+
+void ReadLooks(StageContext& stage, CompositeInput* input) {
+  const Mesh& first = input->frames.front();
+  if (!first.has_uvs())
+    throw InputError(
+        "composite: the frames have no texture coordinates, so the character has no colours; make "
+        "them from the unwrapped template");
+  Looks& looks = input->looks;
+  looks.faces = first.faces, looks.uvs = first.uvs, looks.uv_faces = first.uv_faces;
+  const std::vector<fs::path> paths = stage.Inputs("textures");
+  std::vector<std::string> contents;
+  std::vector<int> of_key;
+  for (const fs::path& path : paths) {
+    const std::string bytes = ReadFile(path);
+    const auto same = std::find(contents.begin(), contents.end(), bytes);
+    of_key.push_back(static_cast<int>(same - contents.begin()));
+    if (same != contents.end()) continue;
+    contents.push_back(bytes);
+    looks.textures.push_back(LinearOf(ReadImage(path, 3)));
+    const ImageF &texture = looks.textures.back(), &one = looks.textures.front();
+    if (texture.width != one.width || texture.height != one.height)
+      throw InputError(
+          fmt::format("composite: the texture {} has {} x {} pixels and the first one "
+                      "{} x {}; they must be of one size to be mixed",
+                      PrintableName(path), texture.width, texture.height, one.width, one.height));
+  }
+  if (looks.textures.size() < 2) return;
+  if (input->times.t.empty() || input->times.key_frames.size() != paths.size()) {
+    stage.Warn(
+        fmt::format("composite: only the first texture shows: there are {} textures, but the "
+                    "frames were made from {} keys; pass one for each key, in their order",
+                    paths.size(), input->times.key_frames.size()));
+    return;
+  }
+  for (const double t : input->times.t)
+    looks.weights.push_back(WeightsAt(t, of_key, SizeOf(looks.textures)));
+}
+
+/// The film's frames must be those in which the shot was located.
+void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
+  for (const ShotFrame& frame : input.shot.frames) {
+    const auto found = std::find_if(input.film.begin(), input.film.end(),
+                                    [&](const FilmPicture& p) { return p.frame == frame.frame; });
+    if (found == input.film.end())
+      throw InputError(
+          fmt::format("composite: the shot was located in frame {} ({}), which {} does "
+                      "not have; pass the film that it was located in",
+                      frame.frame, frame.picture, PrintableName(folder)));
+  }
+}
+
+/// A folder with several pictures is the film itself, from which the plate is made.
+bool IsFilm(const fs::path& plate) {
+  return fs::is_directory(plate) && FilmPictures(plate).size() > 1;
+}
+
+void ReadPlate(StageContext& stage, CompositeInput* input) {
+  const fs::path plate = stage.Input("plate");
+  const bool is_film = IsFilm(plate);
+  input->film_stays = stage.Has("filmed");
+  const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
+  if (input->film_stays || is_film) {
+    input->film = FilmPictures(folder);
+    for (const FilmPicture& picture : input->film)
+      RequireSize(picture.path, input->shot.camera, "the filmed frame");
+    RequireSameFilm(*input, folder);
+  }
+  if (!is_film) {
+    const fs::path path = FilmPictures(plate).front().path;
+    RequireSize(path, input->shot.camera, "the plate");
+    input->given_plate = ReadImage(path, 3);
+  }
+}
+
+std::string Digits(int frames) { return fmt::format("{} frame{}", frames, frames == 1 ? "" : "s"); }
+
+}  // namespace
+
+CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
+  CompositeInput input;
+  input.shot = ReadShot(stage.Input("shot"));
+  ReadFrames(stage.Input("frames"), fps, &input, stage.progress());
+  ReadLooks(stage, &input);
+  ReadPlate(stage, &input);
+  if (stage.Has("holdout")) {
+    RequireSize(stage.Input("holdout"), input.shot.camera, "the holdout");
+    input.holdout = ReadImage(stage.Input("holdout"), 1);
+  }
+  std::vector<int> numbers;
+  if (input.film_stays)
+    for (const FilmPicture& picture : input.film) numbers.push_back(picture.frame);
+  input.plan = PlanFilm(input.shot, numbers, input.times);
+  stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
+                         input.plan.between, input.plan.held));
+  return input;
+}
+
+Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
+  Film film;
+  film.given_plate = input.given_plate, film.holdout = input.holdout;
+  film.read = [&input](int i) { return ReadImage(input.film[i].path, 3); };
+  int start = 0;
+  for (const ShotFrame& frame : input.shot.frames)
+    if (!frame.pose.empty()) {
+      start = frame.frame;
+      break;
+    }
+  for (int i = 0; i < SizeOf(input.film); ++i) {
+    FilmedPicture picture{i, 0, -1};
+    const int shown = (input.film[i].frame - start) * input.plan.per_frame;
+    picture.animation = std::clamp(shown, 0, SizeOf(input.frames) - 1);
+    for (int a = 0; a < SizeOf(geometry.anchors()); ++a) {
+      const ShotFrame& located = input.shot.frames[geometry.anchors()[a].shot_frame];
+      if (located.frame == input.film[i].frame) picture.anchor = a;
+    }
+    film.pictures.push_back(picture);
+  }
+  return film;
+}
+
+}  // namespace keypose::composite

@@ -1,0 +1,199 @@
+#include "composite/composite_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "composite/blender/blender_scene.h"
+#include "composite/layer/linear_light.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/png_io.h"
+#include "core/sha256.h"
+#include "core/size_of.h"
+#include "views/film/mp4.h"
+#include "views/film/picture.h"
+
+namespace keypose::composite {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Number(int n) { return fmt::format("{:04}", n); }
+
+/// Straight alpha, sRGB, from premultiplied linear light.
+Image8 StraightOf(const ImageF& layer) {
+  ImageF straight = layer;
+  for (std::size_t i = 0; i < straight.data.size(); i += 4) {
+    const float alpha = straight.data[i + 3];
+    for (std::size_t c = 0; c < 3; ++c)
+      straight.data[i + c] = alpha > 1e-4f ? straight.data[i + c] / alpha : 0;
+  }
+  Image8 out = SrgbOf(straight);
+  for (std::size_t i = 0; i < out.data.size(); i += 4)
+    out.data[i + 3] =
+        static_cast<std::uint8_t>(std::lround(255 * std::clamp(layer.data[i + 3], 0.0f, 1.0f)));
+  return out;
+}
+
+Image8 Even(const Image8& picture) {
+  const int width = picture.width / 2 * 2, height = picture.height / 2 * 2;
+  if (width == picture.width && height == picture.height) return picture;
+  Image8 even(width, height, 3);
+  for (int y = 0; y < height; ++y) std::copy_n(picture.at(0, y), 3 * width, even.at(0, y));
+  return even;
+}
+
+class ShotWriter {
+ public:
+  ShotWriter(const fs::path& folder, const CompositeInput& input, const ShotGeometry& geometry,
+             const Film& film, const FilmLessons& lessons, const OutputOptions& options)
+      : folder_(folder),
+        input_(input),
+        geometry_(geometry),
+        film_(film),
+        lessons_(lessons),
+        options_(options),
+        camera_(input.shot.camera) {
+    for (const char* part : {"layers", "compare", "blender"}) Make(folder_ / part);
+    if (options.video && CanWriteMp4() && camera_.width > 1 && camera_.height > 1)
+      video_ = std::make_unique<Mp4Writer>(folder_ / "shot.mp4", camera_.width / 2 * 2,
+                                           camera_.height / 2 * 2, input.times.fps);
+  }
+
+  Written WriteAll(Progress* progress) {
+    const int count = SizeOf(input_.plan.pictures);
+    WritePng(folder_ / "plate.png", SrgbOf(lessons_.plate.light));
+    for (int n = 0; n < count; ++n) {
+      if (progress && progress->cancelled()) throw Cancelled();
+      ReportProgress(progress, 0.5 + 0.5 * n / count, "pictures");
+      WritePicture(n);
+    }
+    if (video_) video_->Finish();
+    if (options_.blender) WriteBlender();
+    for (const char* part : {"layers", "compare", "blender"})
+      if (fs::is_empty(folder_ / part)) fs::remove(folder_ / part);
+    return std::move(written_);
+  }
+
+ private:
+  static void Make(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error)
+      throw DiskError("composite: cannot create " + folder.string() + ": " + error.message());
+  }
+
+  void WritePicture(int n) {
+    const PlannedPicture& planned = input_.plan.pictures[n];
+    if (planned.kind == PictureKind::kBetween) return WriteBetween(n, planned);
+    if (planned.filmed < 0) return;
+    const fs::path& from = input_.film[planned.filmed].path;
+    const std::string bytes = ReadFile(from);
+    const fs::path to = folder_ / (Number(n) + from.extension().string());
+    WriteFile(to, bytes);
+    if (planned.kind == PictureKind::kFilmed && Sha256Of(ReadFile(to)) == Sha256Of(bytes))
+      ++written_.filmed_unchanged;
+    const Image8 picture = film_.read(planned.filmed);
+    Show(n, picture);
+    if (planned.kind == PictureKind::kFilmed) Join(n, planned, picture);
+  }
+
+  void WriteBetween(int n, const PlannedPicture& planned) {
+    const ComposedPicture composed =
+        Compose(geometry_, input_.looks, film_, lessons_, planned.animation, ExposureAt(n),
+                options_.compose, static_cast<std::uint64_t>(n) + 1);
+    if (options_.exr) {
+      WriteLinearImage(folder_ / (Number(n) + ".exr"), composed.light);
+      WriteLinearImage(folder_ / "layers" / (Number(n) + ".exr"), composed.layer);
+    } else {
+      WritePng(folder_ / (Number(n) + ".png"), composed.picture);
+      WriteFile(folder_ / "layers" / (Number(n) + ".png"), EncodePng(StraightOf(composed.layer)));
+    }
+    Show(n, composed.picture);
+  }
+
+  /// Where a located frame was filmed, it is rendered too, to be compared.
+  void Join(int n, const PlannedPicture& planned, const Image8& filmed) {
+    const FilmedPicture& picture = film_.pictures[planned.filmed];
+    if (picture.anchor < 0 || planned.animation < 0) return;
+    ComposeOptions still = options_.compose;
+    still.shutter_deg = 0;
+    const ComposedPicture composed =
+        Compose(geometry_, input_.looks, film_, lessons_, planned.animation,
+                lessons_.exposures[planned.filmed], still, static_cast<std::uint64_t>(n) + 1);
+    const Anchor& anchor = geometry_.anchors()[picture.anchor];
+    written_.joins.push_back({n, input_.shot.frames[anchor.shot_frame].pose,
+                              MeasureJoin(composed.picture, filmed, composed.coverage)});
+    if (options_.compare)
+      WritePng(folder_ / "compare" / (Number(n) + ".png"), SideBySide(filmed, composed.picture));
+  }
+
+  /// Between the filmed frames on both sides.
+  Eigen::Vector3d ExposureAt(int n) const {
+    int before = n, after = n;
+    const auto filmed = [&](int k) {
+      return k >= 0 && k < SizeOf(input_.plan.pictures) &&
+             input_.plan.pictures[k].kind == PictureKind::kFilmed;
+    };
+    while (before >= 0 && !filmed(before)) --before;
+    while (after < SizeOf(input_.plan.pictures) && !filmed(after)) ++after;
+    const bool has_before = before >= 0, has_after = after < SizeOf(input_.plan.pictures);
+    const auto of = [&](int k) { return lessons_.exposures[input_.plan.pictures[k].filmed]; };
+    if (!has_before && !has_after) return Eigen::Vector3d::Ones();
+    if (!has_before) return of(after);
+    if (!has_after) return of(before);
+    const double share = static_cast<double>(n - before) / (after - before);
+    return (1 - share) * of(before) + share * of(after);
+  }
+
+  void Show(int n, const Image8& picture) {
+    if (video_) video_->Add(Even(picture));
+    if (!options_.blender) return;
+    const Image8 flat = camera_.distorted() ? Undistorted(picture, camera_) : picture;
+    WriteImage(folder_ / "blender" / ("film_" + Number(n) + ".jpg"), flat, 95);
+  }
+
+  void WriteBlender() {
+    const fs::path folder = folder_ / "blender";
+    BlenderShot shot{
+        geometry_.view(), input_.times.fps, input_.plan.start, SizeOf(input_.plan.pictures), {},
+        "plate.png",      "film_0000.jpg"};
+    const Image8 plate = SrgbOf(lessons_.plate.light);
+    WritePng(folder / shot.plate, camera_.distorted() ? Undistorted(plate, camera_) : plate);
+    for (int i = 0; i < SizeOf(input_.looks.textures); ++i) {
+      shot.textures.push_back(fmt::format("texture_{}.png", i));
+      WritePng(folder / shot.textures.back(), SrgbOf(input_.looks.textures[i]));
+    }
+    std::vector<PointsX3> frames;
+    for (int f = 0; f < SizeOf(input_.frames); ++f) frames.push_back(geometry_.Points(f));
+    const Looks& looks = input_.looks;
+    for (const BlenderFile& file :
+         BlenderFiles(shot, looks.faces, looks.uvs, looks.uv_faces, frames))
+      WriteFile(folder / file.name, file.bytes);
+  }
+
+  fs::path folder_;
+  const CompositeInput& input_;
+  const ShotGeometry& geometry_;
+  const Film& film_;
+  const FilmLessons& lessons_;
+  const OutputOptions& options_;
+  Camera camera_;
+  std::unique_ptr<Mp4Writer> video_;
+  Written written_;
+};
+
+}  // namespace
+
+Written WriteShot(const fs::path& folder, const CompositeInput& input, const ShotGeometry& geometry,
+                  const Film& film, const FilmLessons& lessons, const OutputOptions& options,
+                  Progress* progress) {
+  return ShotWriter(folder, input, geometry, film, lessons, options).WriteAll(progress);
+}
+
+}  // namespace keypose::composite

@@ -1,0 +1,41 @@
+// Writes the pictures of a finished shot, and what belongs to them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "composite/composing/compose.h"
+#include "composite/composing/join.h"
+#include "composite/composite_input.h"
+
+namespace keypose::composite {
+
+struct OutputOptions {
+  ComposeOptions compose;
+  bool exr = false, video = true, compare = true, blender = true;
+};
+
+/// How one key's render joins its filmed frame.
+struct KeyJoin {
+  int picture = 0;   ///< number in the finished shot
+  std::string pose;  ///< empty: a located frame that shows no key pose
+  JoinFigures figures;
+};
+
+struct Written {
+  std::vector<KeyJoin> joins;
+  int filmed_unchanged = 0;  ///< filmed frames whose copy has the same hash
+};
+
+/// Writes into the folder:
+/// - 0000.png and on: the finished shot; filmed frames as they were filmed, under their own kind of
+///   file; in-betweens as PNG or EXR
+/// - layers/: character and shadow of the rendered pictures alone, with alpha
+/// - plate.png, shot.mp4, compare/ (filmed, rendered, difference), blender/, composite.json
+/// @throws DiskError, ToolError; Cancelled
+Written WriteShot(const std::filesystem::path& folder, const CompositeInput& input,
+                  const ShotGeometry& geometry, const Film& film, const FilmLessons& lessons,
+                  const OutputOptions& options, Progress* progress);
+
+}  // namespace keypose::composite

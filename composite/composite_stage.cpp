@@ -1,0 +1,182 @@
+// keypose-composite: in-betweens rendered into a filmed shot.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "composite/composite_input.h"
+#include "composite/composite_output.h"
+#include "core/io/files.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+
+namespace {
+
+using keypose::StageContext;
+using namespace keypose::composite;
+using nlohmann::ordered_json;
+
+struct CompositeOptions {
+  int samples = 4;
+  double shutter = 0;
+  double fps = 24;
+  std::string format = "png";
+  bool shadow = true, grain = true, video = true, compare = true, blender = true;
+
+  void Describe(keypose::OptionVisitor& visit) {
+    visit("samples", samples, {"rays along each side of a pixel", "", 1, 16, {}});
+    visit("shutter", shutter,
+          {"motion blur: how long the shutter is open, 360 is a picture's whole time; 0: none, as "
+           "filmed frames of stop motion have none",
+           "deg",
+           0,
+           360,
+           {}});
+    visit("fps", fps, {"of the frames, where their folder does not say", "1/s", 0.1, 1000, {}});
+    visit("format", format,
+          {.help = "of rendered pictures; exr is linear light without grain, layers premultiplied",
+           .unit = "",
+           .choices = {"png", "exr"}});
+    visit("shadow", shadow, {"the character's shadow on the table", ""});
+    visit("grain", grain, {"the film's grain on rendered pictures", ""});
+    visit("video", video, {"write shot.mp4", ""});
+    visit(
+        "compare", compare,
+        {"write compare/: for each located frame filmed, rendered, and four times their difference",
+         ""});
+    visit("blender", blender, {"write blender/: the shot as a scene", ""});
+  }
+};
+
+const keypose::StageSpec kSpec{
+    .name = "composite",
+    .version = "1",
+    .summary = "Renders in-betweens into a filmed shot.",
+    .inputs = {{.name = "frames",
+                .kind = "folder",
+                .help = "the animation's frames (frame_0000.ply, ..., distortion.json)"},
+               {.name = "textures",
+                .kind = "file",
+                .help = "texture of each key, in the keys' order; or one for all",
+                .repeatable = true},
+               {.name = "shot", .kind = "file", .help = "camera and places (.json), of `locate`"},
+               {.name = "plate",
+                .kind = "path",
+                .help = "the set without the character (a picture), or the film, from which it is "
+                        "made"},
+               {.name = "filmed",
+                .kind = "folder",
+                .help = "filmed frames, which stay as they are; else all pictures are rendered",
+                .optional = true},
+               {.name = "holdout",
+                .kind = "file",
+                .help = "picture that is white where props stand before the character",
+                .optional = true}},
+    .outputs = {{.name = "pictures",
+                 .kind = "folder",
+                 .help = "the finished shot, numbered; layers with alpha, film, report",
+                 .file = "pictures"}},
+    .memory_gib = 3,
+    .common = {"shutter", "format"}};
+
+ordered_json JoinNode(const KeyJoin& join) {
+  const JoinFigures& f = join.figures;
+  return {{"picture", join.picture},
+          {"pose", join.pose},
+          {"psnr_db", f.psnr_db},
+          {"edge_px", f.edge_px},
+          {"edge_share", f.edge_share},
+          {"colour_levels", f.colour_levels},
+          {"box", {f.box[0], f.box[1], f.box[2], f.box[3]}}};
+}
+
+ordered_json PictureNodes(const CompositeInput& input) {
+  ordered_json nodes = ordered_json::array();
+  for (int n = 0; n < keypose::SizeOf(input.plan.pictures); ++n) {
+    const PlannedPicture& picture = input.plan.pictures[n];
+    const char* kinds[] = {"filmed", "between", "held"};
+    ordered_json node = {{"picture", n}, {"kind", kinds[static_cast<int>(picture.kind)]}};
+    if (picture.filmed >= 0 && picture.kind != PictureKind::kBetween)
+      node["film"] = input.film[picture.filmed].path.filename().string();
+    if (picture.animation >= 0) node["frame"] = picture.animation;
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
+void ReportLessons(StageContext& stage, const FilmLessons& lessons) {
+  stage.Report("plate_hidden", lessons.plate.hidden);
+  stage.Report("plate_given", lessons.plate.given);
+  stage.Report("plate_inpainted", lessons.plate.inpainted);
+  stage.Report("grain_levels", lessons.grain ? lessons.grain->MeanSigma() : 0.0);
+  stage.Report("blur_px", lessons.blur_px);
+  stage.Report("shadow_sky", lessons.shadow.strength.sky);
+  stage.Report("shadow_lamp", lessons.shadow.strength.lamp);
+  stage.Report("shadow_explained", lessons.shadow.explained);
+  for (const std::string& note : lessons.notes) stage.Note("composite: " + note);
+  if (lessons.plate.inpainted > 0)
+    stage.Warn(fmt::format(
+        "composite: {} pixels of the set are hidden by the character in all filmed frames and were "
+        "painted in from around them; give a clean plate if one sees it",
+        lessons.plate.inpainted));
+}
+
+void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
+  if (joins.empty()) return;
+  const auto worst = std::min_element(
+      joins.begin(), joins.end(),
+      [](const KeyJoin& a, const KeyJoin& b) { return a.figures.psnr_db < b.figures.psnr_db; });
+  double edge = 0;
+  for (const KeyJoin& join : joins) edge = std::max(edge, join.figures.edge_px);
+  stage.Report("worst_join_psnr_db", worst->figures.psnr_db);
+  stage.Report("worst_join_edge_px", edge);
+  const std::string figures = fmt::format(
+      "at its keys the render is {:.1f} dB from the filmed frames at worst (picture "
+      "{:04}), and its outlines are {:.2f} px off",
+      worst->figures.psnr_db, worst->picture, edge);
+  const bool good = worst->figures.psnr_db >= 28 && edge <= 1,
+             usable = worst->figures.psnr_db >= 22 && edge <= 2.5;
+  stage.Verdict(
+      "shot",
+      good     ? "good"
+      : usable ? "look"
+               : "wrong",
+      good ? figures : figures + "; look at compare/, and locate the shot again where it is off");
+}
+
+void Run(StageContext& stage, const CompositeOptions& options) {
+  const CompositeInput input = ReadCompositeInput(stage, options.fps);
+  const ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
+  const Film film = FilmOf(input, geometry);
+  const FilmLessons lessons =
+      LearnFromFilm(geometry, input.looks, film, options.samples, stage.progress());
+  ReportLessons(stage, lessons);
+  OutputOptions output;
+  output.compose = {options.samples, options.shutter, options.shadow, options.grain};
+  output.exr = options.format == "exr", output.video = options.video;
+  output.compare = options.compare, output.blender = options.blender;
+  const std::filesystem::path folder = stage.Output("pictures");
+  const Written written =
+      WriteShot(folder, input, geometry, film, lessons, output, stage.progress());
+  ordered_json joins = ordered_json::array();
+  for (const KeyJoin& join : written.joins) joins.push_back(JoinNode(join));
+  stage.Report("filmed", input.plan.filmed);
+  stage.Report("between", input.plan.between);
+  stage.Report("held", input.plan.held);
+  stage.Report("filmed_unchanged", written.filmed_unchanged);
+  stage.ReportJson("joins", joins.dump());
+  const ordered_json root = {{"schema", 1},
+                             {"fps", input.times.fps},
+                             {"width", input.shot.camera.width},
+                             {"height", input.shot.camera.height},
+                             {"joins", joins},
+                             {"pictures", PictureNodes(input)}};
+  keypose::WriteFile(folder / "composite.json", root.dump(1) + "\n");
+  Judge(stage, written.joins);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<CompositeOptions>(argc, argv, kSpec, Run);
+}
