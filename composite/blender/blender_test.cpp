@@ -1,0 +1,114 @@
+// The camera that the script builds in Blender shows points where our camera does.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "composite/blender/blender_scene.h"
+#include "core/io/files.h"
+#include "core/render.h"
+
+namespace keypose::composite {
+namespace {
+
+namespace fs = std::filesystem;
+
+View OddView() {
+  View view{"", {641, 360, 700, 721, 300.25, 201.5}, {}};
+  view.camera_from_world = LookAt({1.2, -3.1, 1.4}, {0.1, 0.2, 0.3});
+  return view;
+}
+
+/// A cube's corners, and faces that use them.
+PointsX3 Cube() {
+  PointsX3 points(8, 3);
+  for (int i = 0; i < 8; ++i) points.row(i) << (i & 1) - 0.4, (i >> 1 & 1) - 0.6, (i >> 2) - 0.3;
+  return points;
+}
+
+TEST(BlenderCamera, LooksAlongItsMinusZ) {
+  const View view = OddView();
+  const BlenderCamera camera = BlenderCameraOf(view);
+  EXPECT_NEAR(camera.lens_mm, 700.0 * 36 / 641, 1e-12);
+  const Eigen::Vector3d eye = camera.matrix_world.topRightCorner<3, 1>();
+  EXPECT_LT((eye - view.Center()).norm(), 1e-12);
+  const Eigen::Vector3d ahead = eye - camera.matrix_world.block<3, 1>(0, 2);
+  EXPECT_NEAR((view.camera_from_world * ahead).z(), 1, 1e-12);
+  const Eigen::Vector3d above = eye + camera.matrix_world.block<3, 1>(0, 1);
+  EXPECT_NEAR((view.camera_from_world * above).y(), -1, 1e-12) << "our y points down";
+}
+
+TEST(Undistorted, StraightensWhatTheLensBent) {
+  View view = OddView();
+  Camera bent = view.camera;
+  bent.k1 = -0.12, bent.p1 = 1e-3;
+  // A spot where the bent camera shows a point; the straight one shows it elsewhere.
+  const Eigen::Vector3d point(0.3, -0.15, 1);
+  const Eigen::Vector2d at = bent.Project(point), straight = view.camera.Project(point);
+  Image8 picture(641, 360, 1);
+  for (int y = 0; y < 360; ++y)
+    for (int x = 0; x < 641; ++x)
+      *picture.at(x, y) = (Eigen::Vector2d(x + 0.5, y + 0.5) - at).norm() < 3 ? 255 : 0;
+  const Image8 flat = Undistorted(picture, bent);
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double sum = 0;
+  for (int y = 0; y < 360; ++y)
+    for (int x = 0; x < 641; ++x)
+      mean += *flat.at(x, y) * Eigen::Vector2d(x + 0.5, y + 0.5), sum += *flat.at(x, y);
+  EXPECT_GT((straight - at).norm(), 2);
+  EXPECT_LT((mean / sum - straight).norm(), 0.25);
+}
+
+const char* const kCheck = R"PY(
+import json, pathlib, sys
+import bpy
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
+here = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
+scene = bpy.context.scene
+bpy.context.view_layer.update()
+character = bpy.data.objects["character"]
+pixels = []
+for frame in (0, 1):
+    scene.frame_set(SHOT_START + frame)
+    mesh = character.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    for vertex in mesh.vertices:
+        at = world_to_camera_view(scene, scene.camera, character.matrix_world @ vertex.co)
+        pixels.append([at.x * scene.render.resolution_x, (1 - at.y) * scene.render.resolution_y])
+(here / "pixels.json").write_text(json.dumps(pixels))
+)PY";
+
+TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
+  if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no Blender here";
+  const fs::path folder =
+      fs::temp_directory_path() / ("keypose_blender_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const PointsX3 first = Cube();
+  const PointsX3 second = first.rowwise() + Eigen::RowVector3d(0.2, 0.1, -0.05);
+  FacesX3 faces(2, 3);
+  faces << 0, 1, 2, 5, 6, 7;
+  BlenderShot shot{OddView(), 24, 3, 5, {}, "", ""};
+  for (const BlenderFile& file : BlenderFiles(shot, faces, {}, {}, {first, second}))
+    WriteFile(folder / file.name, file.bytes);
+  WriteFile(folder / "check.py", "SHOT_START = 3\n" + std::string(kCheck));
+  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python " +
+                              (folder / "shot.py").string() + " --python " +
+                              (folder / "check.py").string() + " -- " + folder.string() + " > " +
+                              (folder / "log.txt").string() + " 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log.txt");
+  const auto pixels = nlohmann::json::parse(ReadFile(folder / "pixels.json"));
+  ASSERT_EQ(pixels.size(), 16u);
+  for (int i = 0; i < 16; ++i) {
+    const Eigen::Vector3d point = (i < 8 ? first : second).row(i % 8);
+    const Eigen::Vector2d ours = shot.view.Project(point);
+    EXPECT_NEAR(pixels[i][0], ours.x(), 1e-3) << i;
+    EXPECT_NEAR(pixels[i][1], ours.y(), 1e-3) << i;
+  }
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace keypose::composite

@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "composite/layer/linear_light.h"
+#include "composite/light/exposure.h"
+#include "composite/light/grain.h"
+#include "composite/light/shading.h"
+#include "composite/light/shadow_fit.h"
+#include "core/geometry.h"
+#include "core/render.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::composite {
+namespace {
+
+/// A picture with all levels between 30 and 220.
+ImageF Ramp(int width, int height) {
+  ImageF ramp(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        ramp.at(x, y)[c] = 30 + 190.0f * static_cast<float>((x + 13 * c) % width) / width;
+  return ramp;
+}
+
+TEST(Exposure, WhatMovedDoesNotCount) {
+  ImageF plate(90, 60, 3, 0.3f), picture = plate;
+  const float factors[3] = {1.2f, 1.0f, 0.8f};
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 90; ++x)
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y)[c] = x < 25 ? 0.7f : factors[c] * plate.at(x, y)[c];
+  const Eigen::Vector3d found = ExposureOf(picture, plate, {});
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], factors[c], 1e-5);
+  const Image8 everywhere(90, 60, 1, 255);
+  EXPECT_EQ(ExposureOf(picture, plate, everywhere), Eigen::Vector3d::Ones());
+}
+
+Grain GrainOf(double sigma, double neighbours) {
+  Grain grain;
+  for (auto& channel : grain.sigma) channel.fill(sigma);
+  grain.neighbours = neighbours;
+  return grain;
+}
+
+TEST(Grain, MadeGrainMeasuresTheSame) {
+  const ImageF clean = Ramp(320, 200);
+  for (const double sigma : {1.0, 3.0, 6.0})
+    for (const double neighbours : {0.0, 0.4}) {
+      const Grain grain = GrainOf(sigma, neighbours);
+      const Image8 a = WithGrain(clean, grain, {}, 1), b = WithGrain(clean, grain, {}, 2);
+      const auto measured = MeasureGrain(a, b, {});
+      ASSERT_TRUE(measured);
+      EXPECT_NEAR(measured->MeanSigma(), sigma, 0.1 * sigma + 0.1);
+      EXPECT_NEAR(measured->neighbours, neighbours, 0.08) << sigma;
+    }
+}
+
+TEST(Grain, WhatMovedIsNotGrain) {
+  const ImageF clean = Ramp(320, 200);
+  const Grain grain = GrainOf(2, 0);
+  const Image8 a = WithGrain(clean, grain, {}, 1);
+  Image8 b = WithGrain(clean, grain, {}, 2);
+  std::mt19937 random(5);
+  for (int y = 40; y < 120; ++y)
+    for (int x = 60; x < 160; ++x)
+      for (int c = 0; c < 3; ++c) b.at(x, y)[c] = static_cast<std::uint8_t>(random() % 250);
+  EXPECT_NEAR(MeasureGrain(a, b, {})->MeanSigma(), 2, 0.7);
+}
+
+TEST(Grain, SeedAndShareDecide) {
+  const ImageF clean = Ramp(80, 50);
+  const Grain grain = GrainOf(4, 0.2);
+  EXPECT_EQ(WithGrain(clean, grain, {}, 7).data, WithGrain(clean, grain, {}, 7).data);
+  EXPECT_NE(WithGrain(clean, grain, {}, 7).data, WithGrain(clean, grain, {}, 8).data);
+  const ImageF none(80, 50, 1, 0.0f);
+  const Image8 without = WithGrain(clean, grain, none, 7);
+  for (std::size_t i = 0; i < clean.data.size(); ++i)
+    EXPECT_NEAR(without.data[i], clean.data[i], 0.5001);
+  EXPECT_FALSE(MeasureGrain(Image8(20, 20, 3, 100), Image8(20, 20, 3, 100), {}));
+}
+
+TEST(ShadowFit, FindsLampAndStrengths) {
+  Mesh ball = MakeIcosphere(3);
+  ball.points.col(2).array() += 1;
+  const RayScene scene(ball.points, ball.faces);
+  const Ground table = GroundUnder({ball}, Eigen::Vector3d::UnitZ());
+  const ShadowStrength truth{0.35, 0.5, {Eigen::Vector3d(-0.5, 0.4, 0.7).normalized(), 0.08}};
+  const TableShadow shadow(scene, table, truth);
+  ShadowSamples samples{&scene, {}, {}};
+  for (int i = -20; i <= 20; ++i)
+    for (int j = -20; j <= 20; ++j) {
+      const Eigen::Vector3d place(0.15 * i, 0.15 * j, 0);
+      samples.places.push_back(place);
+      samples.lost.push_back(1 - shadow.Kept(place));
+    }
+  samples.lost[10] = 0.9;  // something else that moved
+  const ShadowFit fit = FitShadow({samples}, table);
+  const double cosine = fit.strength.light.direction.dot(truth.light.direction);
+  EXPECT_LT(std::acos(std::min(1.0, cosine)) * 180 / M_PI, 5);
+  EXPECT_NEAR(fit.strength.sky, truth.sky, 0.08);
+  EXPECT_NEAR(fit.strength.lamp, truth.lamp, 0.08);
+  EXPECT_GT(fit.explained, 0.8);
+}
+
+TEST(ShadowFit, NothingLostIsNoShadow) {
+  Mesh ball = MakeIcosphere(2);
+  ball.points.col(2).array() += 1;
+  const RayScene scene(ball.points, ball.faces);
+  const Ground table = GroundUnder({ball}, Eigen::Vector3d::UnitZ());
+  ShadowSamples few{&scene, {{1, 0, 0}}, {0.5}};
+  EXPECT_EQ(FitShadow({few}, table).strength.lamp, 0);
+}
+
+double LampLight(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d lamp = Eigen::Vector3d(-0.6, -0.6, 0.5).normalized();
+  return 0.4 + 0.8 * std::max(0.0, normal.dot(lamp));
+}
+
+/// A ball, filmed from the front in a lamp's light; its texture is 0.3.
+struct LitBall {
+  Mesh mesh = MakeIcosphere(4);
+  RayScene scene{mesh.points, mesh.faces};
+  View view{"", {160, 120, 150, 150, 80, 60}, LookAt({0, -4, 1}, {0, 0, 0})};
+  ImageF filmed{160, 120, 3, 0.1f}, layer{160, 120, 4};
+
+  LitBall() {
+    const Rigid3 world_from_camera = view.camera_from_world.Inverse();
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < 160; ++x) {
+        const Eigen::Vector3d ray =
+            world_from_camera.rotation * view.camera.Unproject({x + 0.5, y + 0.5});
+        const RayScene::Hit hit = scene.Cast(world_from_camera.translation, ray);
+        if (hit.face < 0) continue;
+        const Eigen::Vector3d normal =
+            (world_from_camera.translation + hit.distance * ray).normalized();
+        for (int c = 0; c < 3; ++c) {
+          layer.at(x, y)[c] = 0.3f;
+          filmed.at(x, y)[c] = static_cast<float>(0.3 * LampLight(normal) * (c == 2 ? 0.9 : 1));
+        }
+        layer.at(x, y)[3] = 1;
+      }
+  }
+};
+
+TEST(Shading, GainsOfAFilmedFrameComeBack) {
+  const LitBall ball;
+  const ObservedGains observed = ObserveGains(ball.filmed, ball.layer, {}, ball.mesh.points,
+                                              ball.mesh.faces, ball.scene, ball.view, 0.8);
+  const ShotLight light = FitShotLight({observed}, ball.mesh.faces);
+  const PointsX3 normals = VertexNormals(ball.mesh.points, ball.mesh.faces);
+  const PointsX3 gains = GainsBetween(light, 0, 0, 0, normals);
+  int seen = 0;
+  for (Eigen::Index v = 0; v < gains.rows(); ++v) {
+    if (observed.weights[v] < 0.4) continue;
+    EXPECT_NEAR(gains(v, 0), LampLight(normals.row(v)), 0.06);
+    EXPECT_NEAR(gains(v, 2), 0.9 * LampLight(normals.row(v)), 0.06);
+    ++seen;
+  }
+  EXPECT_GT(seen, 400);
+  EXPECT_GT(gains.minCoeff(), 0);
+}
+
+TEST(Shading, WithoutObservationsTheTextureStaysAsItIs) {
+  const ShotLight light = FitShotLight({}, MakeIcosphere(1).faces);
+  const PointsX3 normals = PointsX3::Random(5, 3);
+  EXPECT_LT((GainsBetween(light, -1, -1, 0, normals) - PointsX3::Ones(5, 3)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace keypose::composite
