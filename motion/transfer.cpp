@@ -213,11 +213,12 @@ void Transfer::Impl::Plan() {
 
 /// Volume and holds. They disturb each other a little, so they alternate; what is held comes last.
 void Transfer::Impl::Finish(int frame, PointsX3& pose, TransferReport& made) const {
-  if (kept) made.volume_before = std::abs(kept->VolumeOf(pose) - 1);
   const auto keep_volume = [&] {
     if (!kept) return;
-    const double moved = kept->Apply(pose).largest_move / diagonal;
-    made.volume_move_over_diag = std::max(made.volume_move_over_diag, moved);
+    const KeptVolume::Result result = kept->Apply(pose);
+    made.volume_before = std::max(made.volume_before, result.deviation);
+    made.volume_move_over_diag =
+        std::max(made.volume_move_over_diag, result.largest_move / diagonal);
   };
   keep_volume();
   if (holds) {
@@ -227,7 +228,6 @@ void Transfer::Impl::Finish(int frame, PointsX3& pose, TransferReport& made) con
       made.holds.held_move = std::max(made.holds.held_move, holds->Apply(frame, goals, pose));
     }
   }
-  if (kept) made.volume_after = std::abs(kept->VolumeOf(pose) - 1);
 }
 
 Transfer::Transfer(const Mesh& target, const PointsX3& reference, const FacesX3& template_faces,
@@ -275,7 +275,6 @@ PointsX3 Transfer::Frame(int frame) {
 
 void TransferReport::TakeWorst(const TransferReport& frame) {
   volume_before = std::max(volume_before, frame.volume_before);
-  volume_after = std::max(volume_after, frame.volume_after);
   volume_move_over_diag = std::max(volume_move_over_diag, frame.volume_move_over_diag);
   holds.held_move = std::max(holds.held_move, frame.holds.held_move);
 }

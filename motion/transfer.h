@@ -45,7 +45,6 @@ struct TransferReport {
   int unmarked_parts = 0;
   double largest_turn_between = 0;   ///< of two neighbouring marks [rad]
   double volume_before = 0;          ///< largest |volume / rest - 1| before the correction
-  double volume_after = 0;           ///< and in the result
   double volume_move_over_diag = 0;  ///< largest displacement of a vertex by the correction
   HoldsReport holds;
 

@@ -52,6 +52,8 @@ struct TransferStageOptions {
     visit("rest", rest,
           {.help = "auto: limbs that the target holds otherwise at rest take the template's pose"});
     visit("volume", volume, {.help = "auto: each closed part keeps its volume"});
+    visit("feet", feet,
+          {.help = "auto: feet that stand do not slide, and none sinks into the ground"});
     visit(
         "stretch", stretch,
         {"auto: share of the template's own squash and stretch that is transferred", "", 0, 1, {}});
@@ -77,6 +79,7 @@ StageSpec Spec() {
        "the template in the pose that resembles the target's, on which the marks were picked; by "
        "default its first frame",
        "", true, false}};
+  spec.inputs.push_back({"pins", "file", "marks that are held at places (.json)", "", true, false});
   spec.outputs = {
       {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
   spec.memory_gib = 1;
@@ -165,9 +168,9 @@ void WarnOfMarks(StageContext& stage, const TransferReport& report) {
                " degrees about z, as the marks of the target are");
 }
 
-void ReportRun(StageContext& stage, const TransferReport& report, int frames, int marks,
-               double diagonal) {
-  stage.Report("frames", frames);
+void ReportRun(StageContext& stage, const TransferReport& report,
+               const std::vector<FrameMeasures>& measures, int marks, double diagonal) {
+  stage.Report("frames", SizeOf(measures));
   stage.Report("marks", marks);
   stage.Report("heading_deg", report.turned ? report.alignment.heading / kDegree : 0.0);
   stage.Report("marks_residual", report.alignment.residual);
@@ -177,7 +180,10 @@ void ReportRun(StageContext& stage, const TransferReport& report, int frames, in
   stage.Report("parts_without_marks", report.unmarked_parts);
   stage.Report("largest_turn_between_marks_deg", report.largest_turn_between / kDegree);
   stage.Report("volume_deviation_before", report.volume_before);
-  stage.Report("volume_deviation", report.volume_after);
+  double deviation = 0;
+  for (const FrameMeasures& frame : measures)
+    deviation = std::max(deviation, std::abs(frame.volume - 1));
+  stage.Report("volume_deviation", deviation);
   stage.Report("volume_move_over_diag", report.volume_move_over_diag);
   stage.Report("soles", report.holds.soles);
   stage.Report("contacts", report.holds.contacts);
@@ -237,8 +243,7 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
                                                     : rate > 0      ? rate
                                                                     : 24,
                                                     options.method));
-  ReportRun(stage, transfer.report(), SizeOf(paths), SizeOf(marks),
-            BoundingDiagonal(target.points));
+  ReportRun(stage, transfer.report(), measures, SizeOf(marks), BoundingDiagonal(target.points));
 }
 
 }  // namespace

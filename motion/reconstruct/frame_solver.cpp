@@ -34,12 +34,12 @@ struct TurnJob {
 namespace plain {
 using namespace keypose::plain;
 #include "motion/reconstruct/turned_edges.inc"
-}
+}  // namespace plain
 KEYPOSE_FUSED_BEGIN
 namespace fused {
 using namespace keypose::fused;
 #include "motion/reconstruct/turned_edges.inc"
-}
+}  // namespace fused
 KEYPOSE_FUSED_END
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "deform/solvers/dense_product.h"
 
 namespace keypose::motion {
 
@@ -78,7 +79,8 @@ void PlacedPoses::MoveMarks(std::span<const MotionFrame> frames,
   }
   constexpr int kRows = 4096;
   ParallelBlocks(carried_.rows(), kRows, [&](std::int64_t begin, std::int64_t end) {
-    const Eigen::MatrixXd moves = carried_.middleRows(begin, end - begin) * gaps;
+    Eigen::MatrixXd moves(end - begin, gaps.cols());
+    Multiply(1.0, carried_.middleRows(begin, end - begin), gaps, Flip::kNone, 0.0, moves);
     for (int t = 0; t < SizeOf(poses); ++t)
       poses[t].middleRows(begin, end - begin) += moves.middleCols<3>(3 * t);
   });

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/parallel.h"
-#include "register/intrinsic/dense_product.h"
+#include "deform/solvers/dense_product.h"
 
 namespace keypose::registration {
 

@@ -10,7 +10,7 @@
 #include "core/cholesky.h"
 #include "core/errors.h"
 #include "core/geometry.h"
-#include "register/intrinsic/dense_product.h"
+#include "deform/solvers/dense_product.h"
 
 namespace keypose::registration {
 

@@ -1,10 +1,10 @@
-#include "register/intrinsic/dense_product.h"
+#include "deform/solvers/dense_product.h"
 
 #include <cblas.h>
 
 #include "core/blas_threads.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 namespace {
 
@@ -34,4 +34,4 @@ void Multiply(double factor, const Eigen::Ref<const Eigen::MatrixXd>& a,
   Call(cblas_dgemm, factor, a, b, flip, keep, product);
 }
 
-}  // namespace keypose::registration
+}  // namespace keypose

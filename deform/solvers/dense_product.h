@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace keypose::registration {
+namespace keypose {
 
 enum class Flip { kNone, kFirst, kSecond };
 
@@ -19,4 +19,4 @@ void Multiply(double factor, const Eigen::Ref<const Eigen::MatrixXd>& a,
               const Eigen::Ref<const Eigen::MatrixXd>& b, Flip flip, double keep,
               Eigen::Ref<Eigen::MatrixXd> product);
 
-}  // namespace keypose::registration
+}  // namespace keypose

@@ -1,0 +1,170 @@
+// The program keypose-fit on photographs of a clay character, against the exact correspondence.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/mesh_io.h"
+
+namespace keypose::fit {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+int Call(const std::string& program, const std::string& words, const fs::path& log) {
+  const std::string command =
+      std::string(KEYPOSE_BIN_DIR) + "/keypose-" + program + " " + words + " > " + log.string() + " 2>&1";
+  return std::system(command.c_str()) >> 8;
+}
+
+/// The template of a clay character, made from its true surface and cameras, and six photographs of
+/// it with moved limbs. Made once for all tests.
+class FitProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = fs::path(testing::TempDir()) / "keypose_fit_program";
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    const std::string f = folder.string();
+    Make("synth", "photos --output " + f + "/world --poses rest,limbs --views 20 --few limbs=6 " +
+                      "--width 800 --spacing 0.004 --seed 5 --pose-seed 5");
+    Make("cleanup", "--surface " + f + "/world/truth/rest/surface.ply --faces 8000 --clean " + f +
+                        "/clean.ply");
+    Make("unwrap", "--clean " + f + "/clean.ply --unwrapped " + f + "/template.obj");
+    Make("capture", "--photos " + f + "/world/photos/rest --images " + f + "/rest");
+    Make("capture",
+         "--photos " + f + "/world/photos/limbs --images " + f + "/limbs --min_images 2");
+    Make("bake", "--mesh " + f + "/template.obj --images " + f + "/rest --model " + f +
+                     "/world/truth/rest/cameras --texture_size 1024 --hold_out 0 --texture " + f +
+                     "/template.png");
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  static void Make(const std::string& program, const std::string& words) {
+    ASSERT_EQ(Call(program, words, folder / "log"), 0) << program << ": " << ReadFile(folder / "log");
+  }
+  static int Fit(const fs::path& images, const fs::path& rig, const std::string& more = "") {
+    const std::string f = folder.string();
+    return Call("fit",
+                "--template " + f + "/template.obj --texture " + f + "/template.png --images " +
+                    images.string() + " --rig " + rig.string() + " --fitted " + f +
+                    "/fitted.obj --model " + f + "/model --picture " + f +
+                    "/fitted.png --overwrite --report " + f + "/fit.json " + more,
+                folder / "log");
+  }
+  static fs::path Rig() { return folder / "world/truth/rest/cameras"; }
+  static std::string Log() { return ReadFile(folder / "log"); }
+  static nlohmann::json Measured() {
+    return nlohmann::json::parse(ReadFile(folder / "fit.json"))["measurements"];
+  }
+  /// Errors over the diagonal against the exact correspondence, after alignment by the cameras.
+  static nlohmann::json Scored() {
+    const std::string f = folder.string(), rest = f + "/world/truth/rest";
+    Make("synth", "score --truth " + f + "/world/truth/limbs --model " + f + "/model --mesh " + f +
+                      "/fitted.obj --registered " + f + "/fitted.obj --template-truth " + rest +
+                      " --template-model " + rest + "/cameras --template-mesh " + f +
+                      "/template.obj --json " + f + "/score.json");
+    return nlohmann::json::parse(ReadFile(folder / "score.json"))["correspondence"];
+  }
+
+  static inline fs::path folder;
+};
+
+TEST_F(FitProgram, SixPhotographsGiveThePoseWithTheTemplatesFaces) {
+  ASSERT_EQ(Fit(folder / "limbs", Rig()), 0) << Log();
+  const Mesh fitted = ReadMesh(folder / "fitted.obj"), rest = ReadMesh(folder / "template.obj");
+  EXPECT_EQ(fitted.faces, rest.faces);
+  EXPECT_EQ(fitted.uv_faces, rest.uv_faces);
+  const nlohmann::json score = Scored(), measured = Measured();
+  EXPECT_LT(score["mean"], 0.004);
+  EXPECT_LT(score["p95"], 0.015);
+  EXPECT_EQ(score["flipped"], 0);
+  EXPECT_EQ(measured["images_placed"], 6);
+  EXPECT_EQ(measured["rig"], true);
+  EXPECT_GT(measured["iou_mean"], 0.97);
+  EXPECT_GT(ReadImage(folder / "fitted.png").width, 400);
+}
+
+TEST_F(FitProgram, GivesTheSameBitsWithAnyNumberOfThreads) {
+  ASSERT_EQ(setenv("KEYPOSE_THREADS", "1", 1), 0);
+  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 500"), 0) << Log();
+  const std::string one = ReadFile(folder / "fitted.obj");
+  ASSERT_EQ(setenv("KEYPOSE_THREADS", "3", 1), 0);
+  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 500"), 0) << Log();
+  unsetenv("KEYPOSE_THREADS");
+  EXPECT_EQ(one, ReadFile(folder / "fitted.obj"));
+}
+
+/// A rig whose cameras stand elsewhere, with the same lens.
+fs::path OtherRig(const fs::path& rig, const fs::path& other) {
+  Scene scene = ReadColmapModel(rig);
+  scene.views.resize(1);
+  scene.views[0].camera_from_world.translation.z() *= 2.5;
+  fs::create_directories(other);
+  WriteColmapModel(other, scene);
+  return other;
+}
+
+TEST_F(FitProgram, FindsCamerasThatAreNoneOfTheRigs) {
+  ASSERT_EQ(Fit(folder / "limbs", OtherRig(Rig(), folder / "other_rig")), 0) << Log();
+  EXPECT_EQ(Measured()["rig"], false);
+  EXPECT_EQ(Measured()["images_placed"], 6);
+  EXPECT_GT(Measured()["iou_mean"], 0.95);
+}
+
+TEST_F(FitProgram, PhotographsOfAnotherCharacterAreRefused) {
+  const std::string f = folder.string();
+  Make("synth", "photos --output " + f + "/stranger --poses bent --views 4 --width 800 --spacing "
+                "0.004 --seed 9");
+  Make("capture", "--photos " + f + "/stranger/photos/bent --images " + f +
+                      "/strangers --min_images 2");
+  fs::remove(folder / "fitted.obj");
+  EXPECT_EQ(Fit(folder / "strangers", Rig()), 3);
+  EXPECT_THAT(Log(), HasSubstr("check that they show the same character as the template"));
+  EXPECT_FALSE(fs::exists(folder / "fitted.obj"));
+}
+
+TEST_F(FitProgram, PhotographsOfAnotherSizeAreNamed) {
+  const std::string f = folder.string();
+  Make("synth", "photos --output " + f + "/square --poses limbs --few limbs=3 --views 20 --width "
+                "500 --height 500 --spacing 0.004 --seed 5 --pose-seed 5");
+  Make("capture", "--photos " + f + "/square/photos/limbs --images " + f +
+                      "/squares --min_images 2");
+  EXPECT_EQ(Fit(folder / "squares", Rig()), 3);
+  EXPECT_THAT(Log(), HasSubstr("500 x 500"));
+  EXPECT_THAT(Log(), HasSubstr("photograph all poses with one camera"));
+}
+
+TEST_F(FitProgram, EmptyMasksAreAnError) {
+  fs::copy(folder / "limbs", folder / "black", fs::copy_options::recursive);
+  const ImageSet set = ReadImageSet(folder / "black");
+  for (int i = 0; i < static_cast<int>(set.images.size()); ++i)
+    WriteImage(set.MaskPath(i), Image8(set.images[i].width, set.images[i].height, 1));
+  EXPECT_EQ(Fit(folder / "black", Rig()), 3);
+  EXPECT_THAT(Log(), HasSubstr("mask"));
+}
+
+TEST_F(FitProgram, AGateOnTheOverlapFailsWithItsOwnCode) {
+  EXPECT_EQ(Fit(folder / "limbs", Rig(), "--max_size 500 --min_iou 1"), 6);
+  EXPECT_THAT(Log(), HasSubstr("--min_iou"));
+}
+
+TEST_F(FitProgram, ATemplateWithoutTextureCoordinatesIsAnError) {
+  const std::string f = folder.string();
+  EXPECT_EQ(Call("fit",
+                 "--template " + f + "/clean.ply --texture " + f + "/template.png --images " + f +
+                     "/limbs --rig " + Rig().string() + " --fitted " + f + "/none.obj",
+                 folder / "log"),
+            3);
+  EXPECT_THAT(Log(), HasSubstr("unwrap"));
+}
+
+}  // namespace
+}  // namespace keypose::fit

@@ -1,0 +1,261 @@
+// The programs keypose-animate and keypose-transfer, as a user starts them.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/angles.h"
+#include "core/geometry.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "core/rotations.h"
+#include "core/size_of.h"
+#include "core/testing_shapes.h"
+#include "deform/levels/geodesics.h"
+#include "motion/root/feet.h"
+#include "motion/testing/rigged_scan.h"
+#include "motion/transfer.h"
+
+namespace keypose::motion {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Programs : public testing::Test {
+ protected:
+  Programs() {
+    std::string name = (fs::temp_directory_path() / "keypose-motion-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~Programs() override { fs::remove_all(folder_); }
+
+  int Run(const std::string& program, const std::string& arguments) {
+    const std::string command = "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-" +
+                                program + "' " + arguments + " > log.txt 2>&1";
+    const int status = std::system(command.c_str());
+    log_ = ReadFile(folder_ / "log.txt");
+    return WEXITSTATUS(status);
+  }
+  bool Says(const std::string& words) const { return log_.find(words) != std::string::npos; }
+
+  /// A bar that bends, another bar of other faces, and marks on both.
+  void WriteBars() {
+    const Mesh small = MakeCylinder(0.1, 2, 10, 30);
+    fs::create_directory(folder_ / "template");
+    for (int t = 0; t < 4; ++t) {
+      Mesh frame = small;
+      frame.points.col(0).array() += 0.1 * t * frame.points.col(2).array().square();
+      WriteMesh(folder_ / "template" / FrameFileName(t), frame);
+    }
+    WriteFile(folder_ / "template/distortion.json", FrameNotesText({{}, {}, {}, {}}, 12, "test"));
+    target_ = MakeCylinder(0.15, 1.6, 16, 40);
+    WriteMesh(folder_ / "target.ply", target_);
+    std::vector<LandmarkPair> pairs;
+    for (int k = 0; k < 12; ++k) {
+      const double share = (k + 0.5) / 12, side = k % 2 ? 1 : -1;
+      LandmarkPair pair;
+      pair.name = "m" + std::to_string(k);
+      pair.source = {pair.name, FaceNear(small, {0.1 * side, 0, 2 * share}), {0.2, 0.3, 0.5}};
+      pair.target = {pair.name, FaceNear(target_, {0.15 * side, 0, 1.6 * share}), {0.2, 0.3, 0.5}};
+      pairs.push_back(pair);
+    }
+    WriteLandmarkPairs(folder_ / "marks.json", small, target_, pairs);
+  }
+
+  static constexpr const char* kTransfer =
+      "--template template --target target.ply --marks marks.json --frames out --overwrite ";
+
+  fs::path folder_;
+  std::string log_;
+  Mesh target_;
+};
+
+TEST_F(Programs, TransferWritesFramesThatExportTakes) {
+  WriteBars();
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--report report.json"), 0) << log_;
+  const std::vector<fs::path> frames = NumberedFrames(folder_ / "out", "test");
+  ASSERT_EQ(frames.size(), 4u);
+  EXPECT_EQ(ReadMesh(frames[3]).faces, target_.faces);
+  EXPECT_EQ(FrameRateOf(folder_ / "out"), 12);
+  const auto notes = nlohmann::json::parse(ReadFile(folder_ / "out/distortion.json"));
+  ASSERT_EQ(notes["frames"].size(), 4u);
+  EXPECT_NEAR(notes["frames"][3]["volume"].get<double>(), 1, 1e-4);
+  const auto report = nlohmann::json::parse(ReadFile(folder_ / "report.json"));
+  EXPECT_EQ(report["measurements"]["marks"], 12);
+  EXPECT_LT(report["measurements"]["volume_deviation"].get<double>(), 1e-4);
+}
+
+TEST_F(Programs, TransferNamesWhatIsWrong) {
+  WriteBars();
+  WriteMesh(folder_ / "other.ply", MakeIcosphere(3));
+  EXPECT_EQ(Run("transfer", "--template template --target other.ply --marks marks.json --frames x"),
+            3);
+  EXPECT_TRUE(Says("marks.json")) << log_;
+  EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--reference other.ply"), 3) << log_;
+
+  WriteFile(folder_ / "pins.json", R"({"pins": [{"mark": "paw", "from": 0, "to": 1}]})");
+  EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--pins pins.json"), 3);
+  EXPECT_TRUE(Says("'paw'")) << log_;
+  for (const char* pins : {"[]", R"({"pins": [{"mark": "m1", "from": 0.5, "to": 1}]})",
+                           R"({"pins": [{"mark": "m1", "from": 0, "to": 1, "at": [0, 1]}]})",
+                           R"({"pins": [3]})", R"({"pins": [{"mark": "m1", "from": 2, "to": 1}]})",
+                           R"({"pins": [{"mark": "m1", "from": 0, "to": 99}]})"}) {
+    WriteFile(folder_ / "pins.json", pins);
+    EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--pins pins.json"), 3) << pins << log_;
+  }
+  WriteFile(folder_ / "pins.json", R"({"pins": [{"mark": "m1", "from": 0, "to": 1}]})");
+  EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--pins pins.json --method paper"), 2);
+  EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--pins pins.json"), 0) << log_;
+
+  WriteMesh(folder_ / "template/frame_0002.ply", MakeIcosphere(2));
+  EXPECT_EQ(Run("transfer", kTransfer), 3);
+  EXPECT_TRUE(Says("frame_0002.ply of the template does not have the faces")) << log_;
+}
+
+TEST_F(Programs, MeshThatFacesTheOtherWayMovesRightOrIsRefused) {
+  WriteBars();
+  Mesh turned = target_;
+  turned.points = target_.points * ExpOf({0, 0, kPi}).transpose();
+  std::vector<LandmarkPair> pairs = ReadLandmarkPairs(
+      {folder_ / "marks.json"}, ReadMesh(folder_ / "template/frame_0000.ply"), target_);
+  WriteLandmarkPairs(folder_ / "marks.json", ReadMesh(folder_ / "template/frame_0000.ply"), turned,
+                     pairs);
+  WriteMesh(folder_ / "target.ply", turned);
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  EXPECT_TRUE(Says("turned by")) << log_;
+  const Mesh last = ReadMesh(folder_ / "out/frame_0003.ply");
+  Eigen::Index top = 0;
+  turned.points.col(2).maxCoeff(&top);
+  EXPECT_LT(last.points(top, 0), -0.2);  // the template bends towards +x, which it sees as -x
+  EXPECT_EQ(Run("transfer", std::string(kTransfer) + "--align none"), 3);
+  EXPECT_TRUE(Says("opposite ways")) << log_;
+}
+
+TEST_F(Programs, AnimateListsJointsThatItDoesNotKnow) {
+  WriteFile(folder_ / "clip.bvh",
+            "HIERARCHY\nROOT Boing\n{\n OFFSET 0 0 0\n CHANNELS 3 Xrotation Yrotation Zrotation\n"
+            " JOINT Boom\n {\n  OFFSET 0 1 0\n  CHANNELS 3 Xrotation Yrotation Zrotation\n"
+            "  End Site\n  {\n   OFFSET 0 1 0\n  }\n }\n}\n"
+            "MOTION\nFrames: 2\nFrame Time: 0.04\n0 0 0 0 0 0\n0 0 90 0 0 0\n");
+  WriteMesh(folder_ / "body.obj", MakeBox(1, 1, 1));
+  WriteFile(folder_ / "bones.tgf", "1 0 0 0\n2 0 1 0\n#\n1 2\n#\n");
+  WriteFile(folder_ / "weights.dmat", "1 8\n1\n1\n1\n1\n1\n1\n1\n1\n");
+  const std::string rig =
+      "--clip clip.bvh --mesh body.obj --skeleton bones.tgf --weights weights.dmat --frames out ";
+  EXPECT_EQ(Run("animate", rig), 3);
+  EXPECT_TRUE(Says("Boing, Boom") && Says("1-2") && Says("--joints")) << log_;
+  WriteFile(folder_ / "joints.json", R"({"joints": {"Bang": "1-2"}})");
+  EXPECT_EQ(Run("animate", rig + "--joints joints.json"), 3);
+  EXPECT_TRUE(Says("no joint 'Bang'")) << log_;
+  WriteFile(folder_ / "joints.json", R"({"joints": {"Boing": "1-2"}})");
+  ASSERT_EQ(Run("animate", rig + "--joints joints.json --fps 25"), 0) << log_;
+  // The box is turned by 90 degrees about z, then y becomes up.
+  const Mesh frame = ReadMesh(folder_ / "out/frame_0001.ply");
+  EXPECT_NEAR(frame.points.col(0).minCoeff(), -1, 1e-9);
+  EXPECT_NEAR(frame.points.col(2).minCoeff(), 0, 1e-9);
+}
+
+/// A walk of the library on MakeHuman's body, and the same body with shorter legs as the target.
+class LibraryWalk : public Programs {
+ protected:
+  bool Prepare() {
+    const char* data = std::getenv("KEYPOSE_DATA");
+    const fs::path motion = fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion";
+    if (!fs::exists(motion)) return false;
+    const fs::path human = motion / "human/makehuman";
+    EXPECT_EQ(Run("animate", "--clip '" + (motion / "bvh/131_01.bvh").string() + "' --mesh '" +
+                                 (human / "base.obj").string() + "' --skeleton '" +
+                                 (human / "rigs/default.mhskel").string() + "' --weights '" +
+                                 (human / "rigs/default_weights.mhw").string() +
+                                 "' --frames walk --reference body.ply --to 3"),
+              0)
+        << log_;
+    body_ = ReadMesh(folder_ / "body.ply");
+    for (const fs::path& path : NumberedFrames(folder_ / "walk", "test"))
+      frames_.push_back(ReadMesh(path).points);
+    target_ = body_;
+    const double hips = 0.5 * body_.points.col(2).maxCoeff();
+    for (Eigen::Index i = 0; i < target_.points.rows(); ++i) {
+      double& z = target_.points(i, 2);
+      z = z < hips ? 0.6 * z : z - 0.4 * hips;
+    }
+    const GeodesicGraph graph(body_.points, body_.faces, GeodesicGraph::kEdgesOnly);
+    std::vector<int> face_of(body_.points.rows(), -1);
+    const Eigen::VectorXd areas = FaceAreas(body_.points, body_.faces);
+    for (int f = 0; f < body_.face_count(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        int& best = face_of[body_.faces(f, k)];
+        if (best < 0 || areas[f] > areas[best]) best = f;
+      }
+    for (int v : graph.FarthestPoints(60)) {
+      Mark mark;
+      mark.name = std::to_string(v);
+      mark.on_template.face = mark.on_target.face = face_of[v];
+      marks_.push_back(mark);
+    }
+    return true;
+  }
+
+  std::vector<PointsX3> Transferred(bool feet) const {
+    TransferOptions options;
+    options.feet = feet;
+    Transfer transfer(target_, body_.points, body_.faces, marks_, options);
+    for (const PointsX3& frame : frames_) transfer.Add(frame, "frame");
+    std::vector<PointsX3> result;
+    transfer.Run([&](int, const PointsX3& points) { result.push_back(points); });
+    return result;
+  }
+
+  /// Mean way of the patches that stand, from frame to frame, over the height.
+  double SlideOf(const std::vector<PointsX3>& poses) const {
+    const double height = body_.points.col(2).maxCoeff();
+    double sum = 0;
+    int count = 0;
+    for (const SolePatch& sole : FindSoles(body_.points, body_.faces)) {
+      SoleTrack track{PointsX3(std::ssize(frames_), 3), Eigen::VectorXd(std::ssize(frames_))};
+      PointsX3 moved(std::ssize(frames_), 3);
+      for (int t = 0; t < SizeOf(frames_); ++t) {
+        track.centres.row(t).setZero();
+        track.lowest[t] = 1e300;
+        moved.row(t).setZero();
+        for (int i : sole.vertices) {
+          const double share = 1.0 / static_cast<double>(sole.vertices.size());
+          track.centres.row(t) += share * frames_[t].row(i);
+          track.lowest[t] = std::min(track.lowest[t], frames_[t](i, 2));
+          moved.row(t) += share * poses[t].row(i);
+        }
+      }
+      const std::vector<char> stands = FindContacts(track, height, 24);
+      for (int t = 0; t + 1 < SizeOf(frames_); ++t)
+        if (stands[t] && stands[t + 1])
+          sum += (moved.row(t + 1) - moved.row(t)).norm() / height, ++count;
+    }
+    EXPECT_GT(count, 50);
+    return sum / count;
+  }
+
+  Mesh body_;
+  std::vector<PointsX3> frames_;
+  std::vector<Mark> marks_;
+};
+
+TEST_F(LibraryWalk, FeetOfAShortLeggedBodyDoNotSlide) {
+  if (!Prepare()) GTEST_SKIP() << "motion/ is not here; set KEYPOSE_DATA";
+  const std::vector<PointsX3> standing = Transferred(true), sliding = Transferred(false);
+  RecordProperty("slide_over_height", std::to_string(SlideOf(standing)));
+  RecordProperty("slide_without_feet", std::to_string(SlideOf(sliding)));
+  EXPECT_LT(SlideOf(standing), 0.1 * SlideOf(sliding));
+  EXPECT_LT(SlideOf(standing), 2e-4);
+  double lowest = 0;
+  for (const PointsX3& pose : standing) lowest = std::min(lowest, pose.col(2).minCoeff());
+  EXPECT_GT(lowest, -0.03 * target_.points.col(2).maxCoeff());
+}
+
+}  // namespace
+}  // namespace keypose::motion
