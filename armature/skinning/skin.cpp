@@ -77,21 +77,19 @@ void Skin::Pose(const std::vector<Rigid3>& bones, PointsX3* points) const {
   std::vector<DualQuaternion> duals(bone_count_);
   for (int b = 0; b < bone_count_; ++b) duals[b] = DualOf(bones[b]);
   if (points->rows() != rest_.rows()) points->resize(rest_.rows(), 3);
-  ParallelBlocks(rest_.rows(), 4096, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v) {
-      const auto& index = weights_.bones[v];
-      const auto& weight = weights_.weights[v];
-      // Of a motion's two dual quaternions the one nearer to the heaviest bone's.
-      const DualQuaternion& first = duals[index[0]];
-      DualQuaternion sum = weight[0] * first;
-      for (int k = 1; k < SkinWeights::kMost && weight[k] > 0; ++k) {
-        const DualQuaternion& next = duals[index[k]];
-        const double sign = next.head<4>().dot(first.head<4>()) < 0 ? -weight[k] : weight[k];
-        sum += sign * next;
-      }
-      points->row(v) = Moved(sum, rest_.row(v));
+  for (Eigen::Index v = 0; v < rest_.rows(); ++v) {
+    const auto& index = weights_.bones[v];
+    const auto& weight = weights_.weights[v];
+    // Of a motion's two dual quaternions the one nearer to the heaviest bone's.
+    const DualQuaternion& first = duals[index[0]];
+    DualQuaternion sum = weight[0] * first;
+    for (int k = 1; k < SkinWeights::kMost && weight[k] > 0; ++k) {
+      const DualQuaternion& next = duals[index[k]];
+      const double sign = next.head<4>().dot(first.head<4>()) < 0 ? -weight[k] : weight[k];
+      sum += sign * next;
     }
-  });
+    points->row(v) = Moved(sum, rest_.row(v));
+  }
 }
 
 }  // namespace keypose::armature

@@ -44,7 +44,8 @@ class Skin {
   /// @param bones  of each: x_now = bones[b] * x_at_rest
   /// @param points  V x 3; resized when it has another size
   /// @pre as many bones as the constructor got
-  /// Cost: linear; on all threads. Same bits for any thread count.
+  /// Cost: linear. On the calling thread alone: a live pose must not wait for threads that draw its
+  /// pictures.
   void Pose(const std::vector<Rigid3>& bones, PointsX3* points) const;
 
   int vertex_count() const { return static_cast<int>(rest_.rows()); }

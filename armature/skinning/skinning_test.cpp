@@ -171,18 +171,6 @@ TEST(Skin, MirroredBendGivesMirroredMesh) {
     }
 }
 
-TEST(Skin, SameBitsForAnyThreadCount) {
-  const TwoBones tube;
-  const Skin skin(tube.mesh.points, HeatWeights(tube.mesh, tube.bones).weights, 2);
-  PointsX3 one, three;
-  SetThreadCount(1);
-  skin.Pose(TwoBones::Bent(50), &one);
-  SetThreadCount(3);
-  skin.Pose(TwoBones::Bent(50), &three);
-  SetThreadCount(0);
-  EXPECT_EQ(one, three);
-}
-
 TEST(Skin, WeightsOfAnotherMeshThrowInputError) {
   const TwoBones tube;
   SkinWeights weights = NearestBoneWeights(tube.mesh.points, tube.bones);

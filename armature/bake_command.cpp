@@ -1,0 +1,194 @@
+// `keypose armature bake`: recorded curves as the frames of an animation.
+#include <fmt/format.h>
+
+#include "armature/commands.h"
+#include "armature/live/joint_timing.h"
+#include "armature/live/pose_text.h"
+#include "armature/live/posed_puppet.h"
+#include "armature/live/puppet_files.h"
+#include "armature/recording/curves.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/mesh_io.h"
+#include "core/size_of.h"
+#include "core/stage/stage.h"
+
+namespace keypose::armature {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostFrames = 1000000;
+
+struct BakeOptions {
+  PuppetChoices puppet;
+  std::string between = "hold";
+  int step = 0;
+  double fps = 0, smooth = 0;
+
+  void Describe(OptionVisitor& visit) {
+    visit("between", between,
+          {.help = "from one recorded frame to the next: it stands (hard stops), or moves at even "
+                   "pace, or along a smooth curve that passes none of them",
+           .choices = {"hold", "linear", "smooth"}});
+    visit("step", step,
+          {"frames of the film for each recorded one: 1 on ones, 2 on twos, more between key "
+           "poses; 0: as recorded",
+           "frames",
+           0,
+           1000,
+           {}});
+    visit("fps", fps, {"frames per second of the film; 0: as recorded", "", 0, 1000, {}});
+    visit("smooth", smooth,
+          {"width of a Gaussian over the joints' curves, in recorded frames; stops stay; 0: none",
+           "frames",
+           0,
+           100,
+           {}});
+    puppet.Describe(visit);
+  }
+  std::vector<std::string> Problems() const {
+    if (fps > 0 && fps < 0.1) return {"fps must be 0 or at least 0.1"};
+    return {};
+  }
+};
+
+StageSpec BakeSpec() {
+  StageSpec spec;
+  spec.name = "armature bake";
+  spec.version = "1";
+  spec.summary = "Makes the frames of an animation from recorded curves of an armature.";
+  spec.inputs = {{"description", "file", "the armature's description file", "", false, false},
+                 {"chains", "file", "the file of anchors and chains", "", false, false},
+                 {"curves", "file", "recorded curves (curves.json of a session)", "", false, false},
+                 {"skeleton", "file", "the computer skeleton (.bvh); else like the armature itself",
+                  "", true, false},
+                 {"mesh", "file", "the character at rest; else ball and stick", "", true, false},
+                 {"weights", "file", "the mesh's weights (.json, .mhw or .dmat); else by heat", "",
+                  true, false}};
+  spec.outputs = {
+      {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
+      {"motion", "file", "the computer skeleton's motion (.bvh)", "motion.bvh", true, false},
+      {"rest", "file", "the mesh at rest, with the frames' vertices (.ply)", "rest.ply", true,
+       false}};
+  spec.memory_gib = 1;
+  spec.common = {"between", "step"};
+  return spec;
+}
+
+PuppetPaths BakedPaths(const StageContext& stage) {
+  PuppetPaths paths;
+  paths.description = stage.Input("description");
+  paths.chains = stage.Input("chains");
+  if (stage.Has("skeleton")) paths.skeleton = stage.Input("skeleton");
+  if (stage.Has("mesh")) paths.mesh = stage.Input("mesh");
+  if (stage.Has("weights")) paths.weights = stage.Input("weights");
+  return paths;
+}
+
+JointCurves BakedCurves(const StageContext& stage, const Armature& armature) {
+  const fs::path path = stage.Input("curves");
+  JointCurves curves = ParseCurvesJson(ReadFile(path), PrintableName(path), armature);
+  if (curves.frame_count() == 0)
+    throw InputError("armature bake: " + PrintableName(path) +
+                     " has no frame; record some with `keypose armature record`");
+  return curves;
+}
+
+Eigen::MatrixXd ValuesOf(const JointCurves& curves, const BakeOptions& options) {
+  const Between between = options.between == "hold"     ? Between::kHold
+                          : options.between == "linear" ? Between::kLinear
+                                                        : Between::kSmooth;
+  const int step = options.step > 0 ? options.step : curves.step;
+  if (static_cast<double>(curves.frame_count()) * step > kMostFrames)
+    throw InputError(
+        fmt::format("armature bake: {} recorded frames of {} film frames each; at "
+                    "most {} are possible",
+                    curves.frame_count(), step, kMostFrames));
+  return FilmValues(options.smooth > 0 ? Smoothed(curves.values, options.smooth) : curves.values,
+                    step, between);
+}
+
+/// Writes frames and keeps what is known of them.
+class Baker {
+ public:
+  Baker(StageContext& stage, const PuppetParts& parts)
+      : stage_(stage),
+        parts_(parts),
+        out_(stage.Output("frames")),
+        puppet_(parts),
+        writer_(parts.mesh),
+        area_(SurfaceArea(parts.mesh.points, parts.mesh.faces)),
+        volume_(SignedVolume(parts.mesh.points, parts.mesh.faces)) {}
+
+  void Add(const Eigen::RowVectorXd& values, int frame) {
+    puppet_.Update({values.data(), values.data() + values.size()});
+    const PointsX3& points = puppet_.points();
+    writer_.Write(out_ / FrameFileName(frame), points);
+    measures_.push_back({area_ > 0 ? SurfaceArea(points, parts_.mesh.faces) / area_ : 1,
+                         volume_ > 0 ? SignedVolume(points, parts_.mesh.faces) / volume_ : 1});
+    poses_.push_back(puppet_.matcher().pose());
+    for (const ChainState& chain : puppet_.matcher().chains()) {
+      const double length = chain.chain_length;
+      far_ = std::max(far_, chain.match.far_gap / length);
+      near_ = std::max(near_, chain.match.near_gap / length);
+      distance_ = std::max(distance_, chain.match.mean_distance / length);
+    }
+  }
+
+  void Finish(double fps) {
+    WriteFile(out_ / "distortion.json", FrameNotesText(measures_, fps, "armature"));
+    if (const fs::path motion = stage_.Output("motion"); !motion.empty())
+      WriteBvh(motion, SkeletonClip(parts_.skeleton, poses_, fps));
+    if (const fs::path rest = stage_.Output("rest"); !rest.empty()) WriteMesh(rest, parts_.mesh);
+    stage_.Report("frames", SizeOf(measures_));
+    stage_.Report("fps", fps);
+    stage_.Report("vertices", parts_.mesh.vertex_count());
+    stage_.Report("near_anchor_gap_over_length", near_);
+    stage_.Report("far_anchor_gap_over_length", far_);
+    stage_.Report("curve_distance_over_length", distance_);
+    if (std::max(near_, far_) > 1e-3)
+      stage_.Warn(fmt::format(
+          "a chain misses an anchor by up to {:.2g} % of its length: the computer skeleton's is "
+          "too short for the armature's pose, or its joints are matched one to one; lengthen it, "
+          "or choose with unreachable which anchor it keeps",
+          100 * std::max(near_, far_)));
+  }
+
+ private:
+  StageContext& stage_;
+  const PuppetParts& parts_;
+  const fs::path out_;
+  PosedPuppet puppet_;
+  PlyFrames writer_;
+  double area_, volume_;
+  std::vector<FrameMeasures> measures_;
+  std::vector<SkeletonPose> poses_;
+  double near_ = 0, far_ = 0, distance_ = 0;
+};
+
+void RunBake(StageContext& stage, const BakeOptions& options) {
+  const LoadedPuppet loaded = LoadPuppet(BakedPaths(stage), options.puppet);
+  for (const std::string& note : loaded.notes) stage.Note(note);
+  for (const std::string& warning : loaded.warnings) stage.Warn(warning);
+  const JointCurves curves = BakedCurves(stage, loaded.parts.armature);
+  const Eigen::MatrixXd values = ValuesOf(curves, options);
+  const int count = static_cast<int>(values.rows());
+  Baker baker(stage, loaded.parts);
+  for (int f = 0; f < count; ++f) {
+    ReportProgress(stage.progress(), f / static_cast<double>(count), "posing");
+    baker.Add(values.row(f), f);
+  }
+  baker.Finish(options.fps > 0 ? options.fps : curves.fps);
+}
+
+}  // namespace
+
+int BakeCommand(int argc, char** argv) {
+  return RunStage<BakeOptions>(argc, argv, BakeSpec(), RunBake);
+}
+
+}  // namespace keypose::armature

@@ -1,0 +1,33 @@
+// Recorded joint curves as the values of each frame of a film.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+
+namespace keypose::armature {
+
+/// One of the ways from one recorded frame to the next.
+enum class Between {
+  kHold,    ///< the frame stands until the next one: on ones, twos, threes; hard stops
+  kLinear,  ///< at even pace
+  kSmooth   ///< a smooth curve that goes through all frames and beyond none
+};
+
+/// Values of each frame of the film.
+///
+/// @param recorded  recorded frames x joints, at least one
+/// @param step      frames of the film from one recorded frame to the next, >= 1
+/// @return  kHold: step rows for each recorded frame; else the last one ends the film
+/// Source of kSmooth: Fritsch & Butland, 1984: monotone cubic pieces; where a joint stands still it
+/// stays still.
+Eigen::MatrixXd FilmValues(const Eigen::MatrixXd& recorded, int step, Between between);
+
+/// Each joint's curve under a Gaussian of that width. A joint that stands still for two frames or
+/// more is a stop: its value there stays, and what comes before and after is not mixed across it.
+/// @param sigma  in recorded frames, > 0
+Eigen::MatrixXd Smoothed(const Eigen::MatrixXd& recorded, double sigma);
+
+}  // namespace keypose::armature

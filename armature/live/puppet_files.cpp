@@ -1,0 +1,180 @@
+#include "armature/live/puppet_files.h"
+
+#include <algorithm>
+
+#include "armature/description/chain_file.h"
+#include "armature/description/description_file.h"
+#include "armature/skinning/bone_heat.h"
+#include "armature/skinning/stick_mesh.h"
+#include "armature/skinning/weights_text.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/shot_io.h"
+#include "core/mesh_checks.h"
+#include "core/render.h"
+#include "core/size_of.h"
+
+namespace keypose::armature {
+
+namespace fs = std::filesystem;
+
+void PuppetChoices::Describe(OptionVisitor& visit) {
+  visit("method", method,
+        {.help = "how chains are matched: with both anchors exact, or from the near anchor on as "
+                 "in the paper",
+         .choices = {"both_ends", "greedy"}});
+  visit("unreachable", unreachable,
+        {.help = "which anchor a chain keeps that is too short for both",
+         .choices = {"near", "far", "split"}});
+  visit("calm", calm,
+        {"how much a match resists changes against the one before; 0: not at all", "", 0, 10});
+  visit("armature_up", armature_up,
+        {.help = "which way is up in the description", .choices = {"y", "z"}});
+  visit(
+      "skeleton_up", skeleton_up,
+      {.help = "which way is up in the skeleton's file; the mesh has z up", .choices = {"y", "z"}});
+}
+
+namespace {
+
+PuppetOptions OptionsOf(const PuppetChoices& choices) {
+  PuppetOptions options;
+  options.greedy = choices.method == "greedy";
+  options.match.calm_weight = choices.calm;
+  options.match.unreachable = choices.unreachable == "near"  ? Unreachable::kKeepNear
+                              : choices.unreachable == "far" ? Unreachable::kKeepFar
+                                                             : Unreachable::kSplit;
+  return options;
+}
+
+/// The skeleton, and where the armature stands in its world.
+void LoadSkeleton(const fs::path& path, const PuppetChoices& choices, PuppetParts& parts) {
+  const bool y_up = choices.armature_up == "y";
+  if (!path.empty()) {
+    parts.skeleton = SkeletonOfClip(ReadBvh(path), choices.skeleton_up == "y");
+    parts.world_from_armature = PlacementOf(parts.armature, parts.plan, parts.skeleton, y_up);
+    return;
+  }
+  if (y_up) parts.world_from_armature.rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  const std::vector<double> zero(parts.armature.joints.size(), 0);
+  std::vector<Rigid3> frames = ForwardKinematics(parts.armature, zero);
+  for (Rigid3& frame : frames) frame.translation = parts.world_from_armature * frame.translation;
+  parts.skeleton = SkeletonOfArmature(parts.armature, parts.plan, frames);
+}
+
+void WarnOfSizes(LoadedPuppet& puppet) {
+  PointsX3 joints(puppet.parts.skeleton.size(), 3);
+  for (int j = 0; j < joints.rows(); ++j) joints.row(j) = puppet.parts.skeleton.joints[j].rest;
+  const double ratio =
+      BoundingDiagonal(puppet.parts.mesh.points) / std::max(BoundingDiagonal(joints), 1e-300);
+  if (ratio > 3 || ratio < 1.0 / 3)
+    puppet.warnings.push_back(
+        "the mesh is " + std::to_string(ratio) +
+        " times as large as the skeleton; both must be in one unit, and in one place");
+}
+
+void LoadWeights(const PuppetPaths& paths, LoadedPuppet& puppet) {
+  PuppetParts& parts = puppet.parts;
+  if (!paths.weights.empty()) {
+    std::vector<std::string> names;
+    for (const SkeletonJoint& joint : parts.skeleton.joints) names.push_back(joint.name);
+    parts.weights = ParseWeights(ReadFile(paths.weights), PrintableName(paths.weights.filename()),
+                                 names, LeadingBones(parts.skeleton), parts.mesh.vertex_count());
+    return;
+  }
+  const BoneHeat heat = HeatWeights(parts.mesh, SkinBonesOf(parts.skeleton));
+  puppet.notes.push_back("weights by heat: " + std::to_string(heat.seeing) + " of " +
+                         std::to_string(parts.mesh.vertex_count()) +
+                         " vertices see their nearest bone");
+  if (heat.blind_parts > 0)
+    puppet.warnings.push_back(
+        std::to_string(heat.blind_parts) +
+        " separate parts of the mesh have no bone inside; they follow their nearest bones");
+  parts.weights = heat.weights;
+}
+
+}  // namespace
+
+LoadedPuppet LoadPuppet(const PuppetPaths& paths, const PuppetChoices& choices) {
+  LoadedPuppet puppet;
+  PuppetParts& parts = puppet.parts;
+  parts.armature =
+      DescriptionFile::Parse(ReadFile(paths.description), PrintableName(paths.description))
+          .armature();
+  parts.plan = ParseChains(ReadFile(paths.chains), PrintableName(paths.chains), parts.armature);
+  parts.options = OptionsOf(choices);
+  LoadSkeleton(paths.skeleton, choices, parts);
+  if (paths.mesh.empty()) {
+    if (!paths.weights.empty())
+      throw UsageError("armature: weights are those of a mesh; give --mesh too");
+    StickFigure figure = MakeStickFigure(SkinBonesOf(parts.skeleton));
+    parts.mesh = std::move(figure.mesh);
+    parts.weights = std::move(figure.weights);
+    return puppet;
+  }
+  parts.mesh = ReadMesh(paths.mesh);
+  RequireUsable(parts.mesh, "armature: " + PrintableName(paths.mesh.filename()));
+  WarnOfSizes(puppet);
+  LoadWeights(paths, puppet);
+  return puppet;
+}
+
+namespace {
+
+constexpr int kPlainWidth = 960, kPlainHeight = 540;
+
+/// A view of the whole puppet, with room for its motion.
+PlateView PlainView(const PointsX3& rest, int width, int height) {
+  PlateView plain;
+  PointsX3 around(2, 3);
+  const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
+  const Eigen::RowVector3d room = 0.15 * (high - low);
+  around << low - room, high + room;
+  plain.view = FitView(around, 60, 12, width, height);
+  return plain;
+}
+
+}  // namespace
+
+PlateFiles::PlateFiles(const fs::path& plate, const fs::path& shot, const PointsX3& rest) {
+  if (!plate.empty())
+    for (const FilmPicture& picture : FilmPictures(plate)) plates_.push_back(picture.path);
+  if (!shot.empty()) {
+    const FilmedShot filmed = ReadShot(shot);
+    for (const ShotFrame& frame : filmed.frames) {
+      PlateView view;
+      view.view.camera = filmed.camera;
+      view.view.camera_from_world = frame.camera_from_world;
+      view.world_from_character = frame.world_from_character;
+      views_.push_back(view);
+    }
+  } else {
+    const ImageInfo info = plates_.empty() ? ImageInfo{} : ReadImageInfo(plates_.front());
+    views_.push_back(PlainView(rest, plates_.empty() ? kPlainWidth : info.width,
+                               plates_.empty() ? kPlainHeight : info.height));
+  }
+  count_ = std::max({1, SizeOf(plates_), SizeOf(views_)});
+  for (const fs::path& path : plates_) {
+    const ImageInfo info = ReadImageInfo(path);
+    const Camera& camera = views_.front().view.camera;
+    if (info.width != camera.width || info.height != camera.height)
+      throw InputError("armature: " + PrintableName(path.filename()) + " has " +
+                       std::to_string(info.width) + " x " + std::to_string(info.height) +
+                       " pixels, but the camera " + std::to_string(camera.width) + " x " +
+                       std::to_string(camera.height) +
+                       "; all plates of a shot must have the size that its camera was found with");
+  }
+}
+
+PlateView PlateFiles::Read(int index) const {
+  PlateView view = views_[std::clamp(index, 0, SizeOf(views_) - 1)];
+  if (!plates_.empty())
+    view.plate = ReadImage(plates_[std::clamp(index, 0, SizeOf(plates_) - 1)], 3);
+  return view;
+}
+
+}  // namespace keypose::armature

@@ -1,0 +1,368 @@
+// `keypose armature live`: the character, posed by the armature while it is moved.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "armature/commands.h"
+#include "armature/example/theropod.h"
+#include "armature/live/latency.h"
+#include "armature/live/picture_writer.h"
+#include "armature/live/pose_text.h"
+#include "armature/live/posed_puppet.h"
+#include "armature/live/puppet_files.h"
+#include "armature/puppet.h"
+#include "armature/recording/session.h"
+#include "core/errors.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/parallel.h"
+
+namespace keypose::armature {
+namespace {
+
+using nlohmann::json;
+using LiveClock = std::chrono::steady_clock;
+
+struct LiveFlags {
+  PuppetFlags puppet;
+  PuppetPaths paths;
+  PuppetChoices choices;
+  SessionOptions session_options;
+  std::string session, pictures, plate, shot, set, texture;
+  double rate = 200, seconds = 0, picture_rate = 6;
+  int onion = 1;
+  bool quiet = false;
+};
+
+double LiveSeconds(LiveClock::time_point a, LiveClock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
+}
+
+/// All of a live session: what comes from the armature, what is typed, what is written.
+class LiveSession {
+ public:
+  LiveSession(const LiveFlags& flags, LoadedPuppet loaded, Puppet& reader)
+      : flags_(flags),
+        parts_(std::move(loaded.parts)),
+        reader_(reader),
+        posed_(parts_),
+        plates_(flags.plate, flags.shot, parts_.mesh.points) {
+    if (!flags.texture.empty()) texture_ = ReadImage(flags.texture, 3);
+    if (!flags.set.empty()) set_ = ReadMesh(flags.set);
+    if (!flags.pictures.empty())
+      pictures_ = std::make_unique<PictureWriter>(look_, plates_, flags.pictures);
+    if (!flags.session.empty())
+      session_ =
+          std::make_unique<RecordingSession>(parts_.armature, flags.session, flags.session_options);
+    TakeUpGhosts();
+    begin_ = LiveClock::now();
+    processor_begin_ = ProcessorSeconds();
+  }
+
+  /// Reads, poses and tells once.
+  void Step() {
+    const auto begin = LiveClock::now();
+    MoveSimulated(begin);
+    const Reading& reading = reader_.Poll();
+    const double read_s = LiveSeconds(begin, LiveClock::now());
+    posed_.Update(reading.values);
+    const double whole_s = LiveSeconds(begin, LiveClock::now());
+    read_.Add(read_s);
+    match_.Add(posed_.match_s());
+    skin_.Add(posed_.skin_s());
+    pose_.Add(whole_s - read_s);
+    whole_.Add(whole_s);
+    for (const ReaderEvent& event : reader_.reader().TakeEvents())
+      Say(json{{"event", event.code}, {"words", event.words}, {"what_to_do", event.what_to_do}});
+    if (posed_.matcher().moved() || number_ == 0) {
+      if (!flags_.quiet)
+        Print(PoseJson(parts_.skeleton, posed_.matcher(),
+                       {LiveSeconds(begin_, begin), number_, reading.fresh, whole_s}));
+      wants_picture_ = true;
+    }
+    ++number_;
+    if (wants_frame_) TryToRecord(reading);
+    if (wants_picture_) OfferPicture(begin);
+  }
+
+  /// @return false: the session shall end
+  bool Do(const std::string& line) {
+    std::istringstream words(line);
+    std::string word, which;
+    words >> word;
+    if (word == "end" || word == "quit") return false;
+    if (word == "plate" && words >> which) return GoToPlate(which);
+    if (!session_) return Refuse("without --session there is only: plate N, plate next, end");
+    if (word.empty() || word == "record") return wants_frame_ = true;
+    wants_frame_ = false;
+    if (word == "next") return GoTo(session_->at() + 1);
+    if (word == "back") return GoTo(session_->at() - 1);
+    if (int frame = 0; word == "goto" && words >> frame) return GoTo(frame);
+    if (word == "cut") {
+      session_->CutHere();
+      return GoTo(session_->at());
+    }
+    return Refuse("'" + line + "' is not understood; type record, next, back, goto N, cut, " +
+                  "plate N, plate next or end");
+  }
+
+  void TellMissed() { ++missed_; }
+
+  void Finish() {
+    if (pictures_) {
+      // The last pose is always shown.
+      pictures_->Finish();
+      if (wants_picture_) OfferPicture(LiveClock::time_point::max());
+      pictures_->Finish();
+    }
+    TellStatistics();
+  }
+
+ private:
+  bool Refuse(const std::string& words) {
+    Say(json{{"event", "refused"}, {"words", words}});
+    return true;
+  }
+
+  void Say(const json& event) { Print(event.dump(-1, ' ', false, json::error_handler_t::replace)); }
+
+  void Print(const std::string& line) {
+    std::fputs((line + "\n").c_str(), stdout);
+    std::fflush(stdout);
+  }
+
+  /// The simulated puppet walks.
+  void MoveSimulated(LiveClock::time_point now) {
+    if (!reader_.simulated()) return;
+    reader_.simulated()->MoveTo(ExampleMotion(parts_.armature, LiveSeconds(begin_, now)));
+  }
+
+  void OfferPicture(LiveClock::time_point now) {
+    if (!pictures_) return;
+    const bool last = now == LiveClock::time_point::max();
+    if (!last && LiveSeconds(picture_at_, now) < 1 / flags_.picture_rate) return;
+    const std::string name = pictures_->Offer(posed_.points(), plate_, ghosts_);
+    if (name.empty()) return;
+    wants_picture_ = false;
+    picture_at_ = now;
+    Say(json{{"event", "picture"}, {"file", name}, {"plate", plate_}, {"pose", number_}});
+  }
+
+  bool GoToPlate(const std::string& which) {
+    int plate = plate_ + 1;
+    if (which != "next" && std::sscanf(which.c_str(), "%d", &plate) != 1)
+      return Refuse("plate '" + which + "' is not a number");
+    if (plate < 0 || plate >= plates_.count())
+      return Refuse(fmt::format("there is no plate {}; the shot has {}", plate, plates_.count()));
+    plate_ = plate;
+    wants_picture_ = true;
+    Say(json{{"event", "plate"}, {"plate", plate_}});
+    return true;
+  }
+
+  /// The frame is taken as soon as all sensors are read and the puppet is at rest; a simulated
+  /// puppet walks on and is taken as it is.
+  void TryToRecord(const Reading& reading) {
+    if (!reading.fresh || !reading.held.empty()) return;
+    if (!reader_.simulated() && !reader_.at_rest()) return;
+    wants_frame_ = false;
+    const int frame = session_->at();
+    session_->Record(reading.values);
+    reader_.SaveCalibration();
+    AddGhost(posed_.points());
+    Say(json{{"event", "recorded"}, {"frame", frame}, {"frames", session_->frame_count()}});
+    FollowPlate();
+  }
+
+  bool GoTo(int frame) {
+    session_->GoTo(frame);
+    TakeUpGhosts();
+    Say(json{{"event", "at"}, {"at", session_->at()}, {"frames", session_->frame_count()}});
+    FollowPlate();
+    return true;
+  }
+
+  /// Each frame of the film has its plate, as far as there are plates.
+  void FollowPlate() {
+    const int wanted = session_->at() * flags_.session_options.step;
+    plate_ = std::min(wanted, plates_.count() - 1);
+    wants_picture_ = true;
+  }
+
+  void AddGhost(const PointsX3& points) {
+    ghosts_.push_back(points);
+    if (static_cast<int>(ghosts_.size()) > flags_.onion) ghosts_.erase(ghosts_.begin());
+  }
+
+  /// The poses of the frames before the one that is next.
+  void TakeUpGhosts() {
+    ghosts_.clear();
+    if (!session_ || !pictures_) return;
+    PosedPuppet earlier(parts_);
+    for (int f = std::max(0, session_->at() - flags_.onion); f < session_->at(); ++f) {
+      earlier.Update(session_->frames()[static_cast<std::size_t>(f)]);
+      AddGhost(earlier.points());
+    }
+  }
+
+  static json Shares(const Latency& latency) {
+    return {{"p50", 1e3 * latency.At(0.5)},
+            {"p99", 1e3 * latency.At(0.99)},
+            {"most", 1e3 * latency.At(1)}};
+  }
+
+  void TellStatistics() {
+    const double seconds = LiveSeconds(begin_, LiveClock::now());
+    Say(json{{"event", "ended"},
+             {"seconds", seconds},
+             {"updates", number_},
+             {"missed", missed_},
+             {"updates_a_second", static_cast<double>(number_) / std::max(seconds, 1e-9)},
+             {"vertices", parts_.mesh.vertex_count()},
+             {"processor_ms_an_update", 1e3 * (ProcessorSeconds() - processor_begin_) /
+                                            std::max(1.0, static_cast<double>(number_))},
+             {"milliseconds",
+              {{"read", Shares(read_)},
+               {"match", Shares(match_)},
+               {"skin", Shares(skin_)},
+               {"values_to_mesh", Shares(pose_)},
+               {"request_to_mesh", Shares(whole_)}}},
+             {"pictures", pictures_ ? pictures_->written() : 0}});
+  }
+
+  const LiveFlags& flags_;
+  const PuppetParts parts_;
+  Puppet& reader_;
+  PosedPuppet posed_;
+  PlateFiles plates_;
+  Image8 texture_;
+  Mesh set_;
+  const PuppetLook look_{parts_.mesh, texture_, set_};
+  std::unique_ptr<PictureWriter> pictures_;
+  std::unique_ptr<RecordingSession> session_;
+  std::vector<PointsX3> ghosts_;
+  int plate_ = 0;
+  long number_ = 0, missed_ = 0;
+  bool wants_picture_ = false, wants_frame_ = false;
+  LiveClock::time_point begin_, picture_at_{};
+  double processor_begin_ = 0;
+  Latency read_, match_, skin_, pose_, whole_;
+};
+
+void RunLive(const LiveFlags& flags, LiveSession& live) {
+  LineInput input(STDIN_FILENO);
+  const auto period = std::chrono::duration_cast<LiveClock::duration>(
+      std::chrono::duration<double>(1 / flags.rate));
+  const auto begin = LiveClock::now();
+  auto due = begin;
+  bool goes_on = true;
+  while (goes_on && !WasInterrupted()) {
+    live.Step();
+    while (goes_on && !input.over()) {
+      const std::optional<std::string> line = input.Next(0);
+      if (!line) break;
+      goes_on = live.Do(*line);
+    }
+    if (flags.seconds > 0 && LiveSeconds(begin, LiveClock::now()) >= flags.seconds) break;
+    due += period;
+    for (; due + period < LiveClock::now(); due += period) live.TellMissed();
+    std::this_thread::sleep_until(due);
+  }
+}
+
+int Live(const LiveFlags& flags) {
+  LoadedPuppet loaded = LoadPuppet(flags.paths, flags.choices);
+  for (const std::string& note : loaded.notes) fmt::print(stderr, "armature live: {}\n", note);
+  for (const std::string& warning : loaded.warnings)
+    fmt::print(stderr, "armature live: warning: {}\n", warning);
+  // One core is left to the stream: pictures are drawn by their own thread alone.
+  SetThreadCount(1);
+  Puppet reader(flags.puppet);
+  LiveSession live(flags, std::move(loaded), reader);
+  RunLive(flags, live);
+  reader.SaveCalibration();
+  live.Finish();
+  return static_cast<int>(WasInterrupted() ? ExitCode::kInterrupted : ExitCode::kOk);
+}
+
+void AddCharacter(CLI::App& app, LiveFlags& flags) {
+  app.add_option("--chains", flags.paths.chains, "the file of anchors and chains")->required();
+  app.add_option("--skeleton", flags.paths.skeleton,
+                 "the computer skeleton (.bvh); default: like the armature itself");
+  app.add_option("--mesh", flags.paths.mesh, "the character at rest; default: ball and stick");
+  app.add_option("--weights", flags.paths.weights,
+                 "the mesh's weights (.json, .mhw or .dmat); default: computed by heat");
+  app.add_option("--texture", flags.texture, "the mesh's texture");
+  app.add_option("--method", flags.choices.method, "both_ends, or greedy as in the paper")
+      ->check(CLI::IsMember({"both_ends", "greedy"}))
+      ->capture_default_str();
+  app.add_option("--unreachable", flags.choices.unreachable,
+                 "which anchor a chain keeps that is too short for both")
+      ->check(CLI::IsMember({"near", "far", "split"}))
+      ->capture_default_str();
+  app.add_option("--calm", flags.choices.calm, "how much a match resists changes; 0: not at all")
+      ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--armature_up", flags.choices.armature_up, "y or z, in the description")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  app.add_option("--skeleton_up", flags.choices.skeleton_up, "y or z, in the skeleton's file")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+}
+
+void AddStream(CLI::App& app, LiveFlags& flags) {
+  app.add_option("--rate", flags.rate, "updates a second")
+      ->check(CLI::Range(0.1, 2000.0))
+      ->capture_default_str();
+  app.add_option("--seconds", flags.seconds, "end after this time; 0: when told to")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_flag("--quiet", flags.quiet, "no line for each pose, only for events");
+  app.add_option("--pictures", flags.pictures, "folder for numbered pictures");
+  app.add_option("--picture_rate", flags.picture_rate, "pictures a second, at most")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  app.add_option("--plate", flags.plate,
+                 "background plate of the pictures: a picture, or a folder");
+  app.add_option("--shot", flags.shot, "the plates' camera: shot.json, as `locate` writes it");
+  app.add_option("--set", flags.set, "geometry of the scene, such as a table, in the shot's world");
+  app.add_option("--onion", flags.onion, "recorded frames that stay visible behind the puppet")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  app.add_option("--session", flags.session, "folder of a recording; made, or taken up");
+  app.add_option("--fps", flags.session_options.fps, "frames a second of the film")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--step", flags.session_options.step,
+                 "frames of the film for each recorded one: 1 on ones, 2 on twos")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+int LiveCommand(int argc, char** argv) {
+  CLI::App app(
+      "Poses the character by the armature while it is moved, and tells each pose as a line of "
+      "JSON.",
+      "keypose armature live");
+  LiveFlags flags;
+  AddPuppetFlags(app, flags.puppet);
+  AddCharacter(app, flags);
+  AddStream(app, flags);
+  app.footer(
+      "While it runs, type and press Enter: plate N | plate next | end; with --session also "
+      "(only Enter) or record | next | back | goto N | cut");
+  return RunCommandLine(app, argc, argv, [&] {
+    flags.paths.description = flags.puppet.description;
+    return Live(flags);
+  });
+}
+
+}  // namespace keypose::armature

@@ -1,0 +1,159 @@
+// `keypose armature bake` and `live` as programs, on the generated theropod.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "armature/description/description_file.h"
+#include "armature/example/theropod.h"
+#include "armature/recording/curves.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+
+namespace keypose::armature {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LivePrograms : public testing::Test {
+ protected:
+  LivePrograms() : folder_(fs::temp_directory_path() / ("live_" + std::to_string(getpid()))) {
+    if (!fs::exists(folder_ / "t")) {
+      fs::create_directories(folder_);
+      EXPECT_EQ(Run("example --folder " + Path("t") + " --vertices 3000"), 0) << Err();
+    }
+  }
+  ~LivePrograms() override {
+    for (const auto& entry : fs::directory_iterator(folder_))
+      if (entry.path().filename() != "t") fs::remove_all(entry.path());
+  }
+  static void TearDownTestSuite() {
+    fs::remove_all(fs::temp_directory_path() / ("live_" + std::to_string(getpid())));
+  }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Puppet() const {
+    return " --description " + Path("t/theropod.txt") + " --chains " +
+           Path("t/theropod_chains.txt") + " --skeleton " + Path("t/theropod.bvh");
+  }
+  /// @return the exit code; what it printed is in out and err
+  int Run(const std::string& command, const std::string& input = "/dev/null") {
+    const int status = std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-armature " + command +
+                                    " <" + input + " >" + Path("out") + " 2>" + Path("err"))
+                                       .c_str());
+    return WEXITSTATUS(status);
+  }
+  std::string Err() const { return ReadFile(folder_ / "err"); }
+
+  void WriteCurves(int frames, int step) {
+    const Armature armature = MakeTheropod();
+    JointCurves curves;
+    curves.step = step;
+    for (const int node : armature.joints) curves.joints.push_back(armature.nodes[node].name);
+    curves.values.resize(frames, static_cast<Eigen::Index>(armature.joints.size()));
+    for (int f = 0; f < frames; ++f) {
+      const auto values = TheropodWalk(armature, f / 12.0);
+      curves.values.row(f) =
+          Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
+    }
+    WriteFile(folder_ / "curves.json", CurvesJson(armature, curves));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(LivePrograms, BakeHoldsFramesOnTwos) {
+  WriteCurves(4, 2);
+  ASSERT_EQ(Run("bake" + Puppet() + " --mesh " + Path("t/theropod.ply") + " --curves " +
+                Path("curves.json") + " --frames " + Path("frames") + " --motion " +
+                Path("motion.bvh") + " --rest " + Path("rest.ply")),
+            0)
+      << Err();
+  const auto frames = NumberedFrames(folder_ / "frames", "test");
+  ASSERT_EQ(frames.size(), 8u);
+  EXPECT_EQ(FrameRateOf(folder_ / "frames"), 24);
+  const Mesh rest = ReadMesh(folder_ / "rest.ply"), one = ReadMesh(frames[2]);
+  EXPECT_EQ(rest.faces, one.faces);
+  EXPECT_EQ(one.points, ReadMesh(frames[3]).points);
+  EXPECT_NE(one.points, ReadMesh(frames[4]).points);
+  EXPECT_EQ(ReadBvh(folder_ / "motion.bvh").frame_count(), 8);
+}
+
+TEST_F(LivePrograms, BakeGoesSmoothlyBetweenKeys) {
+  WriteCurves(3, 1);
+  ASSERT_EQ(Run("bake" + Puppet() + " --curves " + Path("curves.json") + " --frames " +
+                Path("frames") + " --between smooth --step 5 --fps 30"),
+            0)
+      << Err();
+  EXPECT_EQ(NumberedFrames(folder_ / "frames", "test").size(), 11u);
+  EXPECT_EQ(FrameRateOf(folder_ / "frames"), 30);
+}
+
+TEST_F(LivePrograms, BakeSaysWhatIsWrong) {
+  WriteCurves(2, 1);
+  const std::string out = " --frames " + Path("frames");
+  EXPECT_EQ(Run("bake" + Puppet() + " --curves " + Path("t/theropod.bvh") + out), 3);
+  EXPECT_NE(Err().find("theropod.bvh"), std::string::npos);
+  WriteFile(folder_ / "w.json", R"({"weights": {"Hips": [[0, 1]]}})");
+  EXPECT_EQ(Run("bake" + Puppet() + " --mesh " + Path("t/theropod.ply") + " --weights " +
+                Path("w.json") + " --curves " + Path("curves.json") + out),
+            3);
+  EXPECT_NE(Err().find("no bone moves vertex 1"), std::string::npos);
+  EXPECT_EQ(Run("bake" + Puppet() + " --weights " + Path("w.json") + " --curves " +
+                Path("curves.json") + out),
+            2);
+  EXPECT_EQ(Run("bake" + Puppet() + " --curves " + Path("curves.json") + out + " --between jumps"),
+            2);
+  EXPECT_FALSE(fs::exists(folder_ / "frames"));
+}
+
+TEST_F(LivePrograms, LiveStreamsRecordsAndDraws) {
+  WriteFile(folder_ / "typed", "back\nplate 0\nplate 9\nnonsense\nrecord\n");
+  ASSERT_EQ(
+      Run("live" + Puppet() + " --port simulated --seconds 3 --mesh " + Path("t/theropod.ply") +
+              " --session " + Path("session") + " --pictures " + Path("pictures"),
+          Path("typed")),
+      0)
+      << Err();
+  std::ifstream lines(folder_ / "out");
+  int poses = 0, recorded = 0, pictures = 0, refused = 0;
+  nlohmann::json last;
+  for (std::string line; std::getline(lines, line);) {
+    last = nlohmann::json::parse(line);
+    poses += last.contains("pose") && last.contains("joints");
+    if (!last.contains("event")) continue;
+    recorded += last["event"] == "recorded";
+    pictures += last["event"] == "picture";
+    refused += last["event"] == "refused";
+  }
+  EXPECT_GT(poses, 5);
+  EXPECT_GE(recorded, 1);
+  EXPECT_EQ(refused, 2);
+  EXPECT_GE(pictures, 1);
+  EXPECT_EQ(last["event"], "ended");
+  EXPECT_EQ(last["pictures"], pictures);
+  EXPECT_EQ(ReadImage(folder_ / "pictures" / "picture_00000.png").channels, 3);
+  const auto curves =
+      ParseCurvesJson(ReadFile(folder_ / "session" / "curves.json"), "curves", MakeTheropod());
+  EXPECT_EQ(curves.frame_count(), 1);
+}
+
+TEST_F(LivePrograms, LiveRefusesWhatIsNotThere) {
+  EXPECT_EQ(Run("live" + Puppet() + " --port /dev/no-such-port --calibration " + Path("c.json")),
+            4);
+  EXPECT_EQ(Run("live" + Puppet() + " --port simulated --mesh " + Path("none.ply")), 4);
+  EXPECT_EQ(Run("live" + Puppet() + " --port simulated --method best"), 2);
+  EXPECT_EQ(Run("live --port simulated"), 2);
+}
+
+}  // namespace
+}  // namespace keypose::armature
