@@ -124,6 +124,9 @@ class GraphBuilder {
     graph_.kind = file_.kind;
     graph_.template_pose = file_.template_pose ? file_.template_pose->text : file_.poses[0].name;
     CheckTemplateIsScanned();
+    if (file_.shot)
+      for (const ShotRule::Shows& show : file_.shot->shows)
+        CheckPose(file_, show.pose, "the shown pose");
     graph_.name_given = file_.name.has_value();
     graph_.name = file_.name ? file_.name->text : places_.project.filename().string();
     graph_.poses = PoseOrder(file_, graph_.template_pose);
@@ -166,10 +169,18 @@ class GraphBuilder {
   void LoadStages() {
     std::vector<fs::path> programs;
     for (const StepRule& rule : file_.steps) {
-      if (rule.enabled)
+      if (rule.enabled && MayExist(rule))
         programs.push_back(program_of_[rule.name] = ProgramOf(rule, places_, disk_));
     }
     catalog_.Load(programs);
+  }
+
+  /// Whether the project gives what the step exists for, at least for some pose or shot.
+  bool MayExist(const StepRule& rule) const {
+    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
+      return word.text == "$unmasked" || !word.text.starts_with("$") ||
+             ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
+    });
   }
 
   /// Whether the project, or this shot of it, gives what the step exists for.
@@ -238,6 +249,14 @@ class GraphBuilder {
   /// The value of a word that begins with $ where an option's value is expected.
   std::string OptionText(const std::string& text) const {
     if (text == "$fps") return fmt::format("{}", file_.fps);
+    if (text == "$film_fps") return fmt::format("{}", file_.shot ? file_.shot->fps : file_.fps);
+    if (text == "$shows") {
+      std::string shows;
+      for (std::size_t i = 0; file_.shot && i < file_.shot->shows.size(); ++i)
+        shows += fmt::format("{}{}={}", i ? "," : "", file_.shot->shows[i].frame,
+                             file_.shot->shows[i].pose.text);
+      return shows;
+    }
     return text == "$keys" ? fmt::format("{}", fmt::join(graph_.keys, ",")) : text;
   }
 

@@ -30,6 +30,10 @@ struct InitOptions {
   std::vector<std::string> few, scan;  ///< names of poses: how they are found
   std::string kind = "poses";          ///< poses | performance
   std::vector<std::string> shots;      ///< NAME=FOLDER with films; of a performance
+  /// of poses: what they were filmed in, FRAME=POSE, and files that belong to it; empty: none
+  std::string film, plate, mattes, holdout;
+  std::vector<std::string> shows;
+  double film_fps = 12;
   /// files of a performance; empty: none
   std::string calibration, scan_mesh, texture, marks;
 };

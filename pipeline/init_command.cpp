@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "core/io/photograph_files.h"
+#include "core/io/shot_io.h"
 #include "core/size_of.h"
 #include "pipeline/commands.h"
 #include "pipeline/new_project.h"
@@ -138,6 +141,64 @@ std::vector<NewPose> ParsePoses(const InitOptions& options) {
   return poses;
 }
 
+/// The path as it shall stand in pipeline.yaml. What was filmed stays where it is.
+std::string GivenPath(const char* flag, const std::string& text) {
+  if (text.empty()) return "";
+  const fs::path path = fs::absolute(WithHome(text)).lexically_normal();
+  if (!fs::exists(path))
+    throw InputError(fmt::format("{} {}: there is no {}", flag, text, path.string()));
+  return path.string();
+}
+
+std::vector<std::pair<int, std::string>> ParseShows(const InitOptions& options,
+                                                    const std::vector<NewPose>& poses) {
+  std::map<int, std::string> shows;
+  for (const std::string& text : options.shows) {
+    const auto equals = text.find('=');
+    int frame = -1;
+    const char* end = text.data() + std::min(equals, text.size());
+    const bool number = std::from_chars(text.data(), end, frame).ptr == end && frame >= 0;
+    if (equals == std::string::npos || equals == 0 || !number)
+      throw UsageError(fmt::format(
+          "--shows {}: write it as FRAME=POSE, as in --shows 0=rest,4=wave; frames count from the "
+          "film's first picture, which is 0",
+          text));
+    const std::string pose = Composed(text.substr(equals + 1));
+    RequirePoses(poses, {pose}, "--shows");
+    if (!shows.emplace(frame, pose).second)
+      throw UsageError(fmt::format("--shows {}: frame {} is there twice", text, frame));
+  }
+  return {shows.begin(), shows.end()};
+}
+
+/// @throws UsageError  one of --film and --shows without the other, or fewer than two frames
+NewShot ParseShot(const InitOptions& options, const std::vector<NewPose>& poses) {
+  NewShot shot;
+  const bool of_film = !options.shows.empty() || !options.plate.empty() ||
+                       !options.mattes.empty() || !options.holdout.empty();
+  if (options.film.empty()) {
+    if (of_film) throw UsageError("--shows, --plate, --mattes and --holdout need --film FOLDER");
+    return shot;
+  }
+  shot.film = GivenPath("--film", options.film);
+  if (!fs::is_directory(shot.film))
+    throw InputError(
+        fmt::format("--film {}: {} is not a folder of numbered pictures", options.film, shot.film));
+  FilmPictures(shot.film);
+  shot.shows = ParseShows(options, poses);
+  if (shot.shows.size() < 2)
+    throw UsageError(
+        "--film needs --shows with two frames or more, as in --shows 0=rest,4=wave: which frames "
+        "show which pose");
+  if (!(options.film_fps > 0 && options.film_fps <= 120))
+    throw UsageError("--film-fps must be above 0 and at most 120");
+  shot.fps = options.film_fps;
+  shot.plate = GivenPath("--plate", options.plate);
+  shot.mattes = GivenPath("--mattes", options.mattes);
+  shot.holdout = GivenPath("--holdout", options.holdout);
+  return shot;
+}
+
 void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
   for (const fs::path& file : pose.files) disk.Copy(pose.photos / file, to / file);
   fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(),
@@ -174,6 +235,7 @@ ExitCode InitCommand(const InitOptions& options) {
   RequirePoses(poses, {template_pose}, "--template");
   RequirePoses(poses, options.few, "--few");
   RequirePoses(poses, options.scan, "--scan");
+  const NewShot shot = ParseShot(options, poses);
   RequireNoProject(folder);
   RequireFoldersOfTheirOwn(poses);
   RealDisk disk;
@@ -186,7 +248,8 @@ ExitCode InitCommand(const InitOptions& options) {
     names.push_back(pose.name);
   }
   // Written last, so that a folder with a pipeline.yaml is a complete project.
-  disk.Write(folder / "pipeline.yaml", NewPipelineText(folder, names, template_pose, few));
+  disk.Write(folder / "pipeline.yaml", NewPipelineText(folder, names, template_pose, few, shot));
+  if (!shot.film.empty()) fmt::print("the film stays in {}\n", shot.film);
   fmt::print("your original photographs were not changed\nnext: keypose run -C {}\n",
              ShellWord(options.folder));
   return ExitCode::kOk;

@@ -72,6 +72,8 @@ ExitCode InitPerformance(const InitOptions& options) {
     throw UsageError("init --kind performance needs at least one --shot NAME=FOLDER");
   if (!options.poses.empty() || !options.few.empty() || !options.scan.empty())
     throw UsageError("--pose, --few and --scan do not belong to --kind performance");
+  if (!options.film.empty() || !options.shows.empty())
+    throw UsageError("--film and --shows do not belong to --kind performance");
   NewPerformance performance;
   for (const std::string& text : options.shots) {
     performance.shots.push_back(ParseShot(text));

@@ -151,6 +151,18 @@ class CommandLine {
     init->add_option("--scan", init_.scan,
                      "NAME: this pose is scanned from its own photographs all round, however few")
         ->allow_extra_args(false);
+    init->add_option("--film", init_.film,
+                     "the folder of a filmed shot's numbered pictures, which in-betweens go into; "
+                     "it stays where it is");
+    init->add_option("--shows", init_.shows,
+                     "FRAME=POSE, separated by commas: which frames of the film show which pose")
+        ->delimiter(',');
+    init->add_option("--film-fps", init_.film_fps, "filmed frames a second")->capture_default_str();
+    init->add_option("--plate", init_.plate, "a picture of the film's set without the character");
+    init->add_option("--mattes", init_.mattes,
+                     "a folder with a matte for each filmed frame: white is the character");
+    init->add_option("--holdout", init_.holdout,
+                     "a picture that is white where props stand before the character");
     init->add_option("--kind", init_.kind,
                      "poses: key poses and frames between them; performance: a scan that moves as "
                      "an actor in films")

@@ -18,10 +18,23 @@ std::string SafeName(const fs::path& folder) {
   return name;
 }
 
+std::string ShotText(const NewShot& shot) {
+  std::string text =
+      fmt::format("shot:\n  film: {}\n  fps: {:g}\n  shows: {{", YamlScalar(shot.film), shot.fps);
+  for (std::size_t i = 0; i < shot.shows.size(); ++i)
+    text += fmt::format("{}{}: {}", i ? ", " : "", shot.shows[i].first, shot.shows[i].second);
+  text += "}\n";
+  for (const auto& [key, path] :
+       {std::pair{"plate", &shot.plate}, {"mattes", &shot.mattes}, {"holdout", &shot.holdout}})
+    if (!path->empty()) text += fmt::format("  {}: {}\n", key, YamlScalar(*path));
+  return text;
+}
+
 }  // namespace
 
 std::string NewPipelineText(const fs::path& folder, const std::vector<std::string>& poses,
-                            const std::string& template_pose, const std::set<std::string>& few) {
+                            const std::string& template_pose, const std::set<std::string>& few,
+                            const NewShot& shot) {
   std::string text =
       "# The poses and settings of this project. What is not set here is as in the default "
       "pipeline; see docs/pipeline.md.\n";
@@ -30,6 +43,7 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
     text += few.contains(pose) ? fmt::format("  {0}: {{photos: photos/{0}, method: fit}}\n", pose)
                                : fmt::format("  {0}: photos/{0}\n", pose);
   text += fmt::format("template: {}\n", template_pose);
+  if (!shot.film.empty()) return text + ShotText(shot);
   if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
   return text;
 }

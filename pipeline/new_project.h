@@ -13,12 +13,20 @@ namespace keypose::pipeline {
 /// change the way by themselves.
 inline constexpr int kLeastScanPhotographs = 16;
 
+/// The filmed shot of a new project: paths as they shall stand in pipeline.yaml; empty: none.
+struct NewShot {
+  std::string film, plate, mattes, holdout;
+  double fps = 12;
+  std::vector<std::pair<int, std::string>> shows;  ///< frame of the film, pose; ascending
+};
+
 /// Names the project after its folder. Each pose's photographs are in photos/POSE; with two poses
 /// or more, the timeline shows them in this order.
-/// @param few  those of the poses that are found with `method: fit`
+/// @param few   those of the poses that are found with `method: fit`
+/// @param shot  its frames give the timeline
 std::string NewPipelineText(const std::filesystem::path& folder,
                             const std::vector<std::string>& poses, const std::string& template_pose,
-                            const std::set<std::string>& few = {});
+                            const std::set<std::string>& few = {}, const NewShot& shot = {});
 
 /// A new project's performance: paths as they shall stand in pipeline.yaml; empty: none.
 struct NewPerformance {

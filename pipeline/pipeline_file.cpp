@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/errors.h"
@@ -15,6 +17,8 @@
 
 namespace keypose::pipeline {
 namespace {
+
+std::string JsonText(const std::string& text) { return nlohmann::json(text).dump(); }
 
 /// Reads the tree of a pipeline file.
 class Reader : public YamlReader {
@@ -320,12 +324,86 @@ class Reader : public YamlReader {
     });
   }
 
+  int FrameNumber(const YAML::Node& node) const {
+    const double number = Number(node, "a frame of `shows`");
+    if (number < 0 || number > 1e6 || number != std::floor(number))
+      Fail(node,
+           "`shows` names frames by their numbers, counted from the film's first picture, as "
+           "in {0: rest, 4: wave}");
+    return static_cast<int>(number);
+  }
+
+  std::vector<ShotRule::Shows> Shows(const YAML::Node& node) const {
+    std::map<int, ShotRule::Shows> shows;
+    Map(node, "shows", [&](const std::string&, const YAML::Node& key, const YAML::Node& value) {
+      const int frame = FrameNumber(key);
+      if (!shows.emplace(frame, ShotRule::Shows{frame, PoseName(value, "shows")}).second)
+        Fail(key, fmt::format("shows has frame {} twice", frame));
+    });
+    std::vector<ShotRule::Shows> sorted;
+    for (const auto& [frame, show] : shows) sorted.push_back(show);
+    return sorted;
+  }
+
+  ShotRule FilmedShot(const YAML::Node& key, const YAML::Node& node) const {
+    ShotRule shot;
+    shot.where = At(key);
+    Map(node, "shot",
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "film")
+            shot.film = PathText(value, field);
+          else if (field == "fps")
+            shot.fps = Fps(value);
+          else if (field == "shows")
+            shot.shows = Shows(value);
+          else if (field == "plate")
+            shot.plate = PathText(value, field);
+          else if (field == "mattes")
+            shot.mattes = PathText(value, field);
+          else if (field == "clicks")
+            shot.clicks = PathText(value, field);
+          else if (field == "holdout")
+            shot.holdout = PathText(value, field);
+          else
+            Unknown(field_key, "shot",
+                    {"film", "fps", "shows", "plate", "mattes", "clicks", "holdout"});
+        });
+    if (!shot.film)
+      Fail(key, "the shot has no film; add the folder of its pictures, as in `film: film`");
+    if (shot.shows.size() < 2)
+      Fail(key,
+           "the shot says of fewer than two frames which pose they show; add them, as in "
+           "`shows: {0: rest, 4: wave}`");
+    return shot;
+  }
+
+  /// The shown poses at the times of their frames; straight from one to the next.
+  void TimelineOfShot(const YAML::Node& node, PipelineFile* file) const {
+    const ShotRule& shot = *file->shot;
+    const double ratio = file->fps / shot.fps;
+    if (std::abs(ratio - std::round(ratio)) > 1e-6 || ratio < 0.5)
+      Fail(node, fmt::format("the project's fps is {:g}, and the film's {:g}: the first must be a "
+                             "multiple of the second, such as 24 of 12",
+                             file->fps, shot.fps));
+    if (!file->timeline.empty()) return;
+    std::string keys;
+    for (const ShotRule::Shows& show : shot.shows) {
+      const double seconds = (show.frame - shot.shows.front().frame) / shot.fps;
+      file->timeline.push_back({show.pose, seconds});
+      keys += fmt::format("{}{{\"pose\": {}, \"time\": {:.9g}}}", keys.empty() ? "" : ", ",
+                          JsonText(show.pose.text), seconds);
+    }
+    file->timeline_json = fmt::format(
+        "{{\"schema\": 2, \"fps\": {:.9g}, \"interpolation\": \"linear\", \"keys\": [{}]}}",
+        file->fps, keys);
+  }
+
   /// Keys that mean nothing in a project of this kind.
   void RequireKeysOfKind(const YAML::Node& root, ProjectKind kind) const {
     if (!root.IsMap()) return;
     const bool performance = kind == ProjectKind::kPerformance;
     const std::set<std::string> others =
-        performance ? std::set<std::string>{"poses", "template", "timeline"}
+        performance ? std::set<std::string>{"poses", "template", "timeline", "shot"}
                     : std::set<std::string>{"shots", "scan", "texture", "marks"};
     for (const auto& pair : root) {
       const std::string key = pair.first.Scalar();
@@ -343,7 +421,7 @@ class Reader : public YamlReader {
 
   PipelineFile File(const YAML::Node& root) const {
     PipelineFile file;
-    YAML::Node timeline;
+    YAML::Node timeline, shot;
     Map(root, "the pipeline",
         [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
           if (field == "name")
@@ -356,6 +434,8 @@ class Reader : public YamlReader {
             file.texture = PathText(value, field);
           else if (field == "marks")
             file.marks = PathText(value, field);
+          else if (field == "shot")
+            file.shot = FilmedShot(key, value), shot.reset(key);
           else if (field == "template")
             file.template_pose = PoseName(value, field);
           else if (field == "timeline")
@@ -373,11 +453,12 @@ class Reader : public YamlReader {
                 });
           else
             Unknown(key, "the pipeline",
-                    {"name", "kind", "poses", "shots", "scan", "texture", "marks", "template",
-                     "timeline", "fps", "options", "steps"});
+                    {"name", "kind", "poses", "shots", "shot", "scan", "texture", "marks",
+                     "template", "timeline", "fps", "options", "steps"});
         });
     RequireKeysOfKind(root, file.kind);
     if (!file.timeline.empty()) file.timeline_json = CheckedTimeline(timeline, file.fps);
+    if (file.shot) TimelineOfShot(shot, &file);
     return file;
   }
 };

@@ -116,16 +116,31 @@ struct TimelineKey {
   std::optional<double> at_s;  ///< [s]; set for all keys or for none
 };
 
+/// A filmed shot that the in-betweens go into.
+struct ShotRule {
+  Where where;
+  std::optional<Setting> film;  ///< folder of numbered pictures
+  double fps = 12;              ///< of the film
+  struct Shows {
+    int frame = 0;  ///< counts from the film's first picture
+    Setting pose;
+  };
+  std::vector<Shows> shows;  ///< which frames show a pose, ascending
+  std::optional<Setting> plate, mattes, clicks, holdout;
+};
+
 struct PipelineFile {
   std::vector<StepRule> steps;  ///< in the order of the file
   ProjectKind kind = ProjectKind::kPoses;
   std::vector<PoseRule> poses;
   /// of a performance: the mesh that shall move, its texture, pairs of places on template and scan
   std::optional<Setting> scan, texture, marks;
+  std::optional<ShotRule> shot;  ///< of poses: what they were filmed in
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;
-  /// the whole timeline, checked; empty if it only gives the order of poses
+  /// the whole timeline, checked; empty if it only gives the order of poses. With a shot and no
+  /// timeline: the shown poses at their frames' times
   std::string timeline_json;
   StepOptionSettings options;
 

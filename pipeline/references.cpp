@@ -14,10 +14,16 @@ namespace {
   throw UsageError(fmt::format("{}: {}", where.Text(), message));
 }
 
-const std::vector<std::string> kWords = {"$photos",    "$masks",     "$background", "$cameras",
-                                         "$landmarks", "$stiffness", "$regions",    "$timeline",
-                                         "$run",       "$video",     "$unmasked",   "$calibration",
-                                         "$actor",     "$scan",      "$texture",    "$marks"};
+const std::vector<std::string> kWords = {
+    "$photos",   "$masks", "$background", "$cameras",  "$landmarks",   "$stiffness", "$regions",
+    "$timeline", "$run",   "$video",      "$unmasked", "$calibration", "$actor",     "$scan",
+    "$texture",  "$marks", "$film",       "$plate",    "$mattes",      "$clicks",    "$holdout"};
+
+/// What a filmed shot gives.
+bool IsOfFilm(const std::string& word) {
+  return word == "film" || word == "plate" || word == "mattes" || word == "clicks" ||
+         word == "holdout";
+}
 
 bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") ||
@@ -47,6 +53,15 @@ bool IsUnmasked(const PipelineFile& file, const Disk& disk, const std::filesyste
 
 std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
                                    const std::filesystem::path& project, const std::string& word) {
+  if (IsOfFilm(word)) {
+    if (!file.shot) return std::nullopt;
+    const ShotRule& shot = *file.shot;
+    return word == "film"     ? shot.film
+           : word == "plate"  ? shot.plate
+           : word == "mattes" ? shot.mattes
+           : word == "clicks" ? shot.clicks
+                              : shot.holdout;
+  }
   if (word == "scan") return file.scan;
   if (word == "texture") return file.texture;
   if (word == "marks" && file.marks) return file.marks;
@@ -187,7 +202,7 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     flow = Source({word.substr(1) + ".json", reference.where});
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
-  if (word == "$scan" || word == "$texture" || word == "$marks") {
+  if (word == "$scan" || word == "$texture" || word == "$marks" || IsOfFilm(word.substr(1))) {
     const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
     return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
   }

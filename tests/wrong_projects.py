@@ -424,6 +424,36 @@ def performance_cases():
     ]
 
 
+def film_cases():
+    """Faults of projects whose poses were filmed (`shot:`)."""
+    def case(name, code, words, shot, command=STATUS, spoil=None):
+        return Case(f'film: {name}', code, words, command=command, yaml=POSES + 'shot: ' + shot + '\n', spoil=spoil)
+
+    def init(name, code, words, *flags):
+        return Case(f'film: {name}', code, words, ('init', 'new', '--pose', 'rest=photos/rest', '--pose', 'bent=photos/bent', *flags), outside=True)
+
+    shows = 'shows: {0: rest, 4: bent}'
+    return [
+        case('no film', USAGE, ('pipeline.yaml:4', 'the shot has no film', 'film: film'), '{' + shows + '}'),
+        case('shows nothing', USAGE, ('pipeline.yaml:4', 'fewer than two frames', 'shows: {0: rest'), '{film: photos/rest}'),
+        case('shows no pose', USAGE, ('pipeline.yaml:4', "the shown pose 'bend'", "'bent'"), '{film: photos/rest, shows: {0: rest, 4: bend}}'),
+        case('frame of words', USAGE, ('pipeline.yaml:4', "'first'", 'number'), '{film: photos/rest, shows: {first: rest, 4: bent}}'),
+        case('frame twice', USAGE, ('pipeline.yaml:4', 'twice'), '{film: photos/rest, shows: {0: rest, 0: bent}}'),
+        case('rates that do not fit', USAGE, ('pipeline.yaml:4', 'multiple', '24 of 12'), '{film: photos/rest, fps: 10, ' + shows + '}'),
+        case('key of a shot', USAGE, ('pipeline.yaml:4', "no key 'plates'", "'plate'"), '{film: photos/rest, plates: plate.png, ' + shows + '}'),
+        case('film that is not there', INPUT, ('pipeline.yaml:4', 'film', 'does not exist'), '{film: film, ' + shows + '}'),
+        case('plate that is not there', INPUT, ('pipeline.yaml:4', 'plate.png', 'does not exist'), '{film: photos/rest, plate: plate.png, ' + shows + '}'),
+        Case('film: with a performance', USAGE, ('pipeline.yaml:2', '`shot` belongs to a project of poses'),
+             yaml='kind: performance\nshot: {film: photos, shows: {0: rest, 4: bent}}\nshots: {walk: photos}\n'),
+        init('init without shows', USAGE, ('--shows', '0=rest,4=wave'), '--film', 'photos/rest'),
+        init('init without film', USAGE, ('need --film',), '--shows', '0=rest,4=bent'),
+        init('init of no folder', INPUT, ('there is no',), '--film', 'nowhere', '--shows', '0=rest,4=bent'),
+        init('init that shows no pose', USAGE, ('no pose of that name',), '--film', 'photos/rest', '--shows', '0=rest,4=wave'),
+        init('init of a pose as frame', USAGE, ('FRAME=POSE',), '--film', 'photos/rest', '--shows', 'rest=0,4=bent'),
+        init('init of no plate', INPUT, ('--plate', 'there is no'), '--film', 'photos/rest', '--shows', '0=rest,4=bent', '--plate', 'plate.png'),
+    ]
+
+
 def state_cases():
     """Faults outside the photographs: locks, links, landmark folders."""
     def case(name, code, words, spoil, command=STATUS, yaml=None):
@@ -561,7 +591,7 @@ def main():
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix='wrong_projects_') as work:
         bench = Bench(given.bin.resolve(), pathlib.Path(work).resolve())
-        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *few_cases(), *performance_cases(), *state_cases()]
+        cases = [*file_cases(), *timeline_cases(), *option_cases(bench.stages()), *command_cases(), *photo_cases(), *few_cases(), *performance_cases(), *film_cases(), *state_cases()]
         cases = [case for case in cases if given.only in case.name]
         with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
             answers = list(pool.map(bench.run, range(len(cases)), cases))

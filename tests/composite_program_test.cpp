@@ -1,0 +1,230 @@
+// The program keypose-composite on a generated shot with known truth, and on input that is wrong.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "composite/composing/join.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/png_io.h"
+#include "core/io/shot_io.h"
+#include "synth/shot_command.h"
+#include "tests/run_program.h"
+
+namespace keypose::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const int kPictures = 5;
+
+/// A texture in which each face has a cell of its own, with the mean colour of its corners.
+struct PaintedFaces {
+  UvsX2 uvs;
+  FacesX3 uv_faces;
+  Image8 texture;
+
+  explicit PaintedFaces(const Mesh& colored) {
+    constexpr int kCell = 4;
+    const int faces = colored.face_count(),
+              side = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(faces))));
+    texture = Image8(side * kCell, side * kCell, 3);
+    uvs.resize(3 * faces, 2), uv_faces.resize(faces, 3);
+    const double corners[3][2] = {{0.3, 0.3}, {0.7, 0.3}, {0.3, 0.7}};
+    for (int f = 0; f < faces; ++f) {
+      const int column = f % side, row = f / side;
+      for (int k = 0; k < 3; ++k) {
+        uv_faces(f, k) = 3 * f + k;
+        uvs.row(3 * f + k) << (column + corners[k][0]) / side, 1 - (row + corners[k][1]) / side;
+      }
+      for (int y = 0; y < kCell; ++y)
+        for (int x = 0; x < kCell; ++x)
+          for (int c = 0; c < 3; ++c) {
+            int sum = 0;
+            for (int k = 0; k < 3; ++k) sum += colored.colors(colored.faces(f, k), c);
+            texture.at(column * kCell + x, row * kCell + y)[c] = static_cast<std::uint8_t>(sum / 3);
+          }
+    }
+  }
+};
+
+/// A generated shot, and its true animation as frames and texture: made once for all tests.
+class GeneratedShot : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / ("keypose_composite_" + std::to_string(getpid()));
+    synth::ShotCommand command;
+    command.output = folder_;
+    command.shows = {{0, "rest"}, {2, "wave"}};
+    command.world.spacing_m = 0.004;
+    command.set.width = 384, command.set.height = 216;
+    command.photographs = false, command.meshes = true, command.clean_plate = true;
+    command.travel_m = 0.12;
+    synth::RunShot(command, nullptr);
+    WriteFrames(command);
+    WriteShot();
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static void WriteFrames(const synth::ShotCommand& command) {
+    const synth::World world = synth::MakeWorld(command.world);
+    const Mesh colored = synth::TruthSurface(world, world.PoseNamed("rest"), true);
+    const PaintedFaces painted(colored);
+    fs::create_directories(folder_ / "frames");
+    json notes = {{"schema", 2}, {"fps", 24}, {"key_frames", {0, 4}}, {"frames", json::array()}};
+    for (int n = 0; n < kPictures; ++n) {
+      Mesh frame = ReadMesh(folder_ / fmt::format("truth/shot/meshes/frame_{:04}.ply", n));
+      frame.uvs = painted.uvs, frame.uv_faces = painted.uv_faces;
+      WriteMesh(folder_ / "frames" / fmt::format("frame_{:04}.ply", n), frame);
+      notes["frames"].push_back({{"t", n / 4.0}});
+    }
+    WriteFile(folder_ / "frames" / "distortion.json", notes.dump());
+    WritePng(folder_ / "texture.png", painted.texture);
+  }
+
+  /// The true meshes are in the set's world.
+  static void WriteShot() {
+    FilmedShot shot = ReadShot(folder_ / "truth/shot/shot.json");
+    for (ShotFrame& frame : shot.frames) frame.world_from_character = {};
+    shot.frames.erase(shot.frames.begin() + 1);  // only the keys were located
+    WriteFile(folder_ / "shot.json", ShotText(shot));
+  }
+
+  static RunResult Composite(const std::string& output,
+                             const std::map<std::string, std::string>& other = {},
+                             const std::vector<std::string>& environment = {}) {
+    std::map<std::string, std::string> flags = {{"frames", "frames"},  {"textures", "texture.png"},
+                                                {"shot", "shot.json"}, {"plate", "film"},
+                                                {"filmed", "film"},    {"pictures", output},
+                                                {"samples", "3"},      {"video", "false"}};
+    for (const auto& [name, value] : other) flags[name] = value;
+    std::vector<std::string> arguments{"keypose-composite"};
+    for (const auto& [name, value] : flags) {
+      if (value.empty()) continue;
+      arguments.push_back("--" + name);
+      const bool path = fs::exists(folder_ / value) || name == "pictures" || name == "report";
+      arguments.push_back(path ? (folder_ / value).string() : value);
+    }
+    return RunProgram(arguments, folder_, environment);
+  }
+
+  static double PsnrOf(const std::string& pictures, int n) {
+    const Image8 mine = ReadImage(folder_ / pictures / fmt::format("{:04}.png", n), 3),
+                 truth = ReadImage(folder_ / fmt::format("truth/shot/frames/{:04}.png", n), 3),
+                 matte = ReadImage(folder_ / fmt::format("truth/shot/between/{:04}.png", n), 1);
+    int box[4] = {matte.width, matte.height, 0, 0};
+    for (int y = 0; y < matte.height; ++y)
+      for (int x = 0; x < matte.width; ++x)
+        if (*matte.at(x, y) > 127) {
+          box[0] = std::min(box[0], x), box[2] = std::max(box[2], x + 1);
+          box[1] = std::min(box[1], y), box[3] = std::max(box[3], y + 1);
+        }
+    return composite::PsnrWithin(mine, truth, box);
+  }
+
+  static fs::path folder_;
+};
+fs::path GeneratedShot::folder_;
+
+TEST_F(GeneratedShot, InBetweensAreLikeTheTruthAndFilmedFramesAreUntouched) {
+  const RunResult result = Composite("out", {{"report", "report.json"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const auto& [picture, film] : {std::pair{0, 0}, {2, 1}, {4, 2}})
+    EXPECT_EQ(ReadFile(folder_ / "out" / fmt::format("{:04}.png", picture)),
+              ReadFile(folder_ / "film" / fmt::format("{:04}.png", film)));
+  for (const int n : {1, 3}) EXPECT_GT(PsnrOf("out", n), 28) << "picture " << n;
+  const json report = json::parse(ReadFile(folder_ / "report.json"))["measurements"];
+  EXPECT_EQ(report["filmed"], 3);
+  EXPECT_EQ(report["filmed_unchanged"], 3);
+  EXPECT_EQ(report["between"], 2);
+  ASSERT_EQ(report["joins"].size(), 2u);
+  for (const json& join : report["joins"]) {
+    EXPECT_GT(join["psnr_db"], 28);
+    EXPECT_LT(join["edge_px"], 0.4);
+  }
+  EXPECT_GT(report["plate_inpainted"], 0) << "the feet never leave some places";
+  EXPECT_GT(report["shadow_explained"], 0.5);
+  const Image8 layer = ReadImage(folder_ / "out/layers/0001.png", 0);
+  EXPECT_EQ(layer.width, 384);
+  EXPECT_TRUE(fs::exists(folder_ / "out/compare/0004.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/blender/shot.py"));
+}
+
+TEST_F(GeneratedShot, AGivenPlateLeavesNothingToPaint) {
+  const RunResult result =
+      Composite("given", {{"plate", "plate.png"}, {"report", "given.json"}, {"blender", "false"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(json::parse(ReadFile(folder_ / "given.json"))["measurements"]["plate_inpainted"], 0);
+  for (const int n : {1, 3}) EXPECT_GT(PsnrOf("given", n), 28) << "picture " << n;
+}
+
+TEST_F(GeneratedShot, AHoldoutKeepsThePropInFront) {
+  const Image8 film = ReadImage(folder_ / "film/0001.png", 3);
+  Image8 prop(film.width, film.height, 1);
+  for (int y = 100; y < 216; ++y)
+    for (int x = 150; x < 200; ++x) *prop.at(x, y) = 255;
+  WritePng(folder_ / "prop.png", prop);
+  const RunResult result =
+      Composite("held", {{"holdout", "prop.png"}, {"blender", "false"}, {"compare", "false"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Image8 plate = ReadImage(folder_ / "held/plate.png", 3),
+               picture = ReadImage(folder_ / "held/0001.png", 3);
+  double worst = 0;
+  for (int y = 110; y < 206; ++y)
+    for (int x = 155; x < 195; ++x)
+      worst = std::max(worst, std::abs(1.0 * picture.at(x, y)[1] - plate.at(x, y)[1]));
+  EXPECT_LT(worst, 20) << "grain alone differs";
+}
+
+TEST_F(GeneratedShot, TheSameInputGivesTheSameBitsForAnyThreadCount) {
+  const std::map<std::string, std::string> quick{{"blender", "false"}, {"samples", "2"}};
+  const RunResult one = Composite("one", quick, {"KEYPOSE_THREADS=1"}),
+                  three = Composite("three", quick, {"KEYPOSE_THREADS=3"});
+  ASSERT_EQ(one.exit_code + three.exit_code, 0) << one.output << three.output;
+  for (const char* name : {"0001.png", "0003.png", "layers/0001.png", "plate.png"})
+    EXPECT_EQ(ReadFile(folder_ / "one" / name), ReadFile(folder_ / "three" / name)) << name;
+}
+
+TEST_F(GeneratedShot, WrongInputIsNamed) {
+  const auto refused = [&](const std::map<std::string, std::string>& other, const char* words) {
+    const RunResult result = Composite("wrong", other);
+    EXPECT_EQ(result.exit_code, 3) << result.output;
+    EXPECT_THAT(result.output, HasSubstr(words));
+    EXPECT_FALSE(fs::exists(folder_ / "wrong"));
+  };
+  const Image8 film = ReadImage(folder_ / "film/0000.png", 3);
+  fs::create_directories(folder_ / "mixed");
+  for (const char* name : {"0000.png", "0001.png", "0002.png"})
+    fs::copy_file(folder_ / "film" / name, folder_ / "mixed" / name,
+                  fs::copy_options::overwrite_existing);
+  WritePng(folder_ / "mixed/0001.png", Resized(film, 192, 108));
+  refused({{"filmed", "mixed"}}, "0001.png has 192 x 108 pixels");
+  WritePng(folder_ / "small_plate.png", Resized(film, 192, 108));
+  refused({{"plate", "small_plate.png"}}, "the plate");
+  FilmedShot away = ReadShot(folder_ / "shot.json");
+  for (ShotFrame& frame : away.frames) frame.world_from_character.translation.x() = 20;
+  WriteFile(folder_ / "away.json", ShotText(away));
+  refused({{"shot", "away.json"}}, "the character is in none of the filmed frames");
+  FilmedShot moving = ReadShot(folder_ / "shot.json");
+  moving.still = false;
+  WriteFile(folder_ / "moving.json", ShotText(moving));
+  refused({{"shot", "moving.json"}}, "the camera of this shot moves");
+  FilmedShot late = ReadShot(folder_ / "shot.json");
+  late.frames.back().frame = 3;
+  WriteFile(folder_ / "late.json", ShotText(late));
+  refused({{"shot", "late.json"}}, "does not have");
+  WriteFile(folder_ / "broken.json", "{\"schema\": 1}");
+  refused({{"shot", "broken.json"}}, "broken.json");
+}
+
+}  // namespace
+}  // namespace keypose::tests
