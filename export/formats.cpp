@@ -13,13 +13,13 @@
 #include "export/blender/blender_files.h"
 #include "export/caches/caches.h"
 #include "export/fbx/fbx.h"
-#include "export/film/gif.h"
-#include "export/film/mp4.h"
-#include "export/film/picture.h"
 #include "export/gltf/gltf.h"
 #include "export/sequences/sequences.h"
 #include "export/usd/usda.h"
 #include "export/vat/vat.h"
+#include "views/film/gif.h"
+#include "views/film/mp4.h"
+#include "views/film/picture.h"
 
 namespace keypose::exporting {
 namespace {

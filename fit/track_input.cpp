@@ -9,6 +9,7 @@
 #include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "views/shot/rig.h"
 
 namespace keypose::fit {
 namespace {
@@ -31,52 +32,10 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
-std::string Listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 std::string Rounded(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
   return text;
-}
-
-/// The world's axis nearest to the direction that is up in most pictures.
-Vector3d UpOfCameras(const std::vector<View>& views) {
-  Vector3d sum = Vector3d::Zero();
-  for (const View& view : views)
-    sum -= view.camera_from_world.rotation.conjugate() * Vector3d::UnitY();
-  int axis = 0;
-  sum.cwiseAbs().maxCoeff(&axis);
-  const Vector3d snapped = (sum[axis] > 0 ? 1 : -1) * Vector3d::Unit(axis);
-  // Cameras that all look down lean the mean; an axis within 40 degrees is meant.
-  return sum.normalized().dot(snapped) > 0.77 ? snapped : Vector3d(sum.normalized());
-}
-
-Vector3d UpOf(const std::string& name, const std::vector<View>& views) {
-  if (name == "auto") return UpOfCameras(views);
-  const double sign = name[0] == '-' ? -1 : 1;
-  return sign * Vector3d::Unit(name.back() - 'x');
-}
-
-/// The camera with pictures of another size than it was calibrated with, if only scaled.
-Camera Fitted(const Camera& camera, int width, int height, const std::string& name) {
-  Camera fitted = camera;
-  if (camera.width == 0 || camera.height == 0) {
-    fitted.width = width, fitted.height = height;
-    return fitted;
-  }
-  const double factor = static_cast<double>(width) / camera.width;
-  if (std::abs(camera.height * factor - height) > 1)
-    throw InputError("track: the pictures of camera " + name + " have " + std::to_string(width) +
-                     " x " + std::to_string(height) + " pixels, but it was calibrated with " +
-                     std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                     "; calibrate it with the shape of picture that it films");
-  fitted = camera.Scaled(factor);
-  fitted.width = width, fitted.height = height;
-  return fitted;
 }
 
 void ScalePlaces(double factor, std::vector<View>* views) {
@@ -112,7 +71,8 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
   offsets_.assign(shot_.cameras.size(), 0);
   for (int c = 0; c < SizeOf(views_); ++c) {
     const Image8 mask = Mask(c, 0);
-    views_[c].camera = Fitted(views_[c].camera, mask.width, mask.height, views_[c].name);
+    views_[c].camera =
+        CameraForPictures(views_[c].camera, mask.width, mask.height, views_[c].name, "track");
   }
   up_from_world_ = Eigen::Quaterniond::FromTwoVectors(UpOf(options.up, views_), Vector3d::UnitZ());
   MakeCameras();
@@ -125,18 +85,7 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
   const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
   for (const std::string& note : rig.notes) stage.Note(note);
   const std::vector<std::string> names = shot_.names();
-  const std::vector<int> match = MatchCameraNames(names, rig.views);
-  std::vector<std::string> missing, known;
-  for (std::size_t c = 0; c < names.size(); ++c)
-    if (match[c] < 0) missing.push_back(names[c]);
-  for (const View& view : rig.views) known.push_back(view.name);
-  if (!missing.empty())
-    throw InputError("track: the calibration has no camera " + Listed(missing) + "; it has " +
-                     Listed(known) + ": give folders and calibration the same names");
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    views_.push_back(rig.views[match[c]]);
-    views_.back().name = names[c];
-  }
+  views_ = MatchedViews(rig, names, "track");
   metres_per_unit_ = rig.metres_per_unit;
   std::vector<std::string> wanted = Words(options.cameras);
   for (const std::string& name : wanted)

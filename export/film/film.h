@@ -10,7 +10,7 @@
 #include "core/mesh.h"
 #include "core/progress.h"
 #include "export/animation/scene.h"
-#include "export/film/picture.h"
+#include "views/film/picture.h"
 
 namespace keypose::exporting {
 

@@ -14,7 +14,7 @@
 #include "core/render.h"
 #include "core/testing_shapes.h"
 #include "export/film/film.h"
-#include "export/film/mp4.h"
+#include "views/film/mp4.h"
 
 namespace keypose::exporting {
 namespace {

@@ -14,11 +14,11 @@
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
-#include "texture/bake/atlas.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/gain.h"
 #include "texture/bake/paint.h"
 #include "texture/bake/quality.h"
+#include "views/atlas/atlas.h"
 
 namespace keypose::texture {
 namespace {

@@ -24,17 +24,6 @@ constexpr double kDepthStepInCells = 6;
 /// Distance between rays with stored directions; those between are interpolated.
 constexpr int kRayStep = 8;
 
-/// Indexed by the square root: fine for dark values, where sRGB is steep.
-std::array<std::uint8_t, 4096> SrgbTable() {
-  std::array<std::uint8_t, 4096> t;
-  for (int i = 0; i < 4096; ++i) {
-    const double l = (i / 4095.0) * (i / 4095.0);
-    t[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(l)));
-  }
-  return t;
-}
-const std::array<std::uint8_t, 4096> kSrgb = SrgbTable();
-
 void CheckSizes(const View& view, const Photograph& photograph) {
   const auto check = [&](const Image8& image, const char* what) {
     if (image.width == view.camera.width && image.height == view.camera.height) return;
@@ -104,16 +93,6 @@ bool AllObject(const Image8& mask, double x, double y, double half) {
 }
 
 }  // namespace
-
-const std::array<float, 256> kLinear = [] {
-  std::array<float, 256> t;
-  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
-  return t;
-}();
-
-std::uint8_t SrgbOf(float linear) {
-  return kSrgb[static_cast<int>(std::sqrt(std::clamp(linear, 0.0f, 1.0f)) * 4095 + 0.5f)];
-}
 
 BakeView::BakeView(const View& view, const Photograph& photograph, const Mesh& mesh,
                    const RayScene& scene, const BakeViewOptions& options)

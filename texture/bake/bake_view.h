@@ -15,6 +15,7 @@
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/size_of.h"
+#include "views/atlas/linear_light.h"
 
 namespace keypose::texture {
 
@@ -132,12 +133,6 @@ class BakeView {
   ImageF depth_;
   Image8 trust_;  ///< 255 is 1
 };
-
-/// Conversion between an 8-bit sRGB value and linear light in [0,1]. The table is outside of the
-/// function, because a function-local static would be checked at each of about 10^9 calls.
-extern const std::array<float, 256> kLinear;
-inline float LinearOf(std::uint8_t srgb) { return kLinear[srgb]; }
-std::uint8_t SrgbOf(float linear);
 
 // Functions that are called for each texel and view.
 

@@ -12,8 +12,8 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/tuned.h"
-#include "texture/bake/atlas.h"
 #include "texture/bake/bake_view.h"
+#include "views/atlas/atlas.h"
 
 namespace keypose::texture {
 namespace {

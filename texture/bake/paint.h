@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/progress.h"
-#include "texture/bake/atlas.h"
 #include "texture/bake/colour_samples.h"
+#include "views/atlas/atlas.h"
 
 namespace keypose::texture {
 

@@ -15,9 +15,9 @@
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/size_of.h"
-#include "texture/bake/atlas.h"
 #include "texture/bake/bake.h"
 #include "texture/bake/quality.h"
+#include "views/atlas/atlas.h"
 
 namespace keypose::texture {
 

@@ -6,7 +6,7 @@
 
 #include "core/image.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 struct GifOptions {
   int height = 480;         ///< px; smaller pictures are not enlarged
@@ -47,4 +47,4 @@ class GifWriter {
 /// @param picture  RGB, at least as large as the result
 Image8 Shrunk(const Image8& picture, int width, int height);
 
-}  // namespace keypose::exporting
+}  // namespace keypose

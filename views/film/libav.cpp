@@ -1,8 +1,8 @@
-#include "export/film/libav.h"
+#include "views/film/libav.h"
 
 #include "core/errors.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 std::string AvText(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE];
@@ -10,11 +10,11 @@ std::string AvText(int code) {
 }
 
 void AvFile::Encoded(int code) const {
-  if (code < 0) throw ToolError("export: libavcodec cannot encode " + path_ + ": " + AvText(code));
+  if (code < 0) throw ToolError("film: libavcodec cannot encode " + path_ + ": " + AvText(code));
 }
 
 void AvFile::Written(int code) const {
-  if (code < 0) throw DiskError("export: cannot write " + path_ + ": " + AvText(code));
+  if (code < 0) throw DiskError("film: cannot write " + path_ + ": " + AvText(code));
 }
 
 AvFile::AvFile(const std::string& path, const char* format)
@@ -63,4 +63,4 @@ void AvFile::End() {
   Written(avio_closep(&context_->pb));
 }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

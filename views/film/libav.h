@@ -9,7 +9,7 @@ extern "C" {
 #include <memory>
 #include <string>
 
-namespace keypose::exporting {
+namespace keypose {
 
 template <class T, void (*Free)(T**)>
 struct AvFree {
@@ -56,4 +56,4 @@ class AvFile {
   AvPacket packet_;
 };
 
-}  // namespace keypose::exporting
+}  // namespace keypose

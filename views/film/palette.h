@@ -8,7 +8,7 @@
 
 #include "core/image.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 /// sRGB colours.
 struct Palette {
@@ -60,4 +60,4 @@ class Ditherer {
   Image8 previous_;  ///< indices
 };
 
-}  // namespace keypose::exporting
+}  // namespace keypose

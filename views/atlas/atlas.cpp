@@ -1,4 +1,4 @@
-#include "texture/bake/atlas.h"
+#include "views/atlas/atlas.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -12,9 +12,9 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/tuned.h"
-#include "texture/bake/bake_view.h"
+#include "views/atlas/linear_light.h"
 
-namespace keypose::texture {
+namespace keypose {
 namespace {
 
 using Eigen::Vector2d;
@@ -443,4 +443,4 @@ Image8 SrgbImage(const ImageF& linear) {
   return srgb;
 }
 
-}  // namespace keypose::texture
+}  // namespace keypose

@@ -1,5 +1,5 @@
 // GIF as read by OpenCV (libav's decoder), and its times as the bytes say them.
-#include "export/film/gif.h"
+#include "views/film/gif.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,10 +14,10 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
-#include "export/film/palette.h"
-#include "export/film/picture.h"
+#include "views/film/palette.h"
+#include "views/film/picture.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
@@ -334,4 +334,4 @@ TEST(Ditherer, GrainOfWhatStandsStillDoesNotMove) {
 }
 
 }  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose

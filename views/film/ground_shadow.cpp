@@ -1,4 +1,4 @@
-#include "export/film/ground_shadow.h"
+#include "views/film/ground_shadow.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 /// Points along the side of each grid, and how many grids, each twice as large as the one before.
@@ -181,4 +181,4 @@ double GroundShadow::Hidden(const Eigen::Vector3d& point) const {
   return result;
 }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

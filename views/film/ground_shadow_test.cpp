@@ -6,9 +6,9 @@
 
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "export/film/ground_shadow.h"
+#include "views/film/ground_shadow.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 const Eigen::Vector3d kUp = Eigen::Vector3d::UnitZ();
@@ -117,4 +117,4 @@ TEST(GroundUnder, TouchesTheLowestPointOfAllFrames) {
 }
 
 }  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose

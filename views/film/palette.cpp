@@ -1,4 +1,4 @@
-#include "export/film/palette.h"
+#include "views/film/palette.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/size_of.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 using Color = std::array<std::uint8_t, 3>;
@@ -239,4 +239,4 @@ Image8 Ditherer::Indices(const Image8& picture) {
   return indices;
 }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

@@ -6,7 +6,7 @@
 #include "core/mesh.h"
 #include "core/ray_scene.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 /// A table, horizontal at the lowest point of an animation.
 struct Ground {
@@ -50,4 +50,4 @@ class GroundShadow {
   std::vector<Grid> grids_;  ///< from small and fine to large and coarse
 };
 
-}  // namespace keypose::exporting
+}  // namespace keypose

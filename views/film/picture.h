@@ -1,6 +1,7 @@
 // Pictures of one frame, with alpha: the figure and its shadow on a table that is not seen itself.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,16 +9,20 @@
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/mesh.h"
-#include "export/film/ground_shadow.h"
+#include "views/film/ground_shadow.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 /// The frames and textures of a film.
 struct FilmScene {
   const std::vector<Mesh>& frames;      ///< of one connectivity; all use the UVs of the first
   const std::vector<Image8>& textures;  ///< in the layout of the first frame; may be empty
   /// per frame, a weight per texture; empty: always the first texture
-  std::vector<std::vector<double>> blend;
+  std::vector<std::vector<double>> blend = {};
+  /// where set: the texture of a frame, in place of `textures`; asked for when the frame is painted
+  std::function<Image8(int frame)> texture_of_frame = {};
+  /// of the renderer (RenderOptions), over the light that the texture already contains
+  double shading = 0.35;
 };
 
 /// A frame, ready for pictures from any side.
@@ -54,4 +59,4 @@ Image8 LaidOver(const Image8& picture, const Eigen::Matrix<std::uint8_t, 3, 1>& 
 /// @throws InputError  neither 3 nor 4 channels, or no pixels
 std::string EncodePng(const Image8& picture);
 
-}  // namespace keypose::exporting
+}  // namespace keypose

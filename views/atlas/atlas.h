@@ -8,7 +8,7 @@
 #include "core/image.h"
 #include "core/mesh.h"
 
-namespace keypose::texture {
+namespace keypose {
 
 /// A face's corners in texel units, y down.
 struct TexelTriangle {
@@ -87,4 +87,4 @@ ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter);
 /// As 8-bit sRGB.
 Image8 SrgbImage(const ImageF& linear);
 
-}  // namespace keypose::texture
+}  // namespace keypose

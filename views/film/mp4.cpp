@@ -1,4 +1,4 @@
-#include "export/film/mp4.h"
+#include "views/film/mp4.h"
 
 extern "C" {
 #include <libavutil/opt.h>
@@ -6,10 +6,10 @@ extern "C" {
 }
 
 #include "core/errors.h"
-#include "export/film/libav.h"
-#include "export/film/picture.h"
+#include "views/film/libav.h"
+#include "views/film/picture.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 /// x264's quality scale; lower is better. A high quality, since clay has fine grain and films are
@@ -36,7 +36,7 @@ struct Mp4Writer::State {
     const AVCodec* codec = H264Encoder();
     if (!codec)
       throw ToolError(
-          "export: libavcodec has no x264; install Debian's libavcodec-extra or libavcodec59, or "
+          "film: libavcodec has no x264; install Debian's libavcodec-extra or libavcodec59, or "
           "leave `video` out of `formats`");
     encoder.reset(avcodec_alloc_context3(codec));
     encoder->width = width;
@@ -63,7 +63,7 @@ struct Mp4Writer::State {
     scaler = sws_getContext(
         encoder->width, encoder->height, AV_PIX_FMT_RGB24, encoder->width, encoder->height,
         encoder->pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
-    if (!scaler) throw ToolError("export: libswscale cannot convert RGB to 4:2:0");
+    if (!scaler) throw ToolError("film: libswscale cannot convert RGB to 4:2:0");
     const int* rgb = sws_getCoefficients(SWS_CS_DEFAULT);
     sws_setColorspaceDetails(scaler, rgb, 1, sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16,
                              1 << 16);
@@ -82,7 +82,7 @@ Mp4Writer::~Mp4Writer() = default;
 void Mp4Writer::Add(const Image8& picture) {
   State& s = *state_;
   if (picture.width != s.encoder->width || picture.height != s.encoder->height)
-    throw InputError("export: a picture of the film has " + std::to_string(picture.width) + " x " +
+    throw InputError("film: a picture of the film has " + std::to_string(picture.width) + " x " +
                      std::to_string(picture.height) + " pixels, the film has " +
                      std::to_string(s.encoder->width) + " x " + std::to_string(s.encoder->height));
   const Image8 flat = LaidOver(picture, kFilmBackground);
@@ -100,4 +100,4 @@ void Mp4Writer::Finish() {
   s.file.End();
 }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

@@ -7,7 +7,7 @@
 
 #include "core/image.h"
 
-namespace keypose::exporting {
+namespace keypose {
 
 /// Whether this machine's libavcodec can encode H.264 with x264.
 bool CanWriteMp4();
@@ -36,4 +36,4 @@ class Mp4Writer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace keypose::exporting
+}  // namespace keypose

@@ -1,4 +1,4 @@
-#include "export/film/gif.h"
+#include "views/film/gif.h"
 
 extern "C" {
 #include <libavutil/opt.h>
@@ -13,11 +13,11 @@ extern "C" {
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/srgb.h"
-#include "export/film/libav.h"
-#include "export/film/palette.h"
-#include "export/film/picture.h"
+#include "views/film/libav.h"
+#include "views/film/palette.h"
+#include "views/film/picture.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 /// The palette's last entry stands for "as in the picture before".
@@ -50,7 +50,7 @@ struct Timed {
 
 AvEncoder OpenGifEncoder(const AvFile& file, int width, int height) {
   const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_GIF);
-  if (!codec) throw ToolError("export: libavcodec cannot write GIF; install Debian's libavcodec59");
+  if (!codec) throw ToolError("film: libavcodec cannot write GIF; install Debian's libavcodec59");
   AvEncoder encoder(avcodec_alloc_context3(codec));
   encoder->width = width;
   encoder->height = height;
@@ -129,7 +129,7 @@ struct GifWriter::State {
   void CheckSize(const Image8& picture) {
     if (count == 0) width = picture.width, height = picture.height;
     if (picture.empty() || picture.width != width || picture.height != height)
-      throw InputError("export: a picture of the GIF has " + std::to_string(picture.width) + " x " +
+      throw InputError("film: a picture of the GIF has " + std::to_string(picture.width) + " x " +
                        std::to_string(picture.height) + " pixels, the first had " +
                        std::to_string(width) + " x " + std::to_string(height));
   }
@@ -171,7 +171,7 @@ void GifWriter::Add(const Image8& picture) {
 
 void GifWriter::Finish() {
   State& s = *state_;
-  if (s.pictures.empty()) throw InputError("export: a GIF needs at least one picture");
+  if (s.pictures.empty()) throw InputError("film: a GIF needs at least one picture");
   const Image8& first = s.pictures[0].picture;
   const AvEncoder encoder = OpenGifEncoder(s.file, first.width, first.height);
   const Palette palette = s.colors.Choose(kTransparent);
@@ -188,4 +188,4 @@ void GifWriter::Finish() {
 
 bool GifWriter::Shortened() const { return state_->shortened; }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

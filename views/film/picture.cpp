@@ -1,4 +1,4 @@
-#include "export/film/picture.h"
+#include "views/film/picture.h"
 
 #include <png.h>
 
@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "core/render.h"
 
-namespace keypose::exporting {
+namespace keypose {
 namespace {
 
 /// Share of its light that the table keeps where the sky is hidden: it comes back from the figure.
@@ -109,12 +109,14 @@ FramePainter::FramePainter(const FilmScene& scene, int frame, const Ground* grou
   s.mesh.uvs = scene.frames[0].uvs;
   s.mesh.uv_faces = scene.frames[0].uv_faces;
   s.look.samples = 2;
-  s.look.shading = 0.35;  // the texture already contains the photographs' light
-  const bool textured = s.mesh.has_uvs() && !scene.textures.empty();
-  const bool blends = textured && !scene.blend.empty() && SameSize(scene.textures);
+  s.look.shading = scene.shading;
+  const bool own = scene.texture_of_frame != nullptr;
+  const bool textured = s.mesh.has_uvs() && (own || !scene.textures.empty());
+  const bool blends = textured && !own && !scene.blend.empty() && SameSize(scene.textures);
+  if (textured && own) s.blended = scene.texture_of_frame(frame);
   if (blends) s.blended = Blended(scene.textures, scene.blend[frame]);
   if (textured)
-    s.look.texture = blends ? &s.blended : &scene.textures[0];
+    s.look.texture = own || blends ? &s.blended : &scene.textures[0];
   else
     s.look.plain = s.mesh.colors.rows() == 0, s.look.shading = 1;
   if (!ground) return;
@@ -138,7 +140,7 @@ Image8 RenderPicture(const FilmScene& scene, int frame, const View& view, const 
 Image8 LaidOver(const Image8& picture, const Eigen::Matrix<std::uint8_t, 3, 1>& background) {
   if (picture.channels == 3) return picture;
   if (picture.channels != 4)
-    throw InputError("export: a picture of the film has " + std::to_string(picture.channels) +
+    throw InputError("film: a picture of the film has " + std::to_string(picture.channels) +
                      " channels; it must be RGB or RGBA");
   Image8 flat(picture.width, picture.height, 3);
   const std::size_t pixels = flat.data.size() / 3;
@@ -154,7 +156,7 @@ Image8 LaidOver(const Image8& picture, const Eigen::Matrix<std::uint8_t, 3, 1>& 
 
 std::string EncodePng(const Image8& picture) {
   if (picture.empty() || (picture.channels != 3 && picture.channels != 4))
-    throw InputError("export: a picture of the film is not RGB or RGBA with at least one pixel");
+    throw InputError("film: a picture of the film is not RGB or RGBA with at least one pixel");
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(picture.width);
@@ -163,9 +165,9 @@ std::string EncodePng(const Image8& picture) {
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, picture.data.data(), 0, nullptr))
-    throw ToolError(std::string("export: libpng could not encode a picture: ") + header.message);
+    throw ToolError(std::string("film: libpng could not encode a picture: ") + header.message);
   bytes.resize(size);
   return bytes;
 }
 
-}  // namespace keypose::exporting
+}  // namespace keypose

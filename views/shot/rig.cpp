@@ -1,0 +1,70 @@
+#include "views/shot/rig.h"
+
+#include <cmath>
+
+#include "core/errors.h"
+
+namespace keypose {
+
+using Eigen::Vector3d;
+
+std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std::string>& cameras,
+                               const std::string& stage) {
+  const std::vector<int> match = MatchCameraNames(cameras, rig.views);
+  std::vector<std::string> missing, known;
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (match[c] < 0) missing.push_back(cameras[c]);
+  for (const View& view : rig.views) known.push_back(view.name);
+  if (!missing.empty())
+    throw InputError(stage + ": the calibration has no camera " + Listed(missing) + "; it has " +
+                     Listed(known) + ": give folders and calibration the same names");
+  std::vector<View> views;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    views.push_back(rig.views[match[c]]);
+    views.back().name = cameras[c];
+  }
+  return views;
+}
+
+Camera CameraForPictures(const Camera& camera, int width, int height, const std::string& name,
+                         const std::string& stage) {
+  Camera fitted = camera;
+  if (camera.width == 0 || camera.height == 0) {
+    fitted.width = width, fitted.height = height;
+    return fitted;
+  }
+  const double factor = static_cast<double>(width) / camera.width;
+  if (std::abs(camera.height * factor - height) > 1)
+    throw InputError(stage + ": the pictures of camera " + name + " have " + std::to_string(width) +
+                     " x " + std::to_string(height) + " pixels, but it was calibrated with " +
+                     std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                     "; calibrate it with the shape of picture that it films");
+  fitted = camera.Scaled(factor);
+  fitted.width = width, fitted.height = height;
+  return fitted;
+}
+
+Vector3d UpOfCameras(const std::vector<View>& views) {
+  Vector3d sum = Vector3d::Zero();
+  for (const View& view : views)
+    sum -= view.camera_from_world.rotation.conjugate() * Vector3d::UnitY();
+  int axis = 0;
+  sum.cwiseAbs().maxCoeff(&axis);
+  const Vector3d snapped = (sum[axis] > 0 ? 1 : -1) * Vector3d::Unit(axis);
+  // Cameras that all look down lean the mean; an axis within 40 degrees is meant.
+  return sum.normalized().dot(snapped) > 0.77 ? snapped : Vector3d(sum.normalized());
+}
+
+Vector3d UpOf(const std::string& name, const std::vector<View>& views) {
+  if (name == "auto") return UpOfCameras(views);
+  const double sign = name[0] == '-' ? -1 : 1;
+  return sign * Vector3d::Unit(name.back() - 'x');
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace keypose
