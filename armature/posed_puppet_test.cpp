@@ -135,6 +135,21 @@ TEST(PosedPuppet, NothingMovesWhenNoValueChanged) {
   EXPECT_EQ(before, puppet.points());
 }
 
+TEST(PosedPuppet, MovingAPartGivesTheBitsOfMovingAll) {
+  const PuppetParts parts = TheropodParts();
+  PosedPuppet puppet(parts);
+  auto values = TheropodWalk(parts.armature, 0.3);
+  puppet.Update(values);
+  for (const char* name : {"tailBend7", "leftKneeBend", "trunkSide6"}) {
+    values[parts.armature.JointOf(parts.armature.Find(name))] += 0.2;
+    puppet.Update(values);
+    PointsX3 whole;
+    Skin(parts.mesh.points, parts.weights, parts.skeleton.size())
+        .Pose(puppet.matcher().pose().bones, &whole);
+    EXPECT_EQ(puppet.points(), whole) << name;
+  }
+}
+
 TEST(LeadingBones, GoOnAlongTheLongestRow) {
   const Skeleton skeleton = TheropodParts().skeleton;
   const auto leading = LeadingBones(skeleton);

@@ -25,8 +25,20 @@ void PosedPuppet::Update(const std::vector<double>& values) {
   const SkeletonPose& pose = matcher_.Update(values);
   match_s_ = SecondsSince(begin);
   const auto skinning = std::chrono::steady_clock::now();
-  if (matcher_.moved()) skin_.Pose(pose.bones, &points_);
+  if (matcher_.moved()) {
+    skin_.Pose(pose.bones, &points_, MovedBones(pose.bones));
+    last_bones_ = pose.bones;
+  }
   skin_s_ = SecondsSince(skinning);
+}
+
+std::vector<char> PosedPuppet::MovedBones(const std::vector<Rigid3>& bones) const {
+  if (last_bones_.empty()) return {};
+  std::vector<char> moved(bones.size());
+  for (std::size_t b = 0; b < bones.size(); ++b)
+    moved[b] = bones[b].rotation.coeffs() != last_bones_[b].rotation.coeffs() ||
+               bones[b].translation != last_bones_[b].translation;
+  return moved;
 }
 
 std::vector<SkinBone> SkinBonesOf(const Skeleton& skeleton) {

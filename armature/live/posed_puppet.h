@@ -37,9 +37,12 @@ class PosedPuppet {
   double skin_s() const { return skin_s_; }    ///< ... and for the mesh
 
  private:
+  std::vector<char> MovedBones(const std::vector<Rigid3>& bones) const;
+
   PuppetMatcher matcher_;
   Skin skin_;
   PointsX3 points_;
+  std::vector<Rigid3> last_bones_;  ///< of points_
   double match_s_ = 0, skin_s_ = 0;
 };
 

@@ -73,13 +73,18 @@ Skin::Skin(const PointsX3& rest, SkinWeights weights, int bone_count)
                          std::to_string(bone_count));
 }
 
-void Skin::Pose(const std::vector<Rigid3>& bones, PointsX3* points) const {
+void Skin::Pose(const std::vector<Rigid3>& bones, PointsX3* points,
+                const std::vector<char>& moved) const {
   std::vector<DualQuaternion> duals(bone_count_);
   for (int b = 0; b < bone_count_; ++b) duals[b] = DualOf(bones[b]);
+  const bool all = moved.empty() || points->rows() != rest_.rows();
   if (points->rows() != rest_.rows()) points->resize(rest_.rows(), 3);
   for (Eigen::Index v = 0; v < rest_.rows(); ++v) {
     const auto& index = weights_.bones[v];
     const auto& weight = weights_.weights[v];
+    // Bones of weight 0 are the first one or real ones; to look at them too does no harm.
+    if (!all && !moved[index[0]] && !moved[index[1]] && !moved[index[2]] && !moved[index[3]])
+      continue;
     // Of a motion's two dual quaternions the one nearer to the heaviest bone's.
     const DualQuaternion& first = duals[index[0]];
     DualQuaternion sum = weight[0] * first;

@@ -43,10 +43,13 @@ class Skin {
 
   /// @param bones  of each: x_now = bones[b] * x_at_rest
   /// @param points  V x 3; resized when it has another size
+  /// @param moved   for each bone whether it moved since `points` were posed: other vertices stay;
+  ///                empty: all
   /// @pre as many bones as the constructor got
   /// Cost: linear. On the calling thread alone: a live pose must not wait for threads that draw its
   /// pictures.
-  void Pose(const std::vector<Rigid3>& bones, PointsX3* points) const;
+  void Pose(const std::vector<Rigid3>& bones, PointsX3* points,
+            const std::vector<char>& moved = {}) const;
 
   int vertex_count() const { return static_cast<int>(rest_.rows()); }
 
