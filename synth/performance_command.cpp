@@ -10,7 +10,9 @@
 #include "core/geometry.h"
 #include "core/io/bvh_io.h"
 #include "core/io/files.h"
+#include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
 #include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/render.h"
@@ -195,6 +197,22 @@ void MakeFilmFolders(const PerformanceCommand& command, const std::vector<View>&
   MakeFilmFolder(command.output / "held_out");
 }
 
+/// The actor's mesh in each frame, as stages exchange it: the filmed surface, more coarsely.
+void WriteTrueFrames(const PerformanceCommand& command, const MotionClip& clip,
+                     const Performer& filmed) {
+  const fs::path folder = command.output / "truth" / "frames";
+  MakeFilmFolder(folder);
+  PerformerOptions options = command.performer;
+  options.spacing_m = command.mesh_spacing_m;
+  Performer performer(clip, options);
+  performer.PlaceAs(filmed);
+  PlyFrames writer(performer.bind());
+  for (int f = 0; f < performer.frame_count(); ++f)
+    writer.Write(folder / FrameFileName(f), performer.Points(f));
+  const std::vector<FrameMeasures> measures(static_cast<std::size_t>(performer.frame_count()));
+  WriteFile(folder / "distortion.json", FrameNotesText(measures, 1 / clip.frame_time_s, "truth"));
+}
+
 }  // namespace
 
 std::vector<std::string> PerformanceCommand::Problems() const {
@@ -204,6 +222,8 @@ std::vector<std::string> PerformanceCommand::Problems() const {
     problems.push_back("--every must be at least 1, --first at least 0");
   if (cameras < 2 || cameras > 64) problems.push_back("--cameras must be from 2 to 64");
   if (size_px < 100 || size_px > 8000) problems.push_back("--size must be from 100 to 8000");
+  if (mesh_spacing_m != 0 && !(mesh_spacing_m >= 0.005 && mesh_spacing_m <= 0.2))
+    problems.push_back("--meshes must be from 0.005 to 0.2");
   if (noise_px < 0 || noise_px > 20) problems.push_back("--noise must be from 0 to 20");
   return problems;
 }
@@ -247,6 +267,7 @@ std::string RunPerformance(const PerformanceCommand& command, Progress* progress
   WriteFile(command.output / "held_out" / "calibration.yml", OpenCvYaml(held_out));
   WriteFile(command.output / "truth" / "joints.csv", JointsCsv(performer));
   WriteBvh(command.output / "truth" / "motion.bvh", clip);
+  if (command.mesh_spacing_m > 0) WriteTrueFrames(command, clip, performer);
   const Filming writer(command, performer, views);
   writer.WritePlates();
   constexpr int kAtOnce = 16;

@@ -20,6 +20,8 @@ struct PerformanceCommand {
   /// the film begins with 6 frames with arms and legs apart and 18 on the way into the motion
   bool start_pose = true;
   bool pictures = true;  ///< colour pictures too, with a floor and shadows on it
+  /// the actor's true mesh in each frame too, with vertices so far apart [m]; 0: none
+  double mesh_spacing_m = 0;
   /// an arm that is missing from all masks for a time: first and last frame; none when equal
   int hidden_from = 0, hidden_to = 0;
   PerformerOptions performer;
@@ -34,6 +36,7 @@ struct PerformanceCommand {
 /// - calibration.yml: the cameras, metres, z up
 /// - held_out/cam9/..., held_out/calibration.yml: one more camera, which the shot lacks
 /// - truth/masks/cam1/000.png ...: without noise, also of the held-out camera
+/// - truth/frames/frame_0000.ply ..., distortion.json, where a spacing is given: the actor's mesh
 /// - truth/joints.csv: frame, joint, x, y, z [m]; truth/motion.bvh: the clip that was used
 /// @return one line about the written files
 /// @throws UsageError, InputError, DiskError

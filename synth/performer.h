@@ -31,6 +31,10 @@ class Performer {
   /// @throws InputError  a joint is missing; names it
   Performer(const MotionClip& clip, const PerformerOptions& options);
 
+  /// Stands where another one of the same clip stands: meshes of two spacings have lowest points of
+  /// their own.
+  void PlaceAs(const Performer& other) { shift_ = other.shift_; }
+
   int frame_count() const { return clip_.frame_count(); }
   /// Faces, and the paint of the vertices without light, sRGB.
   const Mesh& bind() const { return bind_; }
