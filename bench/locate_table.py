@@ -9,7 +9,8 @@ For each seed: another clay character of `keypose synth photos` with all limbs m
 texture baked from 20 photographs of 800 pixels; and pictures of it from other places by another lens. Each is located
 by itself, in several cases:
 
-    textured     mesh, texture and the matte that `capture` makes
+    textured     mesh, texture and the exact matte
+    captured     mesh, texture and the matte that `capture` makes from these few pictures
     outline      mesh and the exact matte, no texture
     bare         mesh and texture, no matte
     no-exif      as textured, but the focal length is not told
@@ -28,7 +29,7 @@ import subprocess
 import sys
 import tempfile
 
-CASES = ('textured', 'outline', 'bare', 'no-exif', 'clicks', 'empty')
+CASES = ('textured', 'captured', 'outline', 'bare', 'no-exif', 'clicks', 'empty')
 
 
 def call(command, check=True):
@@ -116,6 +117,17 @@ def read_vertices(path):
     return [tuple(map(float, line.split()[1:4])) for line in path.read_text().splitlines() if line.startswith('v ')]
 
 
+def without_exif(jpeg):
+    """The picture without its APP1 segments."""
+    kept, at = jpeg[:2], 2
+    while jpeg[at] == 0xFF and jpeg[at + 1] != 0xDA:
+        end = at + 2 + struct.unpack_from('>H', jpeg, at + 2)[0]
+        if jpeg[at + 1] != 0xE1:
+            kept += jpeg[at:end]
+        at = end
+    return kept + jpeg[at:]
+
+
 class Seed:
     """The files and results of one character."""
 
@@ -151,7 +163,7 @@ class Seed:
         width, height = self.args.size.split('x')
         film = self.photographs('film', ['--views', self.args.views, '--elevations', 6, 24, '--width', width, '--height', height, '--focal', 45,
                                          '--photographer-seed', self.seed + 100, '--clean-plate'])
-        if not (f / 'film_images').exists():
+        if 'captured' in self.args.cases and not (f / 'film_images').exists():
             call([self.program('capture'), '--photos', film / 'photos/limbs', '--images', f / 'film_images', '--min_images', 2])
         return film
 
@@ -175,11 +187,11 @@ class Seed:
         """The command line of one case."""
         f = self.folder
         words = ['--mesh', f / 'mesh.obj', '--plate', film / 'photos/limbs' / name]
-        if case in ('textured', 'no-exif', 'bare', 'empty'):
+        if case in ('textured', 'captured', 'no-exif', 'bare', 'empty'):
             words += ['--textures', f / 'texture.png']
-        if case in ('textured', 'no-exif'):
+        if case == 'captured':
             words += ['--matte', f / 'film_images/masks' / (name + '.png')]
-        if case == 'outline':
+        if case in ('textured', 'no-exif', 'outline'):
             words += ['--matte', film / 'truth/limbs/masks' / (name + '.png')]
         if case == 'clicks':
             (f / 'clicks.json').write_text(json.dumps(self.clicks(view)))
@@ -187,11 +199,9 @@ class Seed:
         if case == 'empty':
             words[words.index('--plate') + 1] = film / 'background/limbs.jpg'
         if case == 'no-exif':
-            # PNG has no EXIF here
-            png = f / (name + '.png')
-            if not png.exists():
-                call(['ffmpeg', '-y', '-loglevel', 'error', '-i', film / 'photos/limbs' / name, png])
-            words[words.index('--plate') + 1] = png
+            bare = f / ('bare_' + name)
+            bare.write_bytes(without_exif((film / 'photos/limbs' / name).read_bytes()))
+            words[words.index('--plate') + 1] = bare
         return words
 
     def measure(self, case, film, name, view):
