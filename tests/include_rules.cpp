@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 const std::set<std::string> kStageRooms{"capture",     "reconstruct", "cleanup", "texture",
                                         "register",    "fit",         "motion",  "armature",
-                                        "interpolate", "export",      "report"};
+                                        "interpolate", "composite",   "export",    "report"};
 const std::set<std::string> kLibraryRooms{"views", "deform"};
 const std::vector<std::string> kHeavy{"CGAL/", "pcl/", "ceres/", "tetgen", "opencv2/", "embree"};
 
