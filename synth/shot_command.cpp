@@ -51,7 +51,7 @@ class Story {
     const double turn = share * command_.turn_deg * kPi / 180;
     return {1,
             Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
-            {share * command_.travel_m, 0.02 * std::sin(kPi * share), 0}};
+            {share * command_.travel_m, 0.3 * share * command_.travel_m, 0}};
   }
 
  private:

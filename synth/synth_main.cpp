@@ -16,6 +16,7 @@
 #include "synth/score_command.h"
 #include "synth/video_score.h"
 #include "synth/shot_command.h"
+#include "synth/shot_score.h"
 
 namespace {
 
@@ -355,6 +356,15 @@ void AddVideoScore(CLI::App& app, VideoScoreCommand& c) {
   score->callback([&c] { std::printf("%s", ToJson(ScoreVideo(c)).c_str()); });
 }
 
+void AddShotScore(CLI::App& app, ShotScoreCommand& c) {
+  CLI::App* score = app.add_subcommand(
+      "score-shot", "compare the pictures of a finished shot with the truth; prints JSON");
+  score->add_option("--shot", c.shot, "folder that `synth shot` wrote")->required();
+  score->add_option("--pictures", c.pictures, "pictures of `composite`")->required();
+  score->add_option("--sheet", c.sheet, "also write made, true and difference side by side (.png)");
+  score->callback([&c] { std::fputs(ToJson(ScoreShot(c)).c_str(), stdout); });
+}
+
 void AddMotionScore(CLI::App& app, MotionScoreCommand& c) {
   CLI::App* score = app.add_subcommand("score-motion",
                                        "compare a tracked performance with its truth; prints JSON");
@@ -381,6 +391,7 @@ int main(int argc, char** argv) {
   MotionScoreCommand motion_score;
   VideoScoreCommand video_score;
   ShotCommand shot;
+  ShotScoreCommand shot_score;
   AddPhotos(app, photos);
   AddPair(app, pair);
   AddPick(app, pick);
@@ -391,6 +402,7 @@ int main(int argc, char** argv) {
   AddMotionScore(app, motion_score);
   AddVideoScore(app, video_score);
   AddShot(app, shot);
+  AddShotScore(app, shot_score);
   try {
     app.parse(argc, argv);
     return 0;

@@ -24,6 +24,7 @@ import json
 import pathlib
 
 import bpy
+import mathutils
 
 HERE = pathlib.Path(__file__).resolve().parent if "__file__" in globals() else pathlib.Path(
     bpy.context.space_data.text.filepath).resolve().parent
@@ -39,7 +40,8 @@ def make_camera(scene):
     data.shift_x, data.shift_y = spec["shift_x"], spec["shift_y"]
     data.clip_start, data.clip_end = spec["clip_start"], spec["clip_end"]
     camera = bpy.data.objects.new("shot", data)
-    camera.matrix_world = [spec["matrix_world"][4 * i : 4 * i + 4] for i in range(4)]
+    rows = [spec["matrix_world"][4 * i : 4 * i + 4] for i in range(4)]
+    camera.matrix_world = mathutils.Matrix(rows)
     scene.collection.objects.link(camera)
     scene.camera = camera
     render = scene.render

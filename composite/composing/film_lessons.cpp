@@ -151,6 +151,11 @@ class Lesson {
     look->light = Scaled(std::move(look->light), exposure.cwiseInverse());
   }
 
+  /// Then the plate has that frame's shadow, and nothing can be learnt from comparing the two.
+  bool OnlyOneFrameShows(int x, int y) const {
+    return film_.given_plate.empty() && *lessons_.plate.grain_lacking.at(x, y) < 0.01f;
+  }
+
   /// Places of the table around the character, and what they lost of the plate's light.
   ShadowSamples SamplesOf(const Looked& look, const Ground& table) const {
     ShadowSamples samples{look.scene.get(), {}, {}};
@@ -159,7 +164,7 @@ class Lesson {
     std::vector<std::pair<Vector3d, double>> all;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
-        if (*look.away.at(x, y) > 127) continue;
+        if (*look.away.at(x, y) > 127 || OnlyOneFrameShows(x, y)) continue;
         const Vector3d ray = world_from_camera.rotation * rays_.At(x, y, 0.5, 0.5);
         const double down = -ray.dot(table.up);
         if (!(down * height > 0)) continue;

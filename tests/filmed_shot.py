@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Takes a generated stop-motion shot from twelve to twenty-four frames a second, and compares with the truth.
+
+Films a clay character on a set and photographs its key poses on a turntable into --out, makes a project of film
+and photographs, runs it, and prints how far the in-betweens are from pictures that were truly rendered. Exit code:
+0 if every goal is reached, 6 if one is missed, else that of the failed step.
+"""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+SHOWS = "0=rest,4=wave,8=bow"
+PSNR_GOAL = 30.0  # dB in the character's box
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", default="build/release/bin", help="folder of the programs")
+    parser.add_argument("--out", default="filmed_shot", help="working folder; files of an earlier run are removed")
+    parser.add_argument("--width", type=int, default=960, help="of the film [px]")
+    parser.add_argument("--views", type=int, default=24, help="photographs of the template")
+    parser.add_argument("--few", type=int, default=8, help="photographs of each other pose")
+    parser.add_argument("--seed", type=int, default=1, help="character")
+    parser.add_argument("--plate", action="store_true", help="give the clean plate instead of making it from the film")
+    parser.add_argument("--keep", action="store_true", help="keep and use existing film, photographs and results")
+    return parser.parse_args()
+
+
+class Shot:
+    def __init__(self, args):
+        self.args = args
+        self.world = os.path.abspath(args.out)
+        self.project = os.path.join(self.world, "project")
+
+    def run(self, name, *arguments, quiet=False):
+        """Runs a program. If it fails, ends with its exit code."""
+        command = [os.path.join(os.path.abspath(self.args.bin), name), *arguments]
+        print("\n$ " + " ".join([name, *arguments]), flush=True)
+        result = subprocess.run(command, stdout=subprocess.PIPE if quiet else None, text=True)
+        if result.returncode != 0:
+            print(f"filmed_shot: `{' '.join(command)}` ended with exit code {result.returncode}", file=sys.stderr)
+            sys.exit(result.returncode if result.returncode > 0 else 1)
+        return result.stdout
+
+    def film(self):
+        few = ",".join(f"{pose}={self.args.few}" for pose in ("wave", "bow"))
+        self.run("keypose-synth", "shot", "--output", self.world, "--shows", SHOWS, "--width", str(self.args.width),
+                 "--views", str(self.args.views), "--photo-width", "800", "--few", few, "--charuco", "--clean-plate",
+                 "--seed", str(self.args.seed))
+
+    def make(self):
+        poses = [word for pose in ("rest", "wave", "bow")
+                 for word in ("--pose", f"{pose}={os.path.join(self.world, 'photos', pose)}")]
+        plate = ["--plate", os.path.join(self.world, "plate.png")] if self.args.plate else []
+        if not os.path.exists(self.project):
+            self.run("keypose", "init", self.project, *poses, "--film", os.path.join(self.world, "film"),
+                     "--shows", SHOWS, "--film-fps", "12", *plate)
+        self.run("keypose", "run", "-C", self.project)
+
+    def score(self):
+        pictures = os.path.join(self.project, "out/shot/pictures")
+        sheet = os.path.join(self.world, "made_true_difference.png")
+        text = self.run("keypose-synth", "score-shot", "--shot", self.world, "--pictures", pictures,
+                        "--sheet", sheet, quiet=True)
+        with open(os.path.join(pictures, "composite.json"), encoding="utf-8") as file:
+            return json.loads(text), json.load(file)["joins"]
+
+
+def main():
+    args = arguments()
+    shot = Shot(args)
+    if not args.keep and os.path.exists(shot.world):
+        shutil.rmtree(shot.world)
+    if not os.path.exists(os.path.join(shot.world, "film")):
+        shot.film()
+    shot.make()
+    score, joins = shot.score()
+    print("\n| picture | PSNR in the character's box | on the character | of the picture |\n|---|---|---|---|")
+    for picture in score["pictures"]:
+        print(f"| {picture['picture']} | {picture['psnr_db']:.1f} dB | {picture['psnr_on_character_db']:.1f} dB | "
+              f"{picture['psnr_all_db']:.1f} dB |")
+    print("\n| key | PSNR of render and filmed frame | outlines | colour |\n|---|---|---|---|")
+    for join in joins:
+        print(f"| {join['picture']} {join['pose']} | {join['psnr_db']:.1f} dB | {join['edge_px']:.2f} px | "
+              f"{join['colour_levels']:.1f} levels |")
+    unchanged = score["filmed_unchanged"] == score["filmed"]
+    print(f"\nworst in-between {score['worst_psnr_db']:.1f} dB (asked: {PSNR_GOAL:.0f}); "
+          f"{score['filmed_unchanged']} of {score['filmed']} filmed frames unchanged")
+    return 0 if unchanged and score["worst_psnr_db"] >= PSNR_GOAL else 6
+
+
+if __name__ == "__main__":
+    sys.exit(main())
