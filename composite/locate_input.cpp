@@ -55,12 +55,19 @@ std::vector<fs::path> MeshFiles(StageContext& stage) {
 /// Which mesh each picture shows. Without --shows: the same for all, one each, or evenly spread.
 class Shows {
  public:
-  Shows(const LocateStageOptions& options, int meshes, const std::vector<FilmPicture>& pictures)
+  /// @param keys  the meshes that are the animation's keys; names may be those of the keys
+  Shows(const LocateStageOptions& options, int meshes, const std::vector<int>& keys,
+        const std::vector<FilmPicture>& pictures)
       : meshes_(meshes), pictures_(pictures), names_(SplitByCommas(options.poses)) {
-    if (!names_.empty() && SizeOf(names_) != meshes)
-      throw UsageError(fmt::format("locate: --poses names {} poses, but there are {} meshes",
-                                   names_.size(), meshes));
-    for (const std::string& part : SplitByCommas(options.shows)) AddPart(part);
+    const bool of_keys = SizeOf(names_) != meshes && names_.size() == keys.size();
+    if (!names_.empty() && SizeOf(names_) != meshes && !of_keys)
+      throw UsageError(fmt::format(
+          "locate: --poses names {} poses, but there are {} meshes, and {} keys among them",
+          names_.size(), meshes, keys.size()));
+    for (int k = 0; k < SizeOf(names_); ++k) mesh_of_name_.push_back(of_keys ? keys[k] : k);
+    const std::vector<std::string> parts = SplitByCommas(options.shows);
+    for (int k = 0; k < SizeOf(parts); ++k)
+      AddPart(parts[k], parts.size() == names_.size() ? k : -1);
   }
 
   /// @return pictures to locate, and the mesh of each
@@ -81,18 +88,29 @@ class Shows {
                         frame));
     return chosen;
   }
-  std::string NameOf(int mesh) const { return names_.empty() ? "" : names_[mesh]; }
+  std::string NameOf(int mesh) const {
+    const auto at = std::find(mesh_of_name_.begin(), mesh_of_name_.end(), mesh);
+    return at == mesh_of_name_.end() ? "" : names_[at - mesh_of_name_.begin()];
+  }
 
  private:
-  void AddPart(const std::string& part) {
+  /// The mesh of a pose's name. A name that several keys have means the one of this index, where it
+  /// is that key's name.
+  std::optional<int> MeshNamed(const std::string& pose, int index) const {
+    if (index >= 0 && names_[index] == pose) return mesh_of_name_[index];
+    const auto at = std::find(names_.begin(), names_.end(), pose);
+    if (at == names_.end()) return {};
+    return mesh_of_name_[at - names_.begin()];
+  }
+  void AddPart(const std::string& part, int index) {
     const std::size_t equals = part.find('=');
     const std::string_view text(part);
     const std::optional<int> frame = NumberIn(text.substr(0, std::min(equals, text.size())));
     if (!frame || equals == std::string::npos)
       throw UsageError("locate: --shows has '" + part + "'; it needs FRAME=POSE, such as 4=wave");
     const std::string pose = part.substr(equals + 1);
-    int mesh = static_cast<int>(std::find(names_.begin(), names_.end(), pose) - names_.begin());
-    if (mesh == SizeOf(names_)) mesh = NumberIn(pose).value_or(-1);
+    const std::optional<int> named = MeshNamed(pose, index);
+    const int mesh = named ? *named : NumberIn(pose).value_or(-1);
     if (mesh < 0 || mesh >= meshes_)
       throw UsageError(
           fmt::format("locate: --shows has pose '{}', which is neither one of --poses "
@@ -115,6 +133,7 @@ class Shows {
   int meshes_;
   const std::vector<FilmPicture>& pictures_;
   std::vector<std::string> names_;
+  std::vector<int> mesh_of_name_;
   std::map<int, int> given_;
 };
 
@@ -253,7 +272,12 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
          0,
          0,
          {}});
-  visit("poses", poses, {"names of the meshes, in order, such as rest,wave", "", 0, 0, {}});
+  visit("poses", poses,
+        {"names of the meshes, in order, such as rest,wave; of an animation those of its keys",
+         "",
+         0,
+         0,
+         {}});
   visit("fps", fps, {"pictures a second of the film", "1/s", 0.01, 1000, {}});
   visit("max_size", max_size,
         {"pictures are scaled down to this longer side", "px", 240, 16384, {}});
@@ -269,7 +293,10 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
   const std::vector<fs::path> files = MeshFiles(stage);
   const std::vector<FilmPicture> pictures = FilmPictures(stage.Input("plate"));
-  const Shows shows(options, SizeOf(files), pictures);
+  const std::vector<int> keys =
+      stage.Has("frames") ? ReadFrameTimes(stage.Input("frames"), SizeOf(files)).key_frames
+                          : std::vector<int>();
+  const Shows shows(options, SizeOf(files), keys, pictures);
   std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen();
   ReadMeshes(files, shows, chosen, input);
   SetCamera(stage, options, chosen[0].first.path, input);

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "composite/composing/film_lessons.h"
+#include "composite/composing/geometry.h"
+#include "composite/composing/join.h"
+#include "core/errors.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::composite {
+namespace {
+
+/// A ball on the table that rolls from x = 0 to x = 1 in four frames, in a mesh's own units.
+std::vector<Mesh> RollingBall() {
+  std::vector<Mesh> frames;
+  for (int i = 0; i < 5; ++i) {
+    Mesh ball = MakeIcosphere(2);
+    ball.points.col(2).array() += 1.2;  // its lowest point is at 0.2
+    ball.points.col(0).array() += 0.25 * i;
+    frames.push_back(ball);
+  }
+  return frames;
+}
+
+FilmedShot ShotOfTwo() {
+  FilmedShot shot;
+  shot.camera = {100, 80, 90, 90, 50, 40};
+  for (const int number : {0, 2}) {
+    ShotFrame frame;
+    frame.frame = number, frame.pose = number ? "there" : "here";
+    frame.world_from_character = {0.5, Eigen::Matrix3d::Identity(), {0, 0, 3}};
+    shot.frames.push_back(frame);
+  }
+  return shot;
+}
+
+TEST(ShotGeometry, LocatedFramesAreWhereTheyWereFound) {
+  const std::vector<Mesh> frames = RollingBall();
+  const FilmedShot shot = ShotOfTwo();
+  const AnimationTimes times{24, 5, {0, 4}, {0, 0.1, 0.2, 0.5, 1}};
+  const FilmPlan plan = PlanFilm(shot, {0, 1, 2}, times);
+  const ShotGeometry geometry(shot, plan, frames, times);
+  ASSERT_EQ(geometry.anchors().size(), 2u);
+  for (const int f : {0, 4})
+    EXPECT_EQ(geometry.Points(f),
+              Transformed(shot.frames[0].world_from_character, frames[f].points));
+  // The whole ball moves as one: its way is the share of the time on the timeline.
+  EXPECT_NEAR(geometry.At(2).share, 0.2, 1e-12);
+  const PointsX3 second = geometry.Points(2);
+  EXPECT_NEAR(second.col(0).mean(), 0.5 * 0.2, 1e-6);
+  EXPECT_NEAR(geometry.Points(2.5).col(0).mean(),
+              0.5 * (second.col(0).mean() + geometry.Points(3).col(0).mean()), 1e-9);
+  EXPECT_EQ(geometry.Points(-3), geometry.Points(0)) << "clamped";
+  const Ground table = geometry.Table();
+  EXPECT_NEAR(table.origin.z(), 3 + 0.5 * 0.2, 1e-9);
+  EXPECT_NEAR(table.up.z(), 1, 1e-12);
+}
+
+TEST(ShotGeometry, WhatCannotBePlacedIsRefused) {
+  const std::vector<Mesh> frames = RollingBall();
+  const AnimationTimes times{24, 5, {}, {}};
+  FilmedShot shot = ShotOfTwo();
+  const FilmPlan plan = PlanFilm(shot, {0, 1, 2}, times);
+  shot.still = false;
+  EXPECT_THROW(ShotGeometry(shot, plan, frames, times), InputError);
+}
+
+TEST(Looks, TexturesAreMixedByTheirWeights) {
+  Looks looks;
+  looks.textures = {ImageF(2, 2, 3, 0.2f), ImageF(2, 2, 3, 0.6f)};
+  EXPECT_FLOAT_EQ(looks.At(1).texture.data[3], 0.2f);
+  looks.weights = {{1, 0}, {0.25, 0.75}};
+  EXPECT_FLOAT_EQ(looks.At(0).texture.data[3], 0.2f);
+  EXPECT_FLOAT_EQ(looks.At(1).texture.data[3], 0.5f);
+}
+
+/// A bright disk on a dark ground, with a soft edge.
+Image8 Disk(double x0, int bright) {
+  Image8 picture(120, 90, 3);
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const double inside = std::clamp(25.5 - std::hypot(x + 0.5 - x0, y + 0.5 - 45), 0.0, 1.0);
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(50 + inside * (bright - 50)));
+    }
+  return picture;
+}
+
+ImageF CoverageOfDisk() {
+  ImageF coverage(120, 90, 1);
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x)
+      *coverage.at(x, y) =
+          static_cast<float>(std::clamp(25.5 - std::hypot(x + 0.5 - 60, y + 0.5 - 45), 0.0, 1.0));
+  return coverage;
+}
+
+TEST(Join, EqualPicturesJoinPerfectly) {
+  const JoinFigures figures = MeasureJoin(Disk(60, 200), Disk(60, 200), CoverageOfDisk());
+  EXPECT_EQ(figures.psnr_db, 99);
+  EXPECT_EQ(figures.edge_px, 0);
+  EXPECT_EQ(figures.colour_levels, 0);
+  EXPECT_EQ(figures.edge_share, 1);
+  EXPECT_EQ(figures.box[0], 60 - 25 - 8);
+  EXPECT_EQ(figures.box[3], 45 + 25 + 8);
+}
+
+TEST(Join, ADisksShiftIsFoundAlongItsNormals) {
+  const JoinFigures figures = MeasureJoin(Disk(60, 200), Disk(61.2, 200), CoverageOfDisk());
+  EXPECT_NEAR(figures.edge_px, 1.2 * 2 / M_PI, 0.08) << "the mean of |cosine| round the disk";
+  EXPECT_LT(figures.psnr_db, 35);
+}
+
+TEST(Join, AColourIsADifferenceOfColour) {
+  const JoinFigures figures = MeasureJoin(Disk(60, 206), Disk(60, 200), CoverageOfDisk());
+  EXPECT_NEAR(figures.colour_levels, 6, 0.3);
+  EXPECT_LT(figures.edge_px, 0.1);
+}
+
+TEST(Join, NothingCoveredIsNoJoin) {
+  const JoinFigures figures = MeasureJoin(Disk(60, 200), Disk(60, 200), ImageF(120, 90, 1));
+  EXPECT_EQ(figures.psnr_db, 0);
+  EXPECT_EQ(figures.box[2], 0);
+}
+
+TEST(Join, SideBySideShowsFourTimesTheDifference) {
+  const Image8 sheet = SideBySide(Image8(10, 5, 3, 100), Image8(10, 5, 3, 103));
+  EXPECT_EQ(sheet.width, 3 * 10 + 2 * 4);
+  EXPECT_EQ(sheet.at(0, 0)[0], 100);
+  EXPECT_EQ(sheet.at(14, 0)[0], 103);
+  EXPECT_EQ(sheet.at(28, 0)[0], 128 + 12);
+}
+
+}  // namespace
+}  // namespace keypose::composite
