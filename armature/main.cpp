@@ -21,6 +21,12 @@ struct Subcommand {
 const std::vector<Subcommand> kSubcommands = {
     {"check", "read a description and its chains, and say what is wrong or what they hold",
      CheckCommand},
+    {"simulate", "a controller without hardware, on a pseudo terminal", SimulateCommand},
+    {"calibrate", "set the zero position, check it, find gear ratios", CalibrateCommand},
+    {"record", "record a puppet frame by frame", RecordCommand},
+    {"live", "pose the character while the puppet is moved", LiveCommand},
+    {"bake", "make an animation's frames from recorded curves", BakeCommand},
+    {"example", "write the files of a theropod with 74 sensors", ExampleCommand},
 };
 
 void PrintHelp(std::FILE* out) {

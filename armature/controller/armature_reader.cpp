@@ -108,7 +108,7 @@ void ArmatureReader::Lose(const std::string& code, const std::string& words,
 const Reading& ArmatureReader::Poll() {
   reading_.fresh = false;
   reading_.changed.clear();
-  reading_.time_s = SteadySeconds();
+  double asked_s = reading_.time_s = SteadySeconds();
   try {
     if (away_) {
       if (reading_.time_s < next_try_s_) return reading_;
@@ -117,6 +117,7 @@ const Reading& ArmatureReader::Poll() {
     }
     if (!link_->Update()) {
       Begin();
+      asked_s = SteadySeconds();
       if (!link_->Update()) throw BoxFault("the controller starts again and again");
     }
   } catch (const PortFault& fault) {
@@ -127,7 +128,7 @@ const Reading& ArmatureReader::Poll() {
     return reading_;
   }
   reading_.time_s = SteadySeconds();
-  tracker_.Take(link_->counts(), reading_.time_s);
+  tracker_.Take(link_->counts(), asked_s, reading_.time_s);
   reading_.fresh = true;
   reading_.held = tracker_.held();
   for (std::size_t j = 0; j < armature_.joints.size(); ++j)

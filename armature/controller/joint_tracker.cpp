@@ -64,29 +64,30 @@ void JointTracker::Begin(const BoxInfo& box, bool same_boot) {
   held_.clear();
 }
 
-bool JointTracker::Accept(std::size_t joint, std::int32_t raw, double time_s) {
+bool JointTracker::Accept(std::size_t joint, std::int32_t raw, double asked_s, double answered_s) {
   Sensor& sensor = sensors_[joint];
   SensorState& state = states_[joint];
   if (sensor.analogue) raw = sensor.filter.Take(raw);
   const std::int32_t change = sensor.analogue ? raw - state.raw : WrappedChange(state.raw, raw);
-  const double passed_s = std::max(0.0, time_s - sensor.last_good_s);
+  const double passed_s = std::max(0.0, answered_s - sensor.last_good_s);
   const double most = TrackerTuning::kSlack_counts +
                       TrackerTuning::kFastest_rev_s * armature_.counts_per_revolution * passed_s;
   const bool possible = sensor.unbounded || sensor.analogue || std::abs(change) <= most;
   if (!possible) return false;
   sensor.unbounded = false;
-  sensor.last_good_s = time_s;
+  sensor.last_good_s = asked_s;
   state.raw = raw;
   state.counts += change;
   if (change != 0) Revalue(joint);
   return true;
 }
 
-void JointTracker::Take(const std::vector<std::int32_t>& counts, double time_s) {
+void JointTracker::Take(const std::vector<std::int32_t>& counts, double asked_s,
+                        double answered_s) {
   held_.clear();
   for (std::size_t j = 0; j < states_.size(); ++j) {
     const ArmatureNode& node = armature_.nodes[static_cast<std::size_t>(armature_.joints[j])];
-    if (!Accept(j, counts[static_cast<std::size_t>(node.sensor)], time_s))
+    if (!Accept(j, counts[static_cast<std::size_t>(node.sensor)], asked_s, answered_s))
       held_.push_back(static_cast<int>(j));
   }
 }

@@ -53,8 +53,9 @@ class JointTracker {
   /// @throws InputError  a joint's sensor is beyond the box's
   void Begin(const BoxInfo& box, bool same_boot);
   /// @param counts  of all sensors of the box, low 24 bits
-  /// @param time_s  of the reading; never runs backwards
-  void Take(const std::vector<std::int32_t>& counts, double time_s);
+  /// @param asked_s, answered_s  moments between which they were read; they never run backwards.
+  ///                Both, since this program may have been stopped for a while between them.
+  void Take(const std::vector<std::int32_t>& counts, double asked_s, double answered_s);
 
   /// From the zero position, in the order of `armature.joints`: [rad], slides [m].
   const std::vector<double>& values() const { return values_; }
@@ -74,7 +75,7 @@ class JointTracker {
     double last_good_s = 0;
     AnalogueFilter filter;
   };
-  bool Accept(std::size_t joint, std::int32_t raw, double time_s);
+  bool Accept(std::size_t joint, std::int32_t raw, double asked_s, double answered_s);
   void Revalue(std::size_t joint);
 
   const Armature& armature_;

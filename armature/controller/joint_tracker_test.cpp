@@ -22,6 +22,11 @@ Armature Arm() {
       .armature();
 }
 
+/// Counts that were read at one moment.
+void TakeAt(JointTracker& tracker, const std::vector<std::int32_t>& counts, double time_s) {
+  tracker.Take(counts, time_s, time_s);
+}
+
 BoxInfo Box(int boot, int sensors = 2, CardKind kind = CardKind::kEncoders) {
   return {boot, sensors, {{kind, sensors}}};
 }
@@ -30,7 +35,7 @@ TEST(JointTracker, CountsBecomeAnglesByTheGearAndItsSign) {
   const Armature arm = Arm();
   JointTracker tracker(arm);
   tracker.Begin(Box(1), false);
-  tracker.Take({256, 512}, 0);
+  TakeAt(tracker, {256, 512}, 0);
   EXPECT_NEAR(tracker.values()[0], 2 * kPi * 512 / (1024 * 25), 1e-15);
   EXPECT_NEAR(tracker.values()[1], -2 * kPi * 256 / (1024 * 10), 1e-15);
   EXPECT_NEAR(tracker.StepOf(0), 0.0140625 * kDegree, 1e-12);
@@ -44,7 +49,7 @@ TEST(JointTracker, WrapsInBothDirections) {
   std::int64_t truth = 0;
   const auto turn = [&](std::int64_t counts) {
     truth += counts;
-    tracker.Take({static_cast<std::int32_t>(truth & 0xFFFFFF), 0}, time += 1);
+    TakeAt(tracker, {static_cast<std::int32_t>(truth & 0xFFFFFF), 0}, time += 1);
     ASSERT_EQ(tracker.states()[1].counts, truth);
     ASSERT_TRUE(tracker.held().empty());
   };
@@ -57,12 +62,12 @@ TEST(JointTracker, JumpIsHeldAndGoesBy) {
   const Armature arm = Arm();
   JointTracker tracker(arm);
   tracker.Begin(Box(1), false);
-  tracker.Take({100, 200}, 0);
-  tracker.Take({105, 200 ^ (1 << 20)}, 0.01);
+  TakeAt(tracker, {100, 200}, 0);
+  TakeAt(tracker, {105, 200 ^ (1 << 20)}, 0.01);
   EXPECT_THAT(tracker.held(), ElementsAre(0));
   EXPECT_EQ(tracker.states()[0].counts, 200);
   EXPECT_EQ(tracker.states()[1].counts, 105);
-  tracker.Take({105, 203}, 0.02);
+  TakeAt(tracker, {105, 203}, 0.02);
   EXPECT_TRUE(tracker.held().empty());
   EXPECT_EQ(tracker.states()[0].counts, 203);
 }
@@ -71,11 +76,22 @@ TEST(JointTracker, FastTurnOfAHandIsNoJump) {
   const Armature arm = Arm();
   JointTracker tracker(arm);
   tracker.Begin(Box(1), false);
-  tracker.Take({0, 0}, 0);
-  tracker.Take({200, 0}, 0.01);  // 19.5 revolutions a second
+  TakeAt(tracker, {0, 0}, 0);
+  TakeAt(tracker, {200, 0}, 0.01);  // 19.5 revolutions a second
   EXPECT_TRUE(tracker.held().empty());
-  tracker.Take({420, 0}, 0.02);  // 21.5
+  TakeAt(tracker, {420, 0}, 0.02);  // 21.5
   EXPECT_THAT(tracker.held(), ElementsAre(1));
+}
+
+TEST(JointTracker, StopOfThisProgramMakesNoJump) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1), false);
+  // The shaft turns by 10 revolutions a second. The first count is that of 0 s, was answered then,
+  // and was heard late.
+  tracker.Take({0, 0}, 0, 0.1);
+  tracker.Take({1100, 0}, 0.1, 0.101);
+  EXPECT_TRUE(tracker.held().empty());
 }
 
 TEST(JointTracker, GoesOnOverARestartOfTheHost) {
@@ -85,7 +101,7 @@ TEST(JointTracker, GoesOnOverARestartOfTheHost) {
   JointTracker tracker(arm, states);
   EXPECT_NEAR(tracker.values()[0], 2 * kPi * 50000 / (1024 * 25), 1e-12);
   tracker.Begin(Box(7), true);
-  tracker.Take({0, 0x000300}, 0);  // moved by 0x400 meanwhile
+  TakeAt(tracker, {0, 0x000300}, 0);  // moved by 0x400 meanwhile
   EXPECT_EQ(tracker.states()[0].counts, 50000 + 0x400);
 }
 
@@ -95,7 +111,7 @@ TEST(JointTracker, AfterAPowerUpItStandsAsItDid) {
   states[0] = {50000, 0xFFFF00, 1};
   JointTracker tracker(arm, states);
   tracker.Begin(Box(8), false);
-  tracker.Take({0, 3}, 0);
+  TakeAt(tracker, {0, 3}, 0);
   EXPECT_EQ(tracker.states()[0].counts, 50003);
 }
 
@@ -103,16 +119,16 @@ TEST(JointTracker, AnalogueInputIsQuietAndKnowsItsPlace) {
   const Armature arm = Arm();
   JointTracker tracker(arm);
   tracker.Begin(Box(1, 2, CardKind::kAnalogue), false);
-  tracker.Take({0, 30000}, 0);
+  TakeAt(tracker, {0, 30000}, 0);
   tracker.SetValue(0, 0);
   const double before = tracker.values()[0];
   for (const int noise : {30064, 29936, 30064, 30000, 29936, 65535, 30000})
-    tracker.Take({0, noise}, 0.1);
+    TakeAt(tracker, {0, noise}, 0.1);
   EXPECT_EQ(tracker.values()[0], before);
-  for (int i = 0; i < 5; ++i) tracker.Take({0, 20000}, 0.2);
+  for (int i = 0; i < 5; ++i) TakeAt(tracker, {0, 20000}, 0.2);
   EXPECT_NEAR(tracker.values()[0], 2 * kPi * -10000 / (65536 * 25), 1e-12);
   tracker.Begin(Box(2, 2, CardKind::kAnalogue), false);  // power was lost, the pot turned meanwhile
-  for (int i = 0; i < 5; ++i) tracker.Take({0, 25000}, 0.3);
+  for (int i = 0; i < 5; ++i) TakeAt(tracker, {0, 25000}, 0.3);
   EXPECT_NEAR(tracker.values()[0], 2 * kPi * -5000 / (65536 * 25), 1e-12);
 }
 

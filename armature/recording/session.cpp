@@ -43,28 +43,27 @@ RecordingSession::RecordingSession(const Armature& armature, const fs::path& fol
   const fs::path path = folder / "journal.jsonl";
   const std::string text = fs::exists(path) ? ReadFile(path) : "";
   if (!text.empty()) TakeUp(text);
-  journal_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (journal_ < 0)
+  journal_.fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (journal_.fd < 0)
     throw DiskError(fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
   // What a crash left of a line would spoil the next.
   const std::size_t whole = text.rfind('\n') + 1;
-  if (was_cut_off_ && ::ftruncate(journal_, static_cast<off_t>(whole)) != 0)
+  if (was_cut_off_ && ::ftruncate(journal_.fd, static_cast<off_t>(whole)) != 0)
     throw DiskError(fmt::format("cannot cut {}: {}", path.string(), std::strerror(errno)));
   if (whole == 0) Append(Header(armature, options).dump());
   WriteCurves();
 }
 
-RecordingSession::~RecordingSession() {
-  if (journal_ >= 0) ::close(journal_);
-  if (lock_ >= 0) ::close(lock_);
+RecordingSession::OpenFile::~OpenFile() {
+  if (fd >= 0) ::close(fd);
 }
 
 void RecordingSession::Lock() {
   const fs::path path = folder_ / ".lock";
-  lock_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0)
+  lock_.fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_.fd < 0)
     throw DiskError(fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0)
+  if (::flock(lock_.fd, LOCK_EX | LOCK_NB) != 0)
     throw LockedError(
         fmt::format("another program records into {}; end it first", folder_.string()));
 }
@@ -114,8 +113,8 @@ void RecordingSession::Apply(const std::string& line, int number) {
 
 void RecordingSession::Append(const std::string& line) {
   const std::string bytes = line + "\n";
-  const ssize_t written = ::write(journal_, bytes.data(), bytes.size());
-  if (written != static_cast<ssize_t>(bytes.size()) || ::fdatasync(journal_) != 0)
+  const ssize_t written = ::write(journal_.fd, bytes.data(), bytes.size());
+  if (written != static_cast<ssize_t>(bytes.size()) || ::fdatasync(journal_.fd) != 0)
     throw DiskError(fmt::format("cannot write {}: {}; the last frame is not recorded",
                                 (folder_ / "journal.jsonl").string(),
                                 written < 0 ? std::strerror(errno) : "the disk is full"));

@@ -30,7 +30,6 @@ class RecordingSession {
   /// damaged before its last line (names the line)
   RecordingSession(const Armature& armature, const std::filesystem::path& folder,
                    const SessionOptions& options);
-  ~RecordingSession();
   RecordingSession(const RecordingSession&) = delete;
   RecordingSession& operator=(const RecordingSession&) = delete;
 
@@ -54,6 +53,11 @@ class RecordingSession {
   void WriteCurves() const;
 
  private:
+  /// Closes its file also when the session could not be opened.
+  struct OpenFile {
+    ~OpenFile();
+    int fd = -1;
+  };
   void Lock();
   void TakeUp(const std::string& text);
   void Apply(const std::string& line, int number);
@@ -65,7 +69,7 @@ class RecordingSession {
   std::vector<std::vector<double>> frames_;
   int at_ = 0;
   bool was_cut_off_ = false;
-  int lock_ = -1, journal_ = -1;
+  OpenFile lock_, journal_;
 };
 
 }  // namespace keypose::armature

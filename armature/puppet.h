@@ -1,0 +1,87 @@
+// What the subcommands that read an armature share: its files, its port, words to a person.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "armature/controller/armature_reader.h"
+#include "armature/controller/calibration.h"
+#include "armature/description/armature.h"
+#include "armature/simulation/simulated_box.h"
+#include "core/io/line_input.h"
+
+namespace CLI {
+class App;
+}
+
+namespace keypose::armature {
+
+struct PuppetFlags {
+  std::string description;
+  std::string port;         ///< a device, or "simulated"
+  std::string calibration;  ///< "" with a simulated port
+  std::string faults;       ///< of a simulated port
+  int baud = 1000000;
+};
+
+/// Adds --description, --port, --baud, --calibration and --faults.
+void AddPuppetFlags(CLI::App& app, PuppetFlags& flags);
+
+/// The armature of a description file.
+Armature LoadArmature(const std::filesystem::path& description);
+
+/// Parses, answers --help, runs. Errors of the command line become UsageError.
+int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
+
+/// A puppet that is read, or one that is simulated in this program. Its calibration file is kept up
+/// to date: at most once a second, and at the end.
+class Puppet {
+ public:
+  /// @param needs_calibration  a calibration file that is not there is an error
+  /// @throws UsageError, InputError, DiskError, ToolError
+  explicit Puppet(const PuppetFlags& flags, bool needs_calibration = true);
+  ~Puppet();
+
+  const Armature& armature() const { return armature_; }
+  ArmatureReader& reader() { return *reader_; }
+  /// The simulated puppet, or nullptr.
+  SimulatedBox* simulated() { return simulated_.get(); }
+  /// Reads once; writes the calibration file when that is due.
+  const Reading& Poll();
+  /// Whether nothing has moved by more than a count in the last tenth of a second.
+  bool at_rest() const;
+  /// The joint of that name.
+  /// @throws UsageError  there is none; names the nearest
+  std::size_t JointNamed(const std::string& name) const;
+  const std::string& JointName(int joint) const;
+  /// @throws DiskError
+  void SaveCalibration();
+
+ private:
+  void NoteRest(const Reading& reading);
+  PuppetFlags flags_;
+  Armature armature_;
+  std::unique_ptr<SimulatedBox> simulated_;
+  std::unique_ptr<ArmatureReader> reader_;
+  std::vector<double> rest_values_;
+  double rest_since_s_ = 0, now_s_ = 0, saved_s_ = 0;
+  std::string saved_;
+};
+
+/// Tells a person a sentence, or a program a JSON line.
+class Teller {
+ public:
+  explicit Teller(bool json) : json_(json) {}
+  /// @param words   a sentence, for both
+  /// @param fields  JSON text of an object with more; may be empty
+  void Tell(const std::string& event, const std::string& words, const std::string& fields = "");
+  void Tell(const ReaderEvent& event, const Puppet& puppet);
+
+ private:
+  bool json_;
+};
+
+}  // namespace keypose::armature

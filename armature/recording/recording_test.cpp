@@ -1,0 +1,194 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "armature/example/theropod.h"
+#include "armature/recording/curves.h"
+#include "armature/recording/flipbook.h"
+#include "armature/recording/session.h"
+#include "armature/recording/still_joints.h"
+#include "core/errors.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+
+namespace keypose::armature {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+JointCurves Walk(const Armature& theropod, int frames, int step) {
+  JointCurves curves;
+  curves.step = step;
+  curves.values.resize(frames, static_cast<Eigen::Index>(theropod.joints.size()));
+  for (int f = 0; f < frames; ++f) {
+    const std::vector<double> values = TheropodWalk(theropod, f / 12.0);
+    curves.values.row(f) = Eigen::Map<const Eigen::RowVectorXd>(
+        values.data(), static_cast<Eigen::Index>(values.size()));
+  }
+  return curves;
+}
+
+TEST(Curves, AreReadAgainToTheBit) {
+  const Armature theropod = MakeTheropod();
+  const JointCurves made = Walk(theropod, 7, 2);
+  const JointCurves read = ParseCurvesJson(CurvesJson(theropod, made), "c.json", theropod);
+  EXPECT_EQ(read.values, made.values);
+  EXPECT_EQ(read.step, 2);
+  EXPECT_EQ(read.fps, 24);
+}
+
+TEST(Curves, BvhStandsWhereTheArmatureStands) {
+  const Armature theropod = MakeTheropod();
+  const JointCurves curves = Walk(theropod, 5, 2);
+  const MotionClip clip = ParseBvh(BvhText(CurvesClip(theropod, curves)), "c.bvh");
+  ASSERT_EQ(clip.frame_count(), 10);
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    const Eigen::RowVectorXd row = curves.values.row(f / 2);
+    const auto wanted = ForwardKinematics(theropod, {row.data(), row.data() + row.size()});
+    const auto frames = JointFrames(clip, f);
+    for (std::size_t n = 0; n < wanted.size(); ++n) {
+      const auto& frame = frames[static_cast<std::size_t>(clip.Find(theropod.nodes[n].name))];
+      // Six decimals of degrees and of metres in the file, along a chain of fifty nodes.
+      EXPECT_LT((frame.translation - wanted[n].translation).norm(), 2e-5);
+      EXPECT_LT(frame.rotation.angularDistance(wanted[n].rotation), 1e-6);
+    }
+  }
+}
+
+TEST(Curves, OfAnotherArmatureOrDamagedAreAFault) {
+  const Armature theropod = MakeTheropod();
+  Armature other = theropod;
+  other.nodes[static_cast<std::size_t>(other.joints[5])].name = "else";
+  const std::string text = CurvesJson(theropod, Walk(theropod, 2, 1));
+  const auto fault = [&](const std::string& damaged) -> std::string {
+    try {
+      ParseCurvesJson(damaged, "c.json", other);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no fault";
+  };
+  EXPECT_THAT(fault(text), HasSubstr("c.json: it has no joint 'else'"));
+  EXPECT_THAT(fault(text.substr(0, 100)), HasSubstr("c.json: these are no curves"));
+  EXPECT_THAT(fault("[]"), HasSubstr("c.json: these are no curves"));
+  EXPECT_THAT(fault(R"({"fps":0,"step":1})"), HasSubstr("must be positive"));
+}
+
+TEST(Curves, CsvHasALineAFrame) {
+  const Armature theropod = MakeTheropod();
+  const std::string csv = CurvesCsv(theropod, Walk(theropod, 3, 2));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_THAT(csv, HasSubstr("frame,time_s,rigAcross_m,"));
+  EXPECT_THAT(csv, HasSubstr(",leftKneeBend_deg,"));
+}
+
+TEST(Flipbook, ShowsEachFrameInItsTime) {
+  const Armature theropod = MakeTheropod();
+  const std::string svg = FlipbookSvg(theropod, Walk(theropod, 4, 2));
+  EXPECT_THAT(svg, HasSubstr("keyTimes=\"0;0.250000;0.500000\" dur=\"0.333333s\""));
+  EXPECT_THAT(FlipbookSvg(theropod, Walk(theropod, 0, 1)), HasSubstr("</svg>"));
+  EXPECT_THAT(FlipbookJson(theropod, Walk(theropod, 1, 1)), HasSubstr("\"sticks\":[["));
+}
+
+std::vector<std::vector<double>> Frames(const Armature& theropod, int count) {
+  std::vector<std::vector<double>> frames;
+  for (int f = 0; f < count; ++f) frames.push_back(TheropodWalk(theropod, f / 12.0));
+  return frames;
+}
+
+TEST(StillJoints, NamesTheOneThatStoppedAndNoOther) {
+  const Armature theropod = MakeTheropod();
+  const int knee = theropod.JointOf(theropod.Find("leftKneeBend"));
+  auto frames = Frames(theropod, 9);
+  for (int f = 6; f < 9; ++f) frames[f][knee] = frames[5][knee];
+  EXPECT_THAT(StillJoints(theropod, frames), ElementsAre(knee));
+  frames[7][knee] += 1e-9;
+  EXPECT_THAT(StillJoints(theropod, frames), IsEmpty());
+}
+
+TEST(StillJoints, IsSilentWhenNothingMovesOrAllDoes) {
+  const Armature theropod = MakeTheropod();
+  for (int count = 0; count < 60; ++count)
+    EXPECT_THAT(StillJoints(theropod, Frames(theropod, count)), IsEmpty());
+  auto frames = Frames(theropod, 6);
+  for (int f = 0; f < 4; ++f) frames.push_back(frames[5]);  // the puppet holds still
+  EXPECT_THAT(StillJoints(theropod, frames), IsEmpty());
+}
+
+class Session : public ::testing::Test {
+ protected:
+  Session() { std::filesystem::create_directories(folder_); }
+  ~Session() override { std::filesystem::remove_all(folder_); }
+  std::string Journal() const { return ReadFile(folder_ / "journal.jsonl"); }
+
+  const Armature theropod_ = MakeTheropod();
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("keypose_session_" + std::to_string(::getpid()));
+};
+
+TEST_F(Session, GoesOnWhereItWas) {
+  const auto frames = Frames(theropod_, 4);
+  {
+    RecordingSession session(theropod_, folder_, {});
+    for (const auto& values : frames) session.Record(values);
+    session.GoTo(1);
+    session.Record(frames[3]);
+  }
+  RecordingSession session(theropod_, folder_, {});
+  EXPECT_EQ(session.frame_count(), 4);
+  EXPECT_EQ(session.at(), 2);
+  EXPECT_EQ(session.frames()[1], frames[3]);
+  EXPECT_EQ(session.frames()[2], frames[2]);
+  EXPECT_EQ(ParseCurvesJson(ReadFile(folder_ / "curves.json"), "c", theropod_).values,
+            session.Curves().values);
+  session.CutHere();
+  EXPECT_EQ(session.frame_count(), 2);
+  session.GoTo(99);
+  EXPECT_EQ(session.at(), 2);
+  session.GoTo(-5);
+  EXPECT_EQ(session.at(), 0);
+}
+
+TEST_F(Session, SurvivesItsJournalCutOffAtAnyByte) {
+  const auto frames = Frames(theropod_, 3);
+  {
+    RecordingSession session(theropod_, folder_, {});
+    for (const auto& values : frames) session.Record(values);
+  }
+  const std::string whole = Journal();
+  for (std::size_t length = 0; length <= whole.size(); length += 97) {
+    WriteFile(folder_ / "journal.jsonl", whole.substr(0, length));
+    RecordingSession session(theropod_, folder_, {});
+    const std::string kept = whole.substr(0, length);
+    const auto lines = std::count(kept.begin(), kept.end(), '\n');
+    ASSERT_EQ(session.frame_count(), std::max<std::ptrdiff_t>(0, lines - 1)) << length;
+    while (session.frame_count() < 3)
+      session.Record(frames[static_cast<std::size_t>(session.frame_count())]);
+    ASSERT_EQ(session.frames(), frames) << length;
+  }
+}
+
+TEST_F(Session, IsLockedWhileItIsOpen) {
+  RecordingSession session(theropod_, folder_, {});
+  EXPECT_THROW(RecordingSession(theropod_, folder_, {}), LockedError);
+}
+
+TEST_F(Session, OfAnotherRateOrArmatureOrDamagedIsAFault) {
+  { RecordingSession session(theropod_, folder_, {}); }
+  EXPECT_THROW(RecordingSession(theropod_, folder_, {25, 1}), InputError);
+  Armature other = theropod_;
+  other.nodes[static_cast<std::size_t>(other.joints[5])].name = "else";
+  EXPECT_THROW(RecordingSession(other, folder_, {}), InputError);
+  WriteFile(folder_ / "journal.jsonl", Journal() + "{\"record\":5,\"values\":[]}\n");
+  try {
+    RecordingSession session(theropod_, folder_, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("journal.jsonl, line 2: it does not fit"));
+  }
+}
+
+}  // namespace
+}  // namespace keypose::armature
