@@ -171,6 +171,19 @@ void Projects() {
       R"("tools":[{"name":"colmap","version":"3.8"}],"resources":{"cores":0,"memory_bytes":1e9}})");
 }
 
+void Armatures() {
+  WriteFile(In("armature", "leg.txt"),
+            "dunits mm\nnode {\nname rightKneeBend\n# joint name\naxis\n1 0 0\nsensor 5\nscale "
+            "25\nnode { name rightCalve length 4 node { name swivel axis 0 0 1 sensor 6 scale -10 } } "
+            "}\n");
+  WriteFile(In("armature", "rig.txt"),
+            "dcounts 4096 rodaxis 0 0 -1 scale_is joint_per_encoder node { name r slide 1 0 0 sensor "
+            "0 scale .2 node { name b length 3 rodaxis 1 0 0 } }");
+  WriteFile(In("armature", "chains.txt"),
+            "canchor x physical a computer A\nanchor y physical c computer C\nchain n from x to y "
+            "physical { b } computer { B } mode exact # c\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -185,4 +198,5 @@ int main(int argc, char** argv) {
   Landmarks();
   Sets();
   Projects();
+  Armatures();
 }
