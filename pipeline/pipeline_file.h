@@ -8,20 +8,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "pipeline/setting.h"
+
 namespace keypose::pipeline {
-
-/// A place in a file, for messages.
-struct Where {
-  std::string file;
-  int line = 0;
-  std::string Text() const { return file + ":" + std::to_string(line); }
-};
-
-/// One scalar of the file, as text. Its type is checked where it is used.
-struct Setting {
-  std::string text;
-  Where where;
-};
 
 using OptionSettings = std::map<std::string, Setting>;  ///< option -> value
 

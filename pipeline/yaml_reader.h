@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/pipeline_file.h"
+#include "pipeline/setting.h"
 
 namespace keypose::pipeline {
 

@@ -37,38 +37,6 @@ ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLes
 
 }  // namespace
 
-ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
-                     const PixelRays& rays) {
-  ImageF kept(view.camera.width, view.camera.height, 1, 1.0f);
-  const Rigid3 world_from_camera = view.camera_from_world.Inverse();
-  const Eigen::Matrix3d turn = world_from_camera.rotation.toRotationMatrix();
-  const double height = (world_from_camera.translation - table.origin).dot(table.up);
-  ParallelFor(kept.height, [&](std::int64_t row) {
-    const int y = static_cast<int>(row);
-    for (int x = 0; x < kept.width; ++x) {
-      const Eigen::Vector3d ray = turn * rays.At(x, y, 0.5, 0.5);
-      const double down = -ray.dot(table.up);
-      if (!(down * height > 0)) continue;  // above the horizon
-      *kept.at(x, y) =
-          static_cast<float>(shadow.Kept(world_from_camera.translation + height / down * ray));
-    }
-  });
-  return kept;
-}
-
-PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,
-                 const PointsX3& normals) {
-  const auto at = geometry.At(time);
-  const auto light_of = [&](int anchor) {
-    return anchor < SizeOf(lessons.light_of_anchor) ? lessons.light_of_anchor[anchor] : -1;
-  };
-  int before = light_of(at.before), after = light_of(at.after);
-  double share = at.share;
-  if (before < 0) before = after, share = 0;
-  if (after < 0) after = before, share = 0;
-  return GainsBetween(lessons.light, before, after, share, normals);
-}
-
 ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const Film& film,
                         const FilmLessons& lessons, double time, const Eigen::Vector3d& exposure,
                         const ComposeOptions& options, std::uint64_t grain_seed) {

@@ -1,7 +1,7 @@
 // One picture of a shot: the character over the clean plate.
 #pragma once
 
-#include "composite/composing/film_lessons.h"
+#include "composite/composing/lessons.h"
 
 namespace keypose::composite {
 
@@ -25,13 +25,5 @@ struct ComposedPicture {
 ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const Film& film,
                         const FilmLessons& lessons, double time, const Eigen::Vector3d& exposure,
                         const ComposeOptions& options, std::uint64_t grain_seed);
-
-/// The share of light that the shadow leaves at each pixel, where the table is: 1 channel.
-ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
-                     const PixelRays& rays);
-
-/// Vertices' gains at a time of the animation.
-PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,
-                 const PointsX3& normals);
 
 }  // namespace keypose::composite

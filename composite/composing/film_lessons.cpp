@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 
-#include "composite/composing/compose.h"
 #include "composite/layer/linear_light.h"
 #include "composite/light/exposure.h"
 #include "core/errors.h"
@@ -299,22 +298,6 @@ class Lesson {
 };
 
 }  // namespace
-
-Character Looks::At(int frame) const {
-  Character character{faces, uvs, uv_faces, textures.front()};
-  if (weights.empty()) return character;
-  const std::vector<double>& shares = weights[frame];
-  ParallelBlocks(std::ssize(character.texture.data), 1 << 16,
-                 [&](std::int64_t begin, std::int64_t end) {
-                   for (std::int64_t i = begin; i < end; ++i) {
-                     double sum = 0;
-                     for (std::size_t k = 0; k < textures.size(); ++k)
-                       sum += shares[k] * textures[k].data[i];
-                     character.texture.data[i] = static_cast<float>(sum);
-                   }
-                 });
-  return character;
-}
 
 FilmLessons LearnFromFilm(const ShotGeometry& geometry, const Looks& looks, const Film& film,
                           int along, Progress* progress) {

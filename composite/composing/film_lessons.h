@@ -1,57 +1,10 @@
-// What filmed frames teach: the clean plate, the light on the character, its shadow, grain, blur.
+// Learns from filmed frames.
 #pragma once
 
-#include <functional>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "composite/composing/geometry.h"
-#include "composite/layer/character_layer.h"
-#include "composite/light/grain.h"
-#include "composite/light/shading.h"
-#include "composite/light/shadow_fit.h"
-#include "composite/plate/clean_plate.h"
+#include "composite/composing/lessons.h"
 #include "core/progress.h"
 
 namespace keypose::composite {
-
-/// The character's looks: meshes of one connectivity, and textures mixed by weights.
-struct Looks {
-  FacesX3 faces;
-  UvsX2 uvs;
-  FacesX3 uv_faces;
-  std::vector<ImageF> textures;              ///< RGB, linear, of one size
-  std::vector<std::vector<double>> weights;  ///< per frame of the animation, one a texture; empty:
-                                             ///< the first texture
-  /// With the texture of one frame.
-  Character At(int frame) const;
-};
-
-/// A filmed picture, and the animation's frame that it shows.
-struct FilmedPicture {
-  int film = 0;       ///< index of the picture
-  int animation = 0;  ///< clamped to the animation
-  int anchor = -1;    ///< index of the anchor; -1: not located
-};
-
-struct Film {
-  std::vector<FilmedPicture> pictures;
-  std::function<Image8(int film)> read;  ///< RGB, of the camera's size
-  Image8 given_plate;                    ///< RGB; empty: none
-  Image8 holdout;  ///< 1 channel: 255 where a prop stands before the character; empty: nowhere
-};
-
-struct FilmLessons {
-  CleanPlate plate;
-  std::vector<Eigen::Vector3d> exposures;  ///< per picture of the film, over the plate's
-  ShotLight light;                         ///< its frames are the anchors that were filmed
-  std::vector<int> light_of_anchor;        ///< index into `light`'s frames; -1: not filmed
-  ShadowFit shadow;
-  std::optional<Grain> grain;
-  double blur_px = 0;              ///< standard deviation, of the lens on the character
-  std::vector<std::string> notes;  ///< what could not be learnt, for the user
-};
 
 /// @param along  rays along each side of a pixel
 /// @throws InputError  the character is outside of the picture in all filmed frames
