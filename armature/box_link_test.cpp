@@ -111,6 +111,20 @@ TEST(BoxLink, ReadsAllOnceAndThenChangesOnly) {
   EXPECT_EQ(link.counts()[73], 0xFFFFFB);
 }
 
+TEST(BoxLink, GetsAllWhenThatIsShorter) {
+  DirectLine line(74);
+  BoxLink link(line);
+  link.Greet();
+  link.Update();
+  for (int s = 0; s < 44; ++s) line.bench.counts[s] = s + 1;
+  ASSERT_TRUE(link.Update());
+  EXPECT_EQ(line.last_reply, 8 + 7 + 5 * 44u);
+  for (int s = 0; s < 45; ++s) line.bench.counts[s] = s + 2;
+  ASSERT_TRUE(link.Update());
+  EXPECT_EQ(line.last_reply, 8 + 7 + 3 * 74u);
+  EXPECT_EQ(link.counts(), line.bench.counts);
+}
+
 TEST(BoxLink, ChangesOfALostReplyComeWithTheNext) {
   DirectLine line(20);
   BoxLink link(line, kHasty);

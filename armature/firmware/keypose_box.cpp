@@ -151,6 +151,10 @@ uint8_t Box::AnyFlag() {
 
 void Box::SayAll() {
   Sample();
+  PutAll();
+}
+
+void Box::PutAll() {
   Begin(kRead | kReply, static_cast<uint16_t>(7 + 3 * count_));
   Put16(boot_);
   Put16(mark_);
@@ -172,6 +176,7 @@ void Box::SayChanges(uint16_t boot, uint16_t since) {
   Sample();
   uint16_t changed = 0;
   for (uint16_t s = 0; s < count_; ++s) changed = static_cast<uint16_t>(changed + IsNew(s, since));
+  if (5UL * changed > 3UL * count_) return PutAll();  // it is shorter
   Begin(kChanges | kReply, static_cast<uint16_t>(7 + 5 * changed));
   Put16(boot_);
   Put16(mark_);

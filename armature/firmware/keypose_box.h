@@ -98,6 +98,7 @@ class Box {
   void SayError(uint8_t code);
   void SayHello();
   void SayAll();
+  void PutAll();
   void SayChanges(uint16_t boot, uint16_t since);
   void SayFlags();
   void Reset(uint16_t sensor);
