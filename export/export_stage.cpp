@@ -100,10 +100,17 @@ struct ExportOptions {
 };
 
 /// Textures of several poses may have the same file name, so they are numbered.
+/// @param given  the folder of the frames' textures, where each has its own
 /// @return names in the folder
-std::vector<std::string> WriteTextures(const Scene& scene, const fs::path& folder) {
+std::vector<std::string> WriteTextures(const Scene& scene, const fs::path& given,
+                                       const fs::path& folder) {
   std::vector<std::string> names;
   if (!scene.textures.empty()) fs::create_directories(folder);
+  if (!scene.frame_texture_names.empty()) {
+    for (const std::string& name : scene.frame_texture_names)
+      keypose::WriteFile(folder / name, keypose::ReadFile(given / name));
+    return scene.frame_texture_names;
+  }
   for (std::size_t i = 0; i < scene.textures.size(); ++i) {
     names.push_back(scene.textures[i].FileName(static_cast<int>(i)));
     keypose::WriteFile(folder / names[i], scene.textures[i].bytes);
@@ -153,6 +160,7 @@ nlohmann::json Summary(const Scene& scene, const std::vector<std::string>& textu
                         {"vertices", scene.frames[0].vertex_count()},
                         {"faces", scene.frames[0].face_count()},
                         {"textures", texture_names},
+                        {"texture_per_frame", !scene.frame_texture_names.empty()},
                         {"poses", scene.poses},
                         {"formats", formats},
                         {"keys", nlohmann::json::array()},
@@ -202,7 +210,9 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
   stage.Report("vertices", scene.frames[0].vertex_count());
   stage.Report("split_vertices", std::ssize(scene.split.source_vertex));
   stage.Report("faces", scene.frames[0].face_count());
-  stage.Report("textures", std::ssize(scene.textures));
+  stage.Report("textures", scene.frame_texture_names.empty()
+                               ? std::ssize(scene.textures)
+                               : std::ssize(scene.frame_texture_names));
   for (const auto& format : formats) {
     std::string name = format["format"];
     std::replace(name.begin(), name.end(), '-', '_');
@@ -216,7 +226,9 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const Scene scene = keypose::exporting::ReadScene(stage, options.playback, options.up == "z",
                                                     keypose::exporting::SplitList(options.poses));
   const fs::path out = stage.Output("animation");
-  const auto texture_names = WriteTextures(scene, out / "textures");
+  const bool per_frame = !scene.frame_texture_names.empty();
+  const auto texture_names =
+      WriteTextures(scene, per_frame ? stage.Inputs("textures")[0] : fs::path(), out / "textures");
   const nlohmann::json formats = WriteFormats(stage, scene, options, texture_names);
   const nlohmann::json summary = Summary(scene, texture_names, formats);
   keypose::WriteFile(out / "animation.json", summary.dump(1) + "\n");
@@ -229,13 +241,16 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
-                 {"textures", "file",
-                  "of each key on the timeline, in order, in the frames' UV layout; or one for all",
-                  "", true, true}};
+                 {"textures", "path",
+                  "of each key on the timeline, in order, in the frames' UV layout; or one for "
+                  "all; or a folder with one for each frame",
+                  "", true, true},
+                 {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
+                  true, false}};
   spec.outputs = {{"animation", "folder", "the files of each format, textures/, animation.json",
                    "animation", false, false}};
   spec.cores = 0;

@@ -96,8 +96,9 @@ WrittenFormat SavedSequence(const WrittenSequence& sequence, const std::string& 
 }
 
 WrittenFormat WriteObj(const Job& job) {
-  const std::string texture =
-      job.texture_names.empty() ? "" : "../textures/" + job.texture_names[0];
+  const std::string texture = job.texture_names.empty() || !job.scene.frame_texture_names.empty()
+                                  ? ""
+                                  : "../textures/" + job.texture_names[0];
   return SavedSequence(WriteObjSequence(job.scene, job.folder / "obj", texture, job.progress),
                        "obj");
 }

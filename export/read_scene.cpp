@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -28,6 +29,19 @@ void ReadFrames(const fs::path& folder, Scene& scene, Progress* progress) {
   }
 }
 
+/// Texture coordinates for frames that have none.
+void TakeLayout(const fs::path& path, Scene& scene) {
+  Mesh& first = scene.frames.front();
+  if (first.has_uvs()) return;
+  const Mesh layout = ReadMesh(path);
+  if (layout.faces != first.faces || !layout.has_uvs())
+    throw InputError(
+        "export: the layout " + PrintableName(path) +
+        (layout.has_uvs() ? " has other faces than the frames" : " has no texture coordinates") +
+        "; pass what `keypose unwrap` made of their first frame");
+  first.uvs = layout.uvs, first.uv_faces = layout.uv_faces;
+}
+
 // PNG and JPEG files are embedded unchanged; other formats become PNG, since glTF allows only these
 // two.
 EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
@@ -45,6 +59,40 @@ EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
   out.mime_type = "image/png";
   out.bytes = ReadFile(converted);
   return out;
+}
+
+/// The pictures of a folder, by the numbers in their names.
+std::vector<fs::path> NumberedTextures(const fs::path& folder, int frame_count) {
+  std::map<int, fs::path> numbered;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().stem().string();
+    const std::string kind = entry.path().extension().string();
+    const auto digits = name.find_last_not_of("0123456789") + 1;
+    if (name.starts_with(".") || (kind != ".png" && kind != ".jpg")) continue;
+    if (digits == name.size() || name.size() - digits > 8) continue;
+    if (!numbered.emplace(std::stoi(name.substr(digits)), entry.path()).second)
+      throw InputError("export: " + PrintableName(folder) + " has two textures of number " +
+                       name.substr(digits));
+  }
+  std::vector<fs::path> paths;
+  for (int f = 0; f < frame_count; ++f) {
+    if (!numbered.count(f))
+      throw InputError("export: the folder " + PrintableName(folder) + " has no texture of frame " +
+                       std::to_string(f) + ", but there are " + std::to_string(frame_count) +
+                       " frames; make textures and frames of one motion");
+    paths.push_back(numbered[f]);
+  }
+  return paths;
+}
+
+/// A texture for each frame, as `video3d` writes them.
+void ReadFrameTextures(const fs::path& folder, const fs::path& scratch, Scene& scene) {
+  const std::vector<fs::path> paths = NumberedTextures(folder, SizeOf(scene.frames));
+  for (const fs::path& path : paths) scene.frame_texture_names.push_back(path.filename().string());
+  scene.textures.push_back(ReadTexture(paths[0], scratch));
+  scene.texture_pixels.push_back(ReadImage(paths[0], 3));
+  scene.poses.push_back("");
+  scene.texture_of_frame = [paths](int frame) { return ReadImage(paths[frame], 3); };
 }
 
 /// Textures with equal content are one. @return index of the texture, per key
@@ -157,8 +205,15 @@ Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
   scene.playback = playback;
   scene.z_up = z_up;
   ReadFrames(folder, scene, &reading);
+  if (stage.Has("layout")) TakeLayout(stage.Input("layout"), scene);
   const FrameNotes notes = ReadNotes(folder, SizeOf(scene.frames));
-  const std::vector<int> of_key = ReadTextures(stage, poses, scene);
+  const std::vector<fs::path> given = stage.Inputs("textures");
+  const bool per_frame = given.size() == 1 && fs::is_directory(given[0]);
+  std::vector<int> of_key;
+  if (per_frame)
+    ReadFrameTextures(given[0], stage.Scratch(), scene);
+  else
+    of_key = ReadTextures(stage, poses, scene);
   scene.split = MakeAnimatedMesh(scene.frames, scene.frame_names);
   scene.clip = MakeClip(scene.split.points, notes.stands, notes.loop);
   scene.frame_t = notes.t;

@@ -17,7 +17,8 @@ std::vector<std::string> SplitList(const std::string& list);
 ///
 /// @param poses     names of the keys' poses, one per texture; may be empty
 /// @throws UsageError  the number of names is not that of the textures
-/// @throws InputError  no frames, a missing number, frames of different connectivity, an unreadable
+/// A folder as the only texture has one for each frame.
+/// @throws InputError  no frames, a missing number of a frame or of a texture, frames of different connectivity, an unreadable
 /// texture or distortion.json
 Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
                 const std::vector<std::string>& poses);

@@ -58,6 +58,16 @@ std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, d
   return names;
 }
 
+std::string ClocksText(const std::vector<int>& offsets,
+                       const std::vector<SilhouetteCamera>& cameras) {
+  nlohmann::ordered_json json;
+  json["schema"] = 1;
+  json["offsets"] = nlohmann::ordered_json::object();
+  for (std::size_t c = 0; c < offsets.size(); ++c)
+    json["offsets"][cameras[c].view().name] = offsets[c];
+  return json.dump(1) + "\n";
+}
+
 std::string ActorText(const BodyShape& shape) {
   nlohmann::ordered_json json;
   json["schema"] = 1;

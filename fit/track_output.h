@@ -18,6 +18,11 @@ std::string AnglesCsv(const std::vector<TrackedFrame>& frames, double fps, doubl
 /// frames.
 std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, double most_deg);
 
+/// {"schema": 1, "offsets": {"cam1": 0, ...}}: frame f of the result is frame f + offset of the
+/// film.
+std::string ClocksText(const std::vector<int>& offsets,
+                       const std::vector<SilhouetteCamera>& cameras);
+
 /// Bone lengths and girths as JSON, in metres.
 std::string ActorText(const BodyShape& shape);
 /// @throws InputError  not what ActorText writes

@@ -79,7 +79,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",
@@ -94,6 +94,8 @@ StageSpec Spec() {
        "template poses frame_0000.ply ..., distortion.json, angles.csv, actor.json", "frames",
        false, false},
       {"motion", "file", "the motion (.bvh), y up", "motion.bvh", false, false},
+      {"clocks", "file", "offsets between the films' clocks, for video3d (.json)", "clocks.json",
+       true, false},
       {"picture", "file", "the template over the film (.jpg)", "tracked.jpg", true, false}};
   spec.memory_gib = 1;
   spec.common = {"actor_frame", "cameras", "height_m", "fps"};
@@ -323,6 +325,8 @@ void Run(StageContext& stage, const TrackOptions& options) {
   WarnOfUnseen(stage, frames);
   CompareOthers(stage, input, actor.shape, frames, at);
   WriteFrames(stage, input, actor.shape, frames, fps);
+  if (const auto clocks = stage.Output("clocks"); !clocks.empty())
+    WriteFile(clocks, ClocksText(input.offsets(), input.cameras()));
   WritePicture(stage, input, actor.shape, frames);
 }
 

@@ -91,6 +91,34 @@ TEST_F(Programs, TransferWritesFramesThatExportTakes) {
   EXPECT_LT(report["measurements"]["volume_deviation"].get<double>(), 1e-4);
 }
 
+TEST_F(Programs, TransferInTheTemplatesSpaceLiesOverTheTemplate) {
+  WriteBars();
+  // The same bar as the template's, but larger, turned about z and elsewhere.
+  const Mesh small = ReadMesh(folder_ / "template/frame_0000.ply");
+  target_ = small;
+  target_.points = 3 * small.points * ExpOf({0, 0, 2}).transpose();
+  target_.points.rowwise() += Eigen::RowVector3d(5, -7, 0);
+  std::vector<LandmarkPair> pairs;
+  for (int k = 0; k < 24; ++k) {
+    const double angle = 2.4 * k;
+    LandmarkPair pair;
+    pair.name = "m" + std::to_string(k);
+    const int face =
+        FaceNear(small, {0.1 * std::cos(angle), 0.1 * std::sin(angle), 2 * (k + 0.5) / 24});
+    pair.source = pair.target = {pair.name, face, {0.2, 0.3, 0.5}};
+    pairs.push_back(pair);
+  }
+  WriteMesh(folder_ / "target.ply", target_);
+  WriteLandmarkPairs(folder_ / "marks.json", small, target_, pairs);
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--space template --feet false"), 0) << log_;
+  for (const int f : {0, 3}) {
+    const Mesh made = ReadMesh(folder_ / "out" / FrameFileName(f)),
+               wanted = ReadMesh(folder_ / "template" / FrameFileName(f));
+    // The template bends; its place and size must be met, its shape nearly.
+    EXPECT_LT((made.points - wanted.points).rowwise().norm().maxCoeff(), f == 0 ? 1e-3 : 0.08) << f;
+  }
+}
+
 TEST_F(Programs, TransferNamesWhatIsWrong) {
   WriteBars();
   WriteMesh(folder_ / "other.ply", MakeIcosphere(3));

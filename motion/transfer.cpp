@@ -281,4 +281,8 @@ void TransferReport::TakeWorst(const TransferReport& frame) {
 
 const TransferReport& Transfer::report() const { return impl_->report; }
 
+PointsX3 Transfer::InTemplateSpace(const PointsX3& points) const {
+  return impl_->path->OnTemplate(points);
+}
+
 }  // namespace keypose::motion

@@ -86,6 +86,9 @@ class Transfer {
   /// One frame by itself, as Run makes it. The first call plans what is held.
   PointsX3 Frame(int frame);
   const TransferReport& report() const;
+  /// A frame moved, turned and scaled to where the template is: over the films that it was tracked
+  /// in.
+  PointsX3 InTemplateSpace(const PointsX3& points) const;
 
  private:
   struct Impl;

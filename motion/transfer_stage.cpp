@@ -29,7 +29,7 @@ constexpr int kFewMarks = 8;
 constexpr double kUsualRate = 24;  // frames per second
 
 struct TransferStageOptions {
-  std::string method = "auto", align = "auto", turns = "follow";
+  std::string method = "auto", align = "auto", turns = "follow", space = "target";
   bool rest = true, volume = true, feet = true;
   double stretch = 0, scale = 0, fps = 0;
 
@@ -49,6 +49,11 @@ struct TransferStageOptions {
                    "shortest: each frame by itself, for limbs that circle",
            .unit = "",
            .choices = {"follow", "shortest"}});
+    visit("space", space,
+          {.help = "where the result stands: target: with the target's size and directions; "
+                   "template: over the template, as video3d needs it",
+           .unit = "",
+           .choices = {"target", "template"}});
     visit("rest", rest,
           {.help = "auto: limbs that the target holds otherwise at rest take the template's pose"});
     visit("volume", volume, {.help = "auto: each closed part keeps its volume"});
@@ -67,7 +72,7 @@ struct TransferStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "transfer";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
   spec.inputs = {
       {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,
@@ -233,7 +238,8 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   std::vector<FrameMeasures> measures;
   transfer.Run(
       [&](int frame, const PointsX3& points) {
-        writer.Write(out / FrameFileName(frame), points);
+        writer.Write(out / FrameFileName(frame),
+                     options.space == "template" ? transfer.InTemplateSpace(points) : points);
         measures.push_back({area > 0 ? SurfaceArea(points, target.faces) / area : 1,
                             volume != 0 ? SignedVolume(points, target.faces) / volume : 1});
       },

@@ -51,6 +51,49 @@ View PlacedAtScale(View view, double factor) {
   return view;
 }
 
+/// Whether the camera, with its place scaled, sees the mesh from about as far as the others do.
+bool FitsScaled(const Mesh& mesh, const std::vector<View>& views, std::size_t one, double factor) {
+  const Eigen::Vector3d middle = mesh.points.colwise().mean();
+  const View scaled = PlacedAtScale(views[one], factor);
+  std::vector<double> others;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (v != one) others.push_back((views[v].Center() - middle).norm());
+  if (others.empty()) return false;
+  std::nth_element(others.begin(), others.begin() + SizeOf(others) / 2, others.end());
+  const double ratio = (scaled.Center() - middle).norm() / others[others.size() / 2];
+  return ratio > 1.0 / 3 && ratio < 3 && PixelsOf(mesh, mesh.faces, scaled) > 0;
+}
+
+/// What a camera shows of the mesh, over some frames.
+struct CameraCheck {
+  int pixels = 0;                  ///< that the mesh covers
+  double covered = 0, masked = 0;  ///< of those in frames with masks: in the mask, and all
+};
+
+/// @throws InputError  a camera that never has the mesh in its picture
+void RequireSeen(const Mesh& mesh, const std::vector<View>& views,
+                 const std::vector<CameraCheck>& checks) {
+  std::vector<std::string> blind;
+  std::size_t one = 0;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (checks[v].pixels == 0) blind.push_back(views[v].name), one = v;
+  if (blind.empty()) return;
+  const bool many = blind.size() > 1;
+  std::string text = "video3d: " + std::string(many ? "cameras " : "camera ") + Listed(blind) +
+                     (many ? " do" : " does") + " not see the moving mesh at all. ";
+  if (FitsScaled(mesh, views, one, 0.001))
+    text += "Its place looks like millimetres among metres: divide its translation by 1000";
+  else if (FitsScaled(mesh, views, one, 1000))
+    text += "Its place looks like metres among millimetres: multiply its translation by 1000";
+  else if (blind.size() == views.size())
+    text +=
+        "Frames and calibration must be in one space: let `transfer` write its frames with "
+        "--space template, or give the calibration that `track` had";
+  else
+    text += "Calibrate it again, check its name, or leave it out with --cameras";
+  throw InputError(text);
+}
+
 /// Takes the shot's cameras of these names, all where none are given.
 std::vector<ShotCamera> Chosen(const Shot& shot, const std::string& names) {
   const std::vector<std::string> wanted = Words(names), known = shot.names();
@@ -200,49 +243,31 @@ void Video3dInput::CheckSizes() {
 /// Whether each camera has the mesh in its picture, and in its mask.
 void Video3dInput::CheckPlaces(StageContext& stage) {
   const int frames = SizeOf(meshes_), count = std::min(kCheckedFrames, frames);
-  std::vector<int> pixels(views_.size(), 0);
-  std::vector<double> covered(views_.size(), 0), masked(views_.size(), 0);
+  std::vector<CameraCheck> checks(views_.size());
   for (int i = 0; i < count; ++i) {
     const int f = count == 1 ? 0 : i * (frames - 1) / (count - 1);
     const FilmedFrame frame = Read(f);
     ParallelFor(SizeOf(views_), [&](std::int64_t v) {
-      pixels[v] += PixelsOf(meshes_[f], mesh().faces, views_[v]);
+      checks[v].pixels += PixelsOf(meshes_[f], mesh().faces, views_[v]);
       if (frame.pictures[v].empty() || frame.masks[v].empty()) return;
       const FilmedView view(views_[v], frame.pictures[v], frame.masks[v], frame.points,
                             mesh().faces, {});
-      covered[v] += view.pixels() * view.covered_by_mask(), masked[v] += view.pixels();
+      checks[v].covered += view.pixels() * view.covered_by_mask();
+      checks[v].masked += view.pixels();
     });
   }
-  std::vector<std::string> blind;
-  std::size_t one = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v)
-    if (pixels[v] == 0) blind.push_back(views_[v].name), one = v;
-  if (!blind.empty()) {
-    std::string text = "video3d: " + std::string(blind.size() > 1 ? "cameras " : "camera ") +
-                       Listed(blind) + (blind.size() > 1 ? " do" : " does") +
-                       " not see the moving mesh at all. ";
-    if (PixelsOf(mesh(), mesh().faces, PlacedAtScale(views_[one], 0.001)) > 0)
-      text += "Its place looks like millimetres among metres: divide its translation by 1000";
-    else if (PixelsOf(mesh(), mesh().faces, PlacedAtScale(views_[one], 1000)) > 0)
-      text += "Its place looks like metres among millimetres: multiply its translation by 1000";
-    else if (blind.size() == views_.size())
-      text +=
-          "Frames and calibration must be in one space: let `transfer` write its frames with "
-          "--space template, or give the calibration that `track` had";
-    else
-      text += "Calibrate it again, check its name, or leave it out with --cameras";
-    throw InputError(text);
-  }
-  double sum_covered = 0, sum_masked = 0;
+  RequireSeen(mesh(), views_, checks);
+  double covered = 0, masked = 0;
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    sum_covered += covered[v], sum_masked += masked[v];
-    if (masked[v] > 0 && covered[v] < kBadlyPlaced * masked[v] && sum_masked > 0)
-      stage.Warn("in camera " + views_[v].name + " only " + Percent(covered[v] / masked[v]) +
+    const CameraCheck& check = checks[v];
+    covered += check.covered, masked += check.masked;
+    if (check.masked > 0 && check.covered < kBadlyPlaced * check.masked)
+      stage.Warn("in camera " + views_[v].name + " only " + Percent(check.covered / check.masked) +
                  " of the mesh lie in the masks: look at its masks and calibration");
   }
-  if (sum_masked > 0 && sum_covered < kElsewhere * sum_masked)
+  if (masked > 0 && covered < kElsewhere * masked)
     throw InputError("video3d: the mesh is not where the films show the actor: only " +
-                     Percent(sum_covered / sum_masked) +
+                     Percent(covered / masked) +
                      " of its pixels lie in the masks. Let `transfer` write its frames with "
                      "--space template, and check that films and frames begin at one moment");
 }

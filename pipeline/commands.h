@@ -36,6 +36,7 @@ struct InitOptions {
   double film_fps = 12;
   /// files of a performance; empty: none
   std::string calibration, scan_mesh, texture, marks;
+  bool video3d = false;  ///< of a performance: textures from the films
 };
 ExitCode InitCommand(const InitOptions& options);
 /// The project of a performance. Films stay where they are; the other files are copied.

@@ -178,6 +178,8 @@ class CommandLine {
     init->add_option("--texture", init_.texture, "performance: its texture");
     init->add_option("--marks", init_.marks,
                      "performance: pairs of places on the tracked body and on the mesh");
+    init->add_flag("--video3d", init_.video3d,
+                   "performance: paint what moves from the films, frame by frame");
   }
 
   void AddRun() {

@@ -33,6 +33,7 @@ struct NewPerformance {
   std::vector<std::pair<std::string, std::string>> shots;  ///< name, folder of films
   std::string calibration;                                 ///< of all shots
   std::string scan, texture, marks;
+  bool video3d = false;  ///< the films are painted on what moves
 };
 std::string NewPerformanceText(const std::filesystem::path& folder,
                                const NewPerformance& performance);

@@ -420,6 +420,7 @@ def performance_cases():
         init('init of a shot twice', USAGE, ('two shots of that name',), '--shot', 'walk=photos', '--shot', 'walk=photos/rest'),
         init('init with poses', USAGE, ('do not belong to --kind performance',), '--shot', 'walk=photos', '--pose', 'rest=photos/rest'),
         init('init of no scan', INPUT, ('--scan-mesh hero.obj', 'there is no'), '--shot', 'walk=photos', '--scan-mesh', 'hero.obj'),
+        Case('performance: 3D video without the kind', USAGE, ('--video3d need --kind performance',), ('init', 'new', '--pose', 'rest=photos/rest', '--video3d'), outside=True),
         Case('performance: shots without the kind', USAGE, ('need --kind performance',), ('init', 'new', '--pose', 'rest=photos/rest', '--shot', 'walk=photos'), outside=True),
     ]
 

@@ -1,4 +1,7 @@
 // keypose-unwrap: texture coordinates for a closed mesh.
+#include <filesystem>
+
+#include "core/io/frame_folder.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
 #include "core/stage/stage.h"
@@ -11,9 +14,22 @@ using keypose::StageSpec;
 using keypose::texture::UnwrapOptions;
 using keypose::texture::UnwrapResult;
 
-void Run(StageContext& stage, const UnwrapOptions& options) {
-  const keypose::Mesh clean = keypose::ReadMesh(stage.Input("clean"));
-  keypose::RequireUsable(clean, stage.Input("clean").string());
+struct UnwrapStageOptions : UnwrapOptions {
+  bool keep = false;
+
+  void Describe(keypose::OptionVisitor& visit) {
+    visit("keep", keep, {.help = "a mesh that has texture coordinates already keeps them"});
+    UnwrapOptions::Describe(visit);
+  }
+};
+
+void Run(StageContext& stage, const UnwrapStageOptions& options) {
+  std::filesystem::path path = stage.Input("clean");
+  if (std::filesystem::is_directory(path)) path = keypose::NumberedFrames(path, "unwrap").front();
+  const keypose::Mesh clean = keypose::ReadMesh(path);
+  keypose::RequireUsable(clean, path.string());
+  stage.Report("kept", options.keep && clean.has_uvs());
+  if (options.keep && clean.has_uvs()) return keypose::WriteMesh(stage.Output("unwrapped"), clean);
   const UnwrapResult result = keypose::texture::Unwrapped(clean, options, stage.progress());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("charts", result.charts);
@@ -35,12 +51,13 @@ void Run(StageContext& stage, const UnwrapOptions& options) {
 
 const StageSpec kSpec = {
     .name = "unwrap",
-    .version = "2",
+    .version = "3",
     .summary =
         "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
     .inputs = {{.name = "clean",
-                .kind = "file",
-                .help = "closed mesh (.ply, .obj, .off, .stl)",
+                .kind = "path",
+                .help = "closed mesh (.ply, .obj, .off, .stl), or a folder of frames, whose first "
+                        "is meant",
                 .file = ""}},
     .outputs = {{.name = "unwrapped",
                  .kind = "file",
@@ -53,4 +70,6 @@ const StageSpec kSpec = {
 
 }  // namespace
 
-int main(int argc, char** argv) { return keypose::RunStage<UnwrapOptions>(argc, argv, kSpec, Run); }
+int main(int argc, char** argv) {
+  return keypose::RunStage<UnwrapStageOptions>(argc, argv, kSpec, Run);
+}

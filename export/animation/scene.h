@@ -1,6 +1,7 @@
 // An animation with all that belongs to it, read once: each format takes from it what it can hold.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -46,6 +47,10 @@ struct Scene {
   std::vector<std::string> poses;                    ///< the pose of each texture
   std::vector<TextureMoment> texture_moments;        ///< empty: always the first texture
   std::vector<std::vector<double>> texture_weights;  ///< per frame and texture, or empty
+  /// Where each frame has a texture of its own: file names, one per frame ("frame_0000.png"), and
+  /// their pixels, RGB, read when asked for. `textures` is then the first frame's alone.
+  std::vector<std::string> frame_texture_names;
+  std::function<Image8(int frame)> texture_of_frame;
   std::vector<KeyMark> keys;                         ///< in order of time; may be empty
 
   int frame_count() const { return clip.frame_count(); }

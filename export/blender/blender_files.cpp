@@ -126,8 +126,9 @@ nlohmann::json Description(const Scene& scene, const Pictures& pictures) {
   out["weights"] = nlohmann::json::array();
   const bool blends = !scene.texture_weights.empty();
   for (int i = 0; i < SizeOf(scene.textures) && (blends || i == 0); ++i) {
-    out["textures"].push_back(
-        {{"file", "../textures/" + scene.textures[i].FileName(i)}, {"pose", scene.poses[i]}});
+    const std::string name = scene.frame_texture_names.empty() ? scene.textures[i].FileName(i)
+                                                               : scene.frame_texture_names[i];
+    out["textures"].push_back({{"file", "../textures/" + name}, {"pose", scene.poses[i]}});
   }
   if (!blends) return out;
   for (const int frame : pictures.frame) out["weights"].push_back(scene.texture_weights[frame]);

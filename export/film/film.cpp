@@ -102,7 +102,7 @@ double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& 
 }  // namespace
 
 FilmScene SceneOfFilm(const Scene& scene) {
-  return {scene.frames, scene.texture_pixels, scene.texture_weights};
+  return {scene.frames, scene.texture_pixels, scene.texture_weights, scene.texture_of_frame};
 }
 
 std::vector<int> FilmOrder(const Scene& scene) {

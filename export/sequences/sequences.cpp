@@ -97,11 +97,15 @@ void FinishSequence(const Scene& scene, const std::vector<int>& shown, WrittenSe
 WrittenSequence WriteObjSequence(const Scene& scene, const fs::path& folder,
                                  const std::string& texture_path, Progress* progress) {
   MakeFolder(folder);
+  const auto head_with = [](const std::string& material) {
+    return "mtllib " + material + "\no character\nusemtl clay\n";
+  };
   std::string head = "o character\n";
   if (!texture_path.empty() && scene.frames[0].has_uvs()) {
     WriteFile(folder / "character.mtl", MaterialText(texture_path));
-    head = "mtllib character.mtl\n" + head + "usemtl clay\n";
+    head = head_with("character.mtl");
   }
+  const bool per_frame = !scene.frame_texture_names.empty() && scene.frames[0].has_uvs();
   const std::string shared = SharedLines(scene.frames[0]);
   const std::vector<int> shown = ShownFrames(scene);
   WrittenSequence written;
@@ -118,8 +122,13 @@ WrittenSequence WriteObjSequence(const Scene& scene, const fs::path& folder,
           std::max(written.error_over_diagonal,
                    LargestDistance(ReadPositions(positions, points.rows()), points));
     }
-    const fs::path path = folder / (NumberedName(i, SizeOf(shown)) + ".obj");
-    WriteFile(path, head + positions + shared);
+    const std::string name = NumberedName(i, SizeOf(shown));
+    if (per_frame) {
+      WriteFile(folder / (name + ".mtl"),
+                MaterialText("../textures/" + scene.frame_texture_names[shown[i]]));
+      head = head_with(name + ".mtl");
+    }
+    WriteFile(folder / (name + ".obj"), head + positions + shared);
   }
   FinishSequence(scene, shown, written);
   return written;

@@ -21,7 +21,8 @@ struct WrittenSequence {
 /// `frame_0000.obj`, ..., one for each of ShownFrames, so that a program that shows one file per
 /// frame plays holds, repeats and the way back of a pingpong as the film does; numbers have more
 /// digits if there are more than 10,000 files. All share `character.mtl`, written if there is a
-/// texture and the mesh has texture coordinates. +y is up, as programs expect of OBJ files.
+/// texture and the mesh has texture coordinates; where each frame has a texture of its own, each
+/// file has a material of its number with it. +y is up, as programs expect of OBJ files.
 /// Numbers are the shortest that give back the same double. Vertices keep their order.
 ///
 /// @param folder        made if it does not exist

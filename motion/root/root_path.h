@@ -39,6 +39,12 @@ class RootPath {
   Eigen::RowVector3d OnTarget(const Eigen::RowVector3d& point) const {
     return target_root_ + scale_ * (point - template_root_) * turn_.transpose();
   }
+  /// Points of the target's space in the template's: what OnTarget undoes.
+  PointsX3 OnTemplate(const PointsX3& points) const {
+    PointsX3 moved = (points.rowwise() - target_root_) / scale_ * turn_;
+    moved.rowwise() += template_root_;
+    return moved;
+  }
   /// The most central mark: it lies on the main part.
   int central_mark() const { return root_[0]; }
 

@@ -1,0 +1,195 @@
+// The program keypose-video3d, as a user starts it, and the export of what it writes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/io/files.h"
+#include "core/io/frame_folder.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/rig_calibration.h"
+#include "core/size_of.h"
+#include "motion/testing/filmed_ball.h"
+
+namespace keypose::motion {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 3;
+
+class Video3d : public testing::Test {
+ protected:
+  Video3d() {
+    std::string name = (fs::temp_directory_path() / "keypose-video3d-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    fs::create_directories(folder_ / "frames");
+    for (int f = 0; f < kFrames; ++f) {
+      Mesh frame = world_.mesh;
+      frame.points = world_.Points(f);
+      WriteMesh(folder_ / "frames" / FrameFileName(f), frame);
+    }
+    for (const View& view : world_.views)
+      for (int f = 0; f < kFrames; ++f) WriteFilmed(view, f);
+    WriteCalibration(world_.views);
+  }
+  ~Video3d() override { fs::remove_all(folder_); }
+
+  void WriteFilmed(const View& view, int f) const {
+    const std::string number = std::to_string(f) + ".png";
+    fs::create_directories(folder_ / "shot" / view.name);
+    fs::create_directories(folder_ / "shot/masks" / view.name);
+    WriteImage(folder_ / "shot" / view.name / number, world_.Picture(view, f));
+    WriteImage(folder_ / "shot/masks" / view.name / number, world_.Mask(view, f));
+  }
+  void WriteCalibration(const std::vector<View>& views) const {
+    WriteFile(folder_ / "rig.yml", OpenCvYaml(views));
+  }
+  int Run(const std::string& program, const std::string& arguments) {
+    const std::string command = "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-" +
+                                program + "' " + arguments + " > log.txt 2>&1";
+    const int status = std::system(command.c_str());
+    log_ = ReadFile(folder_ / "log.txt");
+    return WEXITSTATUS(status);
+  }
+  int RunVideo3d(const std::string& more = "") {
+    return Run("video3d",
+               "--frames frames --video shot --calibration rig.yml --textures out --overwrite "
+               "--texture_size 256 --report report.json " +
+                   more);
+  }
+  bool Says(const std::string& words) const { return log_.find(words) != std::string::npos; }
+
+  BallWorld world_{5, 96};
+  fs::path folder_;
+  std::string log_;
+};
+
+TEST_F(Video3d, WritesATextureAFrameAndAFilmThatExportTakes) {
+  ASSERT_EQ(RunVideo3d("--film orbit.mp4 --view_width 96 --view_height 64 --picture seen.jpg"), 0)
+      << log_;
+  for (int f = 0; f < kFrames; ++f) {
+    const Image8 texture =
+        ReadImage(folder_ / "out" / ("frame_000" + std::to_string(f) + ".png"), 3);
+    EXPECT_EQ(texture.width, 256);
+  }
+  EXPECT_GT(fs::file_size(folder_ / "orbit.mp4"), 1000u);
+  EXPECT_TRUE(fs::exists(folder_ / "seen.jpg"));
+  const auto report = nlohmann::json::parse(ReadFile(folder_ / "report.json"))["measurements"];
+  EXPECT_EQ(report["frames"], kFrames);
+  EXPECT_EQ(report["cameras"].size(), 5u);
+  EXPECT_GT(report["own_fraction"].get<double>(), 0.6);
+
+  ASSERT_EQ(Run("export",
+                "--frames frames --textures out --animation animation --formats glb,obj,video "
+                "--video_width 96 --video_height 64 --fps 12"),
+            0)
+      << log_;
+  const std::string obj = ReadFile(folder_ / "animation/obj/frame_0002.obj");
+  EXPECT_NE(obj.find("mtllib frame_0002.mtl"), std::string::npos);
+  EXPECT_NE(ReadFile(folder_ / "animation/obj/frame_0002.mtl").find("../textures/frame_0002.png"),
+            std::string::npos);
+  for (int f = 0; f < kFrames; ++f) {
+    const std::string name = "frame_000" + std::to_string(f) + ".png";
+    EXPECT_EQ(ReadFile(folder_ / "animation/textures" / name), ReadFile(folder_ / "out" / name));
+  }
+  fs::remove(folder_ / "out/frame_0001.png");
+  EXPECT_EQ(Run("export", "--frames frames --textures out --animation again --formats obj"), 3);
+  EXPECT_TRUE(Says("no texture of frame 1")) << log_;
+}
+
+TEST_F(Video3d, CameraThatDoesNotOverlapIsNamed) {
+  std::vector<View> views = world_.views;
+  const Eigen::Quaterniond away(Eigen::AngleAxisd(3.14159, Eigen::Vector3d::UnitY()));
+  Rigid3& pose = views[2].camera_from_world;  // looks the other way
+  pose.rotation = away * pose.rotation, pose.translation = away * pose.translation;
+  WriteCalibration(views);
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("camera cam3 does not see the moving mesh")) << log_;
+  EXPECT_TRUE(Says("leave it out with --cameras")) << log_;
+  EXPECT_EQ(RunVideo3d("--cameras cam1,cam2,cam4,cam5"), 0) << log_;
+}
+
+TEST_F(Video3d, CameraInMillimetresAmongMetresIsNamed) {
+  std::vector<View> views = world_.views;
+  // Turned as well as scaled about the origin, it would still look at the ball: moved aside first.
+  for (View& view : views) view.camera_from_world.translation.x() += 0.05;
+  views[1].camera_from_world.translation *= 1000;
+  WriteCalibration(views);
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("cam2 does not see the moving mesh")) << log_;
+  EXPECT_TRUE(Says("millimetres among metres")) << log_;
+}
+
+TEST_F(Video3d, FramesInAnotherSpaceAreRefused) {
+  for (int f = 0; f < kFrames; ++f) {
+    Mesh frame = ReadMesh(folder_ / "frames" / FrameFileName(f));
+    frame.points.col(2).array() += 100;
+    WriteMesh(folder_ / "frames" / FrameFileName(f), frame);
+  }
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("--space template")) << log_;
+  for (int f = 0; f < kFrames; ++f) {  // in the pictures, but beside the actor
+    Mesh frame = ReadMesh(folder_ / "frames" / FrameFileName(f));
+    frame.points = 0.3 * frame.points;
+    frame.points.col(2).array() += 1.2 - 30;
+    WriteMesh(folder_ / "frames" / FrameFileName(f), frame);
+  }
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("not where the films show the actor")) << log_;
+}
+
+TEST_F(Video3d, ShortFilmIsToldAndPaintedFromTheOthers) {
+  fs::remove(folder_ / "shot/cam4/2.png"), fs::remove(folder_ / "shot/masks/cam4/2.png");
+  ASSERT_EQ(RunVideo3d(), 0) << log_;
+  EXPECT_TRUE(Says("films end before the motion does: cam4 (2 of 3)")) << log_;
+  EXPECT_TRUE(fs::exists(folder_ / "out/frame_0002.png"));
+}
+
+TEST_F(Video3d, ClocksOffsetsAreFollowed) {
+  WriteFile(folder_ / "clocks.json", R"({"offsets": {"cam2": 1}})");
+  ASSERT_EQ(RunVideo3d("--clocks clocks.json"), 0) << log_;
+  EXPECT_TRUE(Says("cam2 (2 of 3)")) << log_;
+  WriteFile(folder_ / "clocks.json", R"({"offsets": {"cam2": "late"}})");
+  EXPECT_EQ(RunVideo3d("--clocks clocks.json"), 3);
+  EXPECT_TRUE(Says("cam2 is not a whole number")) << log_;
+}
+
+TEST_F(Video3d, FramesWithoutTextureCoordinatesNeedALayout) {
+  Mesh bare = world_.mesh;
+  bare.uvs.resize(0, 2), bare.uv_faces.resize(0, 3);
+  for (int f = 0; f < kFrames; ++f) {
+    bare.points = world_.Points(f);
+    WriteMesh(folder_ / "frames" / FrameFileName(f), bare);
+  }
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("keypose unwrap")) << log_;
+  WriteMesh(folder_ / "layout.obj", world_.mesh);
+  EXPECT_EQ(RunVideo3d("--layout layout.obj"), 0) << log_;
+}
+
+TEST_F(Video3d, FaultsOfCamerasAndViewsAreNamed) {
+  EXPECT_EQ(RunVideo3d("--cameras cam1,cam9"), 2);
+  EXPECT_TRUE(Says("cam9")) << log_;
+  EXPECT_EQ(RunVideo3d("--film x.mp4 --view cam77"), 2);
+  EXPECT_TRUE(Says("neither orbit nor a camera")) << log_;
+  WriteFile(folder_ / "path.json", R"({"keys": [{"frame": 0}]})");
+  EXPECT_EQ(RunVideo3d("--film x.mp4 --camera_path path.json"), 3);
+  EXPECT_TRUE(Says("path.json: key 0")) << log_;
+  WriteCalibration({world_.views[0], world_.views[1]});
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("the calibration has no camera cam3, cam4, cam5")) << log_;
+  WriteCalibration(world_.views);
+  WriteImage(folder_ / "shot/cam1/0.png", Image8(90, 50, 3, 7));
+  EXPECT_EQ(RunVideo3d(), 3);
+  EXPECT_TRUE(Says("camera cam1")) << log_;
+}
+
+}  // namespace
+}  // namespace keypose::motion
