@@ -59,7 +59,7 @@ struct BendResult {
 /// @throws InputError   no views; unusable mesh
 /// @throws SolverError  @throws Cancelled
 /// Same bits for any thread count.
-/// See docs/how-it-works/fit.md.
+/// See docs/algorithms/fit.md.
 BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
                        const std::vector<BendView>& views,
                        const std::vector<LandmarkGoal>& landmarks, const BendOptions& options,

@@ -1,5 +1,6 @@
 #include "fit/bending/unfold.h"
 
+#include <Eigen/Geometry>
 #include <set>
 
 #include "core/size_of.h"
