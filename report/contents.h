@@ -34,6 +34,7 @@ struct PosePart {
   std::optional<Picture> cloud;    ///< the dense points
   std::optional<Picture> masks;    ///< contact sheet
   std::optional<Picture> cameras;  ///< their positions, as drawn by sfm
+  std::optional<Picture> painted;  ///< of a shot: films beside the mesh that was painted from them
   std::vector<CameraPlace> places;
   std::optional<Picture> texture;
   /// the textured mesh compared with the photographs; no views if there is nothing to compare

@@ -179,6 +179,12 @@ class Gatherer {
         shot.cameras =
             Picture{"The tracked body over the films", ReadImage(track->Output("picture"), 3)};
       });
+    const StepRecord* video3d = contents.run.Find("video3d", name);
+    if (video3d && !video3d->Output("picture").empty())
+      Try(contents, video3d->id, [&] {
+        shot.painted = Picture{"Films, and beside them what moves, painted from all of them",
+                               ReadImage(video3d->Output("picture"), 3)};
+      });
     return shot;
   }
 

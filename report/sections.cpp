@@ -280,6 +280,10 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   if (pose.cameras)
     html +=
         Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
+  if (pose.painted)
+    html += "<h3>3D video</h3>" +
+            Figure(Image(encode(pose.painted->image), "films beside the painted mesh"),
+                   Escape(pose.painted->caption));
   if (pose.masks)
     html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"),
                                       Escape(pose.masks->caption));

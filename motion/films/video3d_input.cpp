@@ -1,4 +1,4 @@
-#include "motion/video3d_input.h"
+#include "motion/films/video3d_input.h"
 
 #include <algorithm>
 #include <cmath>
