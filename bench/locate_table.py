@@ -6,7 +6,7 @@
     locate_table.py show FILE.json ...
 
 For each seed: another clay character of `keypose synth photos` with all limbs moved, its mesh (12,000 faces) and a
-texture baked from 20 photographs of 800 pixels; and pictures of it from other places by another lens. Each is located
+texture baked from 16 photographs of 640 pixels; and pictures of it from other places by another lens. Each is located
 by itself, in several cases:
 
     textured     mesh, texture and the exact matte
@@ -151,14 +151,14 @@ class Seed:
         """The character with its texture, and the pictures to locate."""
         f = self.folder
         f.mkdir(parents=True, exist_ok=True)
-        world = self.photographs('world', ['--views', 20, '--width', 800, '--height', 600])
+        world = self.photographs('world', ['--views', 16, '--width', 640, '--height', 480])
         truth = world / 'truth/limbs'
         if not (f / 'texture.png').exists():
             surface = truth / ('outer.ply' if (truth / 'outer.ply').exists() else 'surface.ply')
             call([self.program('cleanup'), '--surface', surface, '--faces', 12000, '--clean', f / 'clean.ply'])
             call([self.program('unwrap'), '--clean', f / 'clean.ply', '--unwrapped', f / 'mesh.obj'])
             call([self.program('capture'), '--photos', world / 'photos/limbs', '--images', f / 'images', '--overwrite'])
-            call([self.program('bake'), '--mesh', f / 'mesh.obj', '--images', f / 'images', '--model', truth / 'cameras', '--texture_size', 2048, '--hold_out', 0,
+            call([self.program('bake'), '--mesh', f / 'mesh.obj', '--images', f / 'images', '--model', truth / 'cameras', '--texture_size', 1024, '--hold_out', 0,
                   '--texture', f / 'texture.png'])
         width, height = self.args.size.split('x')
         film = self.photographs('film', ['--views', self.args.views, '--elevations', 6, 24, '--width', width, '--height', height, '--focal', 45,

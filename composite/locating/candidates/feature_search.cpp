@@ -24,6 +24,42 @@ Pinhole PinholeOf(const Camera& camera, double focal_factor) {
           camera.cx - 0.5, camera.cy - 0.5};
 }
 
+struct Box {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+/// Around the matte, with room for features at its border.
+Box BoxOf(const Image8& matte, const Image8& picture) {
+  if (matte.empty()) return {0, 0, picture.width, picture.height};
+  constexpr int kRoom = 24;
+  Box box{matte.width, matte.height, 0, 0};
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x)
+      if (matte.at(x, y)[0] > 127)
+        box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1),
+               std::max(box.y1, y + 1)};
+  if (box.x0 >= box.x1) return {};
+  return {std::max(0, box.x0 - kRoom), std::max(0, box.y0 - kRoom),
+          std::min(matte.width, box.x1 + kRoom), std::min(matte.height, box.y1 + kRoom)};
+}
+
+Image8 Cropped(const Image8& image, const Box& box) {
+  if (image.empty()) return {};
+  Image8 part(box.x1 - box.x0, box.y1 - box.y0, image.channels);
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(image.at(box.x0, box.y0 + y), part.width * part.channels, part.at(0, y));
+  return part;
+}
+
+/// Features of the part of the picture that the matte covers, with pixels of the whole picture.
+PictureFeatures FeaturesWithin(const Image8& picture, const Image8& matte) {
+  const Box box = BoxOf(matte, picture);
+  if (box.x0 >= box.x1) return {};
+  PictureFeatures found = FindFeatures(Cropped(picture, box), Cropped(matte, box), kMostFeatures);
+  for (Eigen::Vector2d& pixel : found.pixels) pixel += Eigen::Vector2d(box.x0, box.y0);
+  return found;
+}
+
 /// Root mean square distance of the inliers from their mean: features of one spot say nothing of
 /// the rest.
 double SpreadOf(const std::vector<Sighting>& sightings, const PointsX3& points) {
@@ -61,8 +97,7 @@ std::optional<FeatureCandidate> PlaceByFeatures(const SurfaceFeatures& features,
                                                 const PointsX3& points, const Image8& picture,
                                                 const Image8& matte, const Camera& camera,
                                                 const std::vector<double>& focal_factors) {
-  const std::vector<FeatureMatch> matches =
-      features.Match(FindFeatures(picture, matte, kMostFeatures));
+  const std::vector<FeatureMatch> matches = features.Match(FeaturesWithin(picture, matte));
   const double within = FeatureSearchTuning::kWithin * std::max(camera.width, camera.height);
   std::optional<FeatureCandidate> best;
   for (const double factor : focal_factors) {

@@ -15,11 +15,12 @@ namespace {
 // Chosen on the clay creature's seeds 1 to 4 (synth).
 struct EvidenceTuning {
   // Neighbouring residuals err alike: one independent residual for each length of outline [px] and
-  // each area of grey values [px^2].
+  // each area of grey values [px^2]. A baked texture may lie a pixel beside its place over whole
+  // limbs (docs/decisions/outlines-before-textures.md), so a good matte must outweigh it.
   KEYPOSE_TUNED(double, kOutlineCorrelation, 8);
-  KEYPOSE_TUNED(double, kGreyCorrelation, 12);
+  KEYPOSE_TUNED(double, kGreyCorrelation, 2000);
   KEYPOSE_TUNED(double, kEdgeWeight, 0.3);         // of inner edges over outlines
-  KEYPOSE_TUNED(double, kSightingDeviation, 1);    // px
+  KEYPOSE_TUNED(double, kSightingDeviation, 3);    // px, likewise
   KEYPOSE_TUNED(double, kLeastCorrelation, 0.25);  // of greys that are used
 };
 

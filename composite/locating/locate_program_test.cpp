@@ -1,0 +1,184 @@
+// The program keypose-locate on drawn pictures of a body.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/shot_io.h"
+#include "core/render.h"
+#include "core/rotations.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::composite {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 480, kHeight = 360;
+
+/// Four balls of different sizes, without any symmetry.
+Mesh Body() {
+  Mesh body;
+  const double balls[4][4] = {{0, 0, 0.1, 0.07},
+                              {0.09, 0.01, 0.13, 0.035},
+                              {0.02, -0.08, 0.05, 0.03},
+                              {-0.03, 0.03, 0.19, 0.028}};
+  for (const auto& b : balls) {
+    const Mesh ball = MakeIcosphere(3);
+    const auto vertices = body.points.rows(), faces = body.faces.rows();
+    body.points.conservativeResize(vertices + ball.points.rows(), 3);
+    body.points.bottomRows(ball.points.rows()) =
+        (b[3] * ball.points).rowwise() + Eigen::RowVector3d(b[0], b[1], b[2]);
+    body.faces.conservativeResize(faces + ball.faces.rows(), 3);
+    body.faces.bottomRows(ball.faces.rows()) = ball.faces.array() + static_cast<int>(vertices);
+  }
+  return body;
+}
+
+View Camera50() {
+  View view;
+  view.camera.width = kWidth, view.camera.height = kHeight;
+  view.camera.fx = view.camera.fy = 50.0 / 36 * kWidth;
+  view.camera.cx = kWidth / 2.0, view.camera.cy = kHeight / 2.0;
+  view.camera_from_world = LookAt({0.3, -0.45, 0.25}, {0.01, 0, 0.11});
+  return view;
+}
+
+class LocateProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = fs::path(testing::TempDir()) / "keypose_locate_program";
+    fs::remove_all(folder);
+    fs::create_directories(folder / "film");
+    fs::create_directories(folder / "mattes");
+    const Mesh body = Body();
+    WriteMesh(folder / "body.ply", body);
+    const View view = Camera50();
+    RenderOptions options;
+    options.plain = true;
+    const Image8 picture = Render(body, view, options);
+    const Image8 cutout = RenderCutout(body, RayScene(body.points, body.faces), view, options);
+    Image8 matte(kWidth, kHeight, 1);
+    for (std::size_t i = 0; i < matte.data.size(); ++i) matte.data[i] = cutout.data[4 * i + 3];
+    for (const char* name : {"0000.png", "0002.png"}) {
+      WriteImage(folder / "film" / name, picture);
+      WriteImage(folder / "mattes" / name, matte);
+    }
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  /// @return the exit code; `%` in the words stands for the folder
+  static int Run(std::string words) {
+    for (std::size_t at; (at = words.find('%')) != std::string::npos;)
+      words.replace(at, 1, folder.string());
+    fs::remove(folder / "shot.json");
+    const std::string f = folder.string();
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-locate " + words +
+                                " --shot " + f + "/shot.json --report " + f + "/report.json > " +
+                                f + "/log 2>&1";
+    return std::system(command.c_str()) >> 8;
+  }
+  static std::string Log() { return ReadFile(folder / "log"); }
+
+  static inline fs::path folder;
+};
+
+TEST_F(LocateProgram, WritesTheCameraOfAFilm) {
+  ASSERT_EQ(Run("--mesh %/body.ply --poses rest --plate %/film --matte %/mattes --focal_35mm 50 "
+                "--picture %/located.png --fps 12"),
+            0)
+      << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  ASSERT_EQ(shot.frames.size(), 2u);
+  EXPECT_EQ(shot.frames[1].frame, 2);
+  EXPECT_EQ(shot.frames[1].pose, "rest");
+  EXPECT_EQ(shot.focal, "given");
+  EXPECT_TRUE(shot.still);
+  const View truth = Camera50();
+  const Similarity3 found = CameraFromCharacter(shot.frames[0]);
+  const Eigen::Vector3d top(-0.03, 0.03, 0.218);
+  EXPECT_LT((shot.camera.Project(found * top) - truth.Project(top)).norm(), 1);
+  EXPECT_GT(shot.frames[0].iou.value(), 0.98);
+  EXPECT_LT(shot.frames[0].contour_px.value(), 0.5);
+  EXPECT_EQ(ReadImage(folder / "located.png").height, kHeight);
+  const auto report = nlohmann::json::parse(ReadFile(folder / "report.json"))["measurements"];
+  EXPECT_EQ(report["frames_located"], 2);
+  EXPECT_EQ(report["one_place"], true);
+  EXPECT_LT(report["jitter_px"], 0.05);
+}
+
+TEST_F(LocateProgram, AFocalLengthThatCannotBeSeenIsKeptAndSaidSo) {
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/mattes/0000.png"), 0) << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  EXPECT_TRUE(shot.focal == "kept" || shot.focal == "solved");
+  EXPECT_GT(shot.focal_uncertainty, 0);
+  if (shot.focal == "kept") {
+    EXPECT_THAT(Log(), HasSubstr("--focal_35mm"));
+  }
+  EXPECT_GT(shot.frames[0].iou.value(), 0.98);
+}
+
+TEST_F(LocateProgram, ClicksPlaceItWithoutMatte) {
+  const Mesh body = Body();
+  const View truth = Camera50();
+  nlohmann::json clicks{{"schema", 1}, {"clicks", nlohmann::json::array()}};
+  for (const int v : {10, 700, 1400, 2100, 2500}) {
+    const Eigen::Vector2d pixel = truth.Project(body.points.row(v).transpose());
+    clicks["clicks"].push_back({{"pixel", {pixel.x(), pixel.y()}}, {"vertex", v}});
+  }
+  WriteFile(folder / "clicks.json", clicks.dump());
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --focal_35mm 50 --clicks %/clicks.json"),
+            0)
+      << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  EXPECT_EQ(shot.frames[0].method, "clicks");
+  const Similarity3 found = CameraFromCharacter(shot.frames[0]);
+  const Eigen::Vector3d top(-0.03, 0.03, 0.218);
+  EXPECT_LT((shot.camera.Project(found * top) - truth.Project(top)).norm(), 2);
+  clicks["clicks"][2]["vertex"] = 99999;
+  WriteFile(folder / "clicks.json", clicks.dump());
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --clicks %/clicks.json"), 3);
+  EXPECT_THAT(Log(), HasSubstr("click 3 has vertex 99999"));
+}
+
+TEST_F(LocateProgram, AFrameWithoutTheCharacterIsRefused) {
+  WriteImage(folder / "none.png", Image8(kWidth, kHeight, 1));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/none.png"), 3);
+  EXPECT_THAT(Log(), HasSubstr("no character found in 0000.png: its matte is empty"));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --background %/film/0000.png"), 3);
+  // A bar is no view of the body.
+  Image8 bar(kWidth, kHeight, 1);
+  for (int y = 100; y < 120; ++y)
+    for (int x = 60; x < 420; ++x) *bar.at(x, y) = 255;
+  WriteImage(folder / "bar.png", bar);
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/bar.png --focal_35mm 50"), 3);
+  EXPECT_THAT(Log(), HasSubstr("IoU"));
+  EXPECT_FALSE(fs::exists(folder / "shot.json"));
+}
+
+TEST_F(LocateProgram, WrongSizesPosesAndPortsAreNamed) {
+  WriteImage(folder / "small.png", Image8(kWidth / 2, kHeight / 2, 1, 255));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/small.png"), 3);
+  EXPECT_THAT(Log(), HasSubstr("small.png has 240 x 180 pixels, but 0000.png has 480 x 360"));
+  fs::create_directories(folder / "mixed");
+  fs::copy_file(folder / "film/0000.png", folder / "mixed/0000.png",
+                fs::copy_options::overwrite_existing);
+  WriteImage(folder / "mixed/0001.png", Image8(kWidth / 2, kHeight / 2, 3, 255));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/mixed --matte %/mattes"), 3);
+  EXPECT_EQ(Run("--plate %/film/0000.png"), 2);
+  EXPECT_THAT(Log(), HasSubstr("--frames"));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --poses rest --shows 0=wave"),
+            2);
+  EXPECT_THAT(Log(), HasSubstr("pose 'wave'"));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --shows 7=0"), 3);
+  EXPECT_THAT(Log(), HasSubstr("frame 7"));
+}
+
+}  // namespace
+}  // namespace keypose::composite
