@@ -184,10 +184,9 @@ class Recorder {
 };
 
 int Record(const RecordFlags& flags) {
-  // The description is read before the folder is made: a slip in it leaves nothing behind.
-  const Armature armature = LoadArmature(flags.puppet.description);
-  RecordingSession session(armature, flags.session, flags.options);
+  // The port first: one that cannot be used leaves no session behind.
   Puppet puppet(flags.puppet);
+  RecordingSession session(puppet.armature(), flags.session, flags.options);
   Recorder recorder(flags, puppet, session);
   LineInput input(STDIN_FILENO);
   bool goes_on = true;

@@ -4,7 +4,7 @@
 // bits by themselves, and a 74HC154 that selects one of them. Analogue inputs (strain gauges with
 // amplifiers, potentiometers) go to A0 to A15. The wiring is in docs/armature-protocol.md.
 //
-// Not tried on a board yet: the protocol (keypose_box) is tested on the host, this file is not.
+// Not tried on a board yet: armature/firmware_sketch_test.cpp runs it on the host, with fake chips.
 #include <EEPROM.h>
 #include <SPI.h>
 
@@ -29,7 +29,7 @@ const uint8_t kWriteMode0 = 0x88, kWriteMode1 = 0x90, kWriteData = 0x98, kClearS
               kLoadCounter = 0xE0, kLatchCounter = 0xE8, kReadLatch = 0x68, kReadStatus = 0x70;
 const uint8_t kAllEdges = 0x03, kThreeBytes = 0x01, kPowerLost = 0x04;
 
-class Bench : public Sensors {
+class Bench final : public Sensors {
  public:
   void Begin() {
     for (uint8_t pin : kAddressPins) pinMode(pin, OUTPUT);
@@ -125,7 +125,7 @@ class Bench : public Sensors {
   uint8_t card_ = 0, encoder_card_ = 0, input_ = 0, analogue_ = 0;
 };
 
-class SerialLine : public Line {
+class SerialLine final : public Line {
  public:
   void Put(uint8_t byte) override { Serial.write(byte); }
 };
