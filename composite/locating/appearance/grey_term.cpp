@@ -173,6 +173,33 @@ double MedianSize(std::vector<double> values) {
   return *middle;
 }
 
+/// Differences and gradients of two normalised pictures, and their correlation.
+GreyMatches Compared(const Figure& figure, const Drawn& drawn, const std::vector<float>& a,
+                     const std::vector<float>& b, const std::vector<char>& valid) {
+  GreyMatches result;
+  std::vector<double> sizes;
+  double ab = 0, aa = 0, bb = 0;
+  for (int y = 1; y + 1 < drawn.height; ++y)
+    for (int x = 1; x + 1 < drawn.width; ++x) {
+      const int i = drawn.at(x, y), up = i - drawn.width, down = i + drawn.width;
+      if (!valid[i] || !valid[i - 1] || !valid[i + 1] || !valid[up] || !valid[down]) continue;
+      const double drawn_here = static_cast<double>(a[i]), filmed_here = static_cast<double>(b[i]);
+      ab += drawn_here * filmed_here, aa += drawn_here * drawn_here,
+          bb += filmed_here * filmed_here;
+      // The mean of both gradients: steps then converge quadratically (Benhimane & Malis 2004).
+      const Eigen::Vector2d gradient(
+          static_cast<double>(a[i + 1] - a[i - 1] + b[i + 1] - b[i - 1]) / 4,
+          static_cast<double>(a[down] - a[up] + b[down] - b[up]) / 4);
+      if (gradient.squaredNorm() < kLeastGradient * kLeastGradient) continue;
+      const double difference = drawn_here - filmed_here;
+      sizes.push_back(std::abs(difference));
+      result.matches.push_back({PlaceOn(figure, drawn, i), gradient, difference});
+    }
+  result.correlation = aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+  result.deviation = 1.4826 * MedianSize(sizes);
+  return result;
+}
+
 }  // namespace
 
 ImageF LumaOf(const Image8& picture) {
@@ -226,29 +253,7 @@ GreyMatches MatchGreys(const Figure& figure, const GreyTexture& texture, const I
   std::vector<char> valid;
   const std::vector<float> a = Normalised(drawn, drawn.grey, valid),
                            b = Normalised(drawn, filmed, valid);
-  GreyMatches result;
-  std::vector<double> sizes;
-  double ab = 0, aa = 0, bb = 0;
-  for (int y = 1; y + 1 < drawn.height; ++y)
-    for (int x = 1; x + 1 < drawn.width; ++x) {
-      const int i = drawn.at(x, y), left = i - 1, right = i + 1, up = i - drawn.width,
-                down = i + drawn.width;
-      if (!valid[i] || !valid[left] || !valid[right] || !valid[up] || !valid[down]) continue;
-      const double drawn_here = static_cast<double>(a[i]), filmed_here = static_cast<double>(b[i]);
-      ab += drawn_here * filmed_here, aa += drawn_here * drawn_here,
-          bb += filmed_here * filmed_here;
-      // The mean of both gradients: steps then converge quadratically (Benhimane & Malis 2004).
-      const Eigen::Vector2d gradient(
-          static_cast<double>(a[right] - a[left] + b[right] - b[left]) / 4,
-          static_cast<double>(a[down] - a[up] + b[down] - b[up]) / 4);
-      if (gradient.squaredNorm() < kLeastGradient * kLeastGradient) continue;
-      const double difference = drawn_here - filmed_here;
-      sizes.push_back(std::abs(difference));
-      result.matches.push_back({PlaceOn(figure, drawn, i), gradient, difference});
-    }
-  result.correlation = aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
-  result.deviation = 1.4826 * MedianSize(sizes);
-  return result;
+  return Compared(figure, drawn, a, b, valid);
 }
 
 }  // namespace keypose::composite

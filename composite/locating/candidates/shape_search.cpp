@@ -171,6 +171,54 @@ TurnedMatte TurnTowards(const Camera& camera, const Image8& matte) {
   return turned;
 }
 
+/// The steps of angle where products are greatest among their neighbours, the best few.
+std::vector<int> Peaks(const std::vector<double>& products) {
+  std::vector<int> peaks;
+  for (int s = 0; s < kAngles; ++s)
+    if (products[s] >= products[(s + 1) % kAngles] &&
+        products[s] > products[(s + kAngles - 1) % kAngles])
+      peaks.push_back(s);
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [&](int a, int b) { return products[a] > products[b]; });
+  if (SizeOf(peaks) > kPeaks) peaks.resize(kPeaks);
+  return peaks;
+}
+
+/// The place for which a drawing, turned by `roll` about its centroid, scaled and shifted, becomes
+/// the matte.
+/// @param drawn     camera from mesh of the drawing, which has `centroid` and `radius`
+Rigid3 PoseOf(const Rigid3& drawn, const Eigen::Vector3d& mesh_center,
+              const Eigen::Vector2d& centroid, double radius, double roll_rad,
+              const TurnedMatte& turned) {
+  const Eigen::Quaterniond roll(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
+  const Eigen::Vector3d center = drawn * mesh_center;
+  const Eigen::Vector2d aside = center.head<2>() - center.z() * centroid;
+  const Eigen::Vector3d rolled = roll * Eigen::Vector3d(aside.x(), aside.y(), 0);
+  const double depth = center.z() * radius / turned.moments.radius();
+  const Eigen::Vector2d across = rolled.head<2>() + depth * turned.moments.centroid;
+  Rigid3 pose{roll * drawn.rotation, Eigen::Vector3d::Zero()};
+  pose.translation = Eigen::Vector3d(across.x(), across.y(), depth) - pose.rotation * mesh_center;
+  return Compose({turned.turned_from_camera.conjugate(), Eigen::Vector3d::Zero()}, pose);
+}
+
+/// The best candidates that are kApart from better ones.
+std::vector<ShapeCandidate> BestApart(std::vector<ShapeCandidate> all, int most) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
+  const double apart = RotationDifference(Eigen::Quaterniond::Identity(),
+                                          QuaternionOf(Eigen::Vector3d(kApart, 0, 0)));
+  std::vector<ShapeCandidate> best;
+  for (const ShapeCandidate& candidate : all) {
+    if (SizeOf(best) >= most) break;
+    const bool known = std::any_of(best.begin(), best.end(), [&](const ShapeCandidate& other) {
+      return RotationDifference(candidate.camera_from_mesh.rotation,
+                                other.camera_from_mesh.rotation) < apart;
+    });
+    if (!known) best.push_back(candidate);
+  }
+  return best;
+}
+
 }  // namespace
 
 double AngularRadius(const Camera& camera, const Image8& matte) {
@@ -205,46 +253,15 @@ std::vector<ShapeCandidate> ShapeSearch::Find(const Camera& camera, const Image8
     const Drawing& drawing = drawings_[d];
     if (drawing.radius <= 0) return;
     const std::vector<double> products = Products(cells, drawing.cells);
-    for (int s = 0; s < kAngles; ++s) {
-      if (products[s] < products[(s + 1) % kAngles] ||
-          products[s] <= products[(s + kAngles - 1) % kAngles])
-        continue;
-      // The matte is the drawing turned by `s` steps about its centroid, scaled and shifted.
-      const Eigen::Quaterniond roll(
-          Eigen::AngleAxisd(2 * std::numbers::pi * s / kAngles, Eigen::Vector3d::UnitZ()));
-      const double scale = drawing.radius / turned.moments.radius();
-      const Eigen::Vector3d center = drawing.camera_from_mesh * figure_.center;
-      const Eigen::Vector3d seen =
-          roll * Eigen::Vector3d(center.x() - center.z() * drawing.centroid.x(),
-                                 center.y() - center.z() * drawing.centroid.y(), 0);
-      const double depth = center.z() * scale;
-      const Eigen::Vector3d place(seen.x() + depth * turned.moments.centroid.x(),
-                                  seen.y() + depth * turned.moments.centroid.y(), depth);
-      Rigid3 pose{roll * drawing.camera_from_mesh.rotation, {}};
-      pose.translation = place - pose.rotation * figure_.center;
-      pose = Compose({turned.turned_from_camera.conjugate(), Eigen::Vector3d::Zero()}, pose);
+    for (const int s : Peaks(products)) {
+      const Rigid3 pose = PoseOf(drawing.camera_from_mesh, figure_.center, drawing.centroid,
+                                 drawing.radius, 2 * std::numbers::pi * s / kAngles, turned);
       of_drawing[d].push_back({pose, products[s] / (squares + drawing.squares - products[s])});
     }
-    auto& list = of_drawing[d];
-    std::stable_sort(list.begin(), list.end(),
-                     [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
-    if (SizeOf(list) > kPeaks) list.resize(kPeaks);
   });
-  std::vector<ShapeCandidate> all, best;
+  std::vector<ShapeCandidate> all;
   for (const auto& list : of_drawing) all.insert(all.end(), list.begin(), list.end());
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
-  const double apart = RotationDifference(Eigen::Quaterniond::Identity(),
-                                          QuaternionOf(Eigen::Vector3d(kApart, 0, 0)));
-  for (const ShapeCandidate& candidate : all) {
-    if (SizeOf(best) >= most) break;
-    const bool known = std::any_of(best.begin(), best.end(), [&](const ShapeCandidate& other) {
-      return RotationDifference(candidate.camera_from_mesh.rotation,
-                                other.camera_from_mesh.rotation) < apart;
-    });
-    if (!known) best.push_back(candidate);
-  }
-  return best;
+  return BestApart(std::move(all), most);
 }
 
 }  // namespace keypose::composite
