@@ -365,6 +365,32 @@ TEST(LocateShot, ACharacterThatIsCarriedGetsAPlaceInEachFrame) {
   EXPECT_LT(ShiftBetween(shot.frames[1].at, carried, body.points), 1);
 }
 
+TEST(LocateShot, ClicksOnTheFirstFrameServeAllWithoutMattes) {
+  const Mesh body = OddBody();
+  const Figure figure(body.points, body.faces);
+  const Placement truth = LookingFrom(115, 10);
+  Placement carried = truth;
+  carried.camera_from_mesh.translation.x() += 0.003;
+  ShotInput input = InputFor(body, Covered(figure, truth));
+  LocateFrame second = input.frames[0];
+  second.picture = GreyPicture(Covered(figure, carried));
+  for (const int v : {10, 700, 1400, 2100, 2500}) {
+    SurfacePoint point;
+    point.vertices.setConstant(v);
+    input.frames[0].clicks.push_back({"click", truth.Project(body.points.row(v)), point});
+  }
+  input.frames.push_back(second);
+  for (LocateFrame& frame : input.frames) {
+    frame.matte = {};
+    for (std::size_t i = 0; i < frame.picture.data.size(); ++i)
+      frame.picture.data[i] = static_cast<std::uint8_t>(frame.picture.data[i] + 7 * i % 11);
+  }
+  const LocatedShot shot = LocateShot(input);
+  EXPECT_EQ(shot.frames[0].method, "clicks");
+  EXPECT_LT(ShiftBetween(shot.frames[0].at, truth, body.points), 1.5);
+  EXPECT_LT(ShiftBetween(shot.frames[1].at, carried, body.points), 1.5);
+}
+
 TEST(LocateShot, AVaseAsksForAClickAndTakesIt) {
   const Mesh vase = MakeCylinder(0.05, 0.2, 48, 12);
   const Placement truth = LookingFrom(25, 20);

@@ -27,7 +27,8 @@ constexpr double kMostUncertain = 0.1;     // of the focal length
 constexpr double kRollFree = 1e-4;         // ratio of eigenvalues
 constexpr double kReach = 6, kFine = 2.5;  // px
 constexpr int kLensFrames = 8;
-constexpr double kWithin = 0.006;  // of the longer side: how well features place outlines
+constexpr double kWithin = 0.006;    // of the longer side: how well features place outlines
+constexpr double kFarWithin = 0.03;  // likewise, the frame before
 
 class Locator {
  public:
@@ -95,6 +96,8 @@ class Locator {
     State state;
     state.frame = input_.frames[i];
     const PosedFigure& figure = FigureOf(i);
+    if (state.frame.matte.empty() && state.frame.clicks.empty() && !features_ && !states_.empty())
+      ColourMatte(state, figure, states_.back().at, kFarWithin);
     if (!Follow(state, figure)) {
       const Camera& camera = states_.empty() ? input_.camera : states_[0].at.camera;
       const bool known = focal_known() || !states_.empty();
@@ -111,9 +114,14 @@ class Locator {
     SetSightings(bare, state.found.sightings);
     SetClicks(bare, state.frame.clicks);
     state.at = Refined(figure.fine, bare, state.at, {kReach, kReach, 3, texture_.get()}, {});
-    const int within = std::max(
-        4, static_cast<int>(kWithin * std::max(input_.camera.width, input_.camera.height)));
-    state.frame.matte = MatteByColours(state.frame.picture, Covered(figure.fine, state.at), within);
+    ColourMatte(state, figure, state.at, kWithin);
+  }
+
+  /// @param share  of the picture's longer side that the drawn mesh may be off
+  void ColourMatte(State& state, const PosedFigure& figure, const Placement& at, double share) {
+    const double side = std::max(input_.camera.width, input_.camera.height);
+    const int within = std::max(4, static_cast<int>(share * side));
+    state.frame.matte = MatteByColours(state.frame.picture, Covered(figure.fine, at), within);
     state.frame.matte_deviation_px = ShotTuning::kColourMatte;
   }
 
