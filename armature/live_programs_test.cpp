@@ -90,7 +90,8 @@ TEST_F(LivePrograms, BakeHoldsFramesOnTwos) {
 
 TEST_F(LivePrograms, BakeGoesSmoothlyBetweenKeys) {
   WriteCurves(3, 1);
-  ASSERT_EQ(Run("bake" + Puppet() + " --curves " + Path("curves.json") + " --frames " +
+  ASSERT_EQ(Run("bake --description " + Path("t/theropod.txt") + " --chains " +
+                Path("t/theropod_chains.txt") + " --curves " + Path("curves.json") + " --frames " +
                 Path("frames") + " --between smooth --step 5 --fps 30"),
             0)
       << Err();

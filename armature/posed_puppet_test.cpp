@@ -150,6 +150,26 @@ TEST(PosedPuppet, MovingAPartGivesTheBitsOfMovingAll) {
   }
 }
 
+TEST(Skeleton, TheropodsOwnIsOneTreeThatFollowsToTheBit) {
+  PuppetParts parts = TheropodParts();
+  for (Chain& chain : parts.plan.chains) chain.computer.clear();
+  const std::vector<double> zero(parts.armature.joints.size(), 0);
+  parts.skeleton =
+      SkeletonOfArmature(parts.armature, parts.plan, ForwardKinematics(parts.armature, zero));
+  parts.world_from_armature = {};
+  int roots = 0;
+  for (const SkeletonJoint& joint : parts.skeleton.joints) roots += joint.parent < 0;
+  EXPECT_EQ(roots, 1);
+  PuppetMatcher matcher(parts.armature, parts.plan, parts.skeleton, {}, {});
+  const auto values = TheropodWalk(parts.armature, 0.4);
+  const SkeletonPose& pose = matcher.Update(values);
+  const auto frames = ForwardKinematics(parts.armature, values);
+  for (const Anchor& anchor : parts.plan.anchors) {
+    const Vector3d joint = pose.joints.row(parts.skeleton.Find(anchor.computer));
+    EXPECT_LT((joint - frames[anchor.node].translation).norm(), 1e-9) << anchor.name;
+  }
+}
+
 TEST(LeadingBones, GoOnAlongTheLongestRow) {
   const Skeleton skeleton = TheropodParts().skeleton;
   const auto leading = LeadingBones(skeleton);

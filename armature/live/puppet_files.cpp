@@ -60,6 +60,8 @@ void LoadSkeleton(const fs::path& path, const PuppetChoices& choices, PuppetPart
     return;
   }
   if (y_up) parts.world_from_armature.rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  // The chains' own places take the part of the joints that the file names.
+  for (Chain& chain : parts.plan.chains) chain.computer.clear();
   const std::vector<double> zero(parts.armature.joints.size(), 0);
   std::vector<Rigid3> frames = ForwardKinematics(parts.armature, zero);
   for (Rigid3& frame : frames) frame.translation = parts.world_from_armature * frame.translation;

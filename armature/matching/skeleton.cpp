@@ -61,12 +61,14 @@ class ChainJoints {
       : plan_(plan), frames_(frames), skeleton_(*skeleton) {}
 
   void Add(const Armature& armature, const Chain& chain) {
-    int at = JointOf(plan_.anchors[chain.from].computer, -1, chain.nodes.front());
+    const int first = chain.nodes.front();
+    int at = JointOf(plan_.anchors[chain.from].computer, JointAbove(armature, first), first);
     for (int n = 1; n + 1 < SizeOf(chain.nodes); ++n) {
       const int node = chain.nodes[n];
       if ((Place(node) - Place(chain.nodes.back())).norm() <= kSamePlace) break;
       if ((Place(node) - skeleton_.joints[at].rest).norm() > kSamePlace)
         at = JointOf(NameOf(armature, node), at, node);
+      joint_of_[node] = at;
     }
     JointOf(plan_.anchors[chain.to].computer, at, chain.nodes.back());
   }
@@ -81,13 +83,25 @@ class ChainJoints {
     return name.empty() ? "node" + std::to_string(node) : name;
   }
 
-  int JointOf(const std::string& name, int parent, int node) {
-    const int known = skeleton_.Find(name);
-    if (known >= 0) return known;
-    skeleton_.joints.push_back({name, parent, Place(node)});
-    return skeleton_.size() - 1;
+  /// The joint on which a chain hangs that begins at no other chain's end: that of the nearest node
+  /// above; -1: none.
+  int JointAbove(const Armature& armature, int node) const {
+    for (; node >= 0; node = armature.nodes[node].parent)
+      if (const auto known = joint_of_.find(node); known != joint_of_.end()) return known->second;
+    return -1;
   }
 
+  int JointOf(const std::string& name, int parent, int node) {
+    int joint = skeleton_.Find(name);
+    if (joint < 0) {
+      skeleton_.joints.push_back({name, parent, Place(node)});
+      joint = skeleton_.size() - 1;
+    }
+    joint_of_[node] = joint;
+    return joint;
+  }
+
+  std::map<int, int> joint_of_;  ///< of nodes that are part of the skeleton
   const ChainPlan& plan_;
   const std::vector<Rigid3>& frames_;
   Skeleton& skeleton_;

@@ -2,9 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "core/errors.h"
+#include "core/geometry.h"
 #include "core/size_of.h"
 #include "core/testing_shapes.h"
 
@@ -14,7 +15,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kBall = 0.16, kStick = 0.09, kThinnest = 0.35;  // of the middle bone's length
+// Radii, of the figure's diagonal, and of a bone's length where that is less.
+constexpr double kBall = 0.009, kStick = 0.0065, kBallOfBone = 0.45, kStickOfBone = 0.3;
+constexpr double kThinEnd = 0.5;  // of a stick's radius, at its tail
 
 class Builder {
  public:
@@ -48,44 +51,54 @@ class Builder {
   StickFigure figure_;
 };
 
-/// A six-sided spindle, thickest near its head, so that one sees which way a bone leads.
-PointsX3 Spindle(const SkinBone& bone, double radius, FacesX3* faces) {
+/// A six-sided stick, thickest near its head, so that one sees which way a bone leads.
+PointsX3 Stick(const SkinBone& bone, double radius, FacesX3* faces) {
   constexpr int kSides = 6;
   const Vector3d along = bone.tail - bone.head;
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along);
-  PointsX3 points(kSides + 2, 3);
-  faces->resize(2 * kSides, 3);
-  points.row(kSides) = bone.head;
-  points.row(kSides + 1) = bone.tail;
+  PointsX3 points(2 * kSides + 2, 3);
+  faces->resize(4 * kSides, 3);
+  const int head = 2 * kSides, tail = head + 1;
+  points.row(head) = bone.head;
+  points.row(tail) = bone.tail;
   for (int s = 0; s < kSides; ++s) {
     const double angle = 2 * EIGEN_PI * s / kSides;
-    points.row(s) = bone.head + 0.2 * along +
-                    turn * Vector3d(radius * std::cos(angle), radius * std::sin(angle), 0);
-    faces->row(2 * s) << s, (s + 1) % kSides, kSides + 1;
-    faces->row(2 * s + 1) << (s + 1) % kSides, s, kSides;
+    const Vector3d out = turn * Vector3d(radius * std::cos(angle), radius * std::sin(angle), 0);
+    points.row(s) = bone.head + 0.2 * along + out;
+    points.row(kSides + s) = bone.head + 0.95 * along + kThinEnd * out;
+    const int next = (s + 1) % kSides;
+    faces->row(4 * s) << next, s, head;
+    faces->row(4 * s + 1) << s, next, kSides + next;
+    faces->row(4 * s + 2) << s, kSides + next, kSides + s;
+    faces->row(4 * s + 3) << kSides + s, kSides + next, tail;
   }
   return points;
+}
+
+double DiagonalOf(const std::vector<SkinBone>& bones) {
+  PointsX3 ends(2 * SizeOf(bones), 3);
+  for (int b = 0; b < SizeOf(bones); ++b) {
+    ends.row(2 * b) = bones[b].head;
+    ends.row(2 * b + 1) = bones[b].tail;
+  }
+  return BoundingDiagonal(ends);
 }
 
 }  // namespace
 
 StickFigure MakeStickFigure(const std::vector<SkinBone>& bones) {
-  std::vector<double> lengths;
-  for (const SkinBone& bone : bones)
-    if ((bone.tail - bone.head).norm() > 0) lengths.push_back((bone.tail - bone.head).norm());
-  if (lengths.empty()) throw InputError("armature: no bone of the skeleton has a length");
-  std::nth_element(lengths.begin(), lengths.begin() + SizeOf(lengths) / 2, lengths.end());
-  const double middle = lengths[lengths.size() / 2];
+  const double diagonal = DiagonalOf(bones);
+  if (!(diagonal > 0)) throw InputError("armature: no bone of the skeleton has a length");
   const Mesh ball = MakeIcosphere(1);
   Builder builder;
   for (int b = 0; b < SizeOf(bones); ++b) {
     const double length = (bones[b].tail - bones[b].head).norm();
     if (!(length > 0)) continue;
-    const double size = std::clamp(length, kThinnest * middle, middle);
     FacesX3 faces;
-    const PointsX3 stick = Spindle(bones[b], kStick * size, &faces);
+    const PointsX3 stick =
+        Stick(bones[b], std::min(kStick * diagonal, kStickOfBone * length), &faces);
     builder.Add(stick, faces, b, {226, 204, 160});
-    const double radius = kBall * size * 0.6;
+    const double radius = std::min(kBall * diagonal, kBallOfBone * length);
     PointsX3 points = radius * ball.points;
     points.rowwise() += bones[b].tail.transpose();
     builder.Add(points, ball.faces, b, {150, 70, 52});
