@@ -304,6 +304,13 @@ TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
   EXPECT_EQ(run.code, 0) << run.text;
   EXPECT_EQ(ReadFile(root_ / "dance/out/walk/text.txt"), "WALKING\n");
   EXPECT_EQ(Snapshot(root_ / "films"), before);
+  EXPECT_THAT(yaml, Not(HasSubstr("video3d")));
+  const Ended painted = Keypose({"init", (root_ / "painted").string(), "--kind", "performance",
+                                 "--shot", "walk=" + films.string(), "--video3d"});
+  ASSERT_EQ(painted.code, 0) << painted.text;
+  const std::string with = ReadFile(root_ / "painted/pipeline.yaml");
+  EXPECT_THAT(with, HasSubstr("video3d: {enabled: true}"));
+  EXPECT_THAT(with, HasSubstr("transfer: {options: {space: template}}"));
 }
 
 TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
