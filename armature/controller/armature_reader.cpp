@@ -20,6 +20,8 @@ std::string AdviceFor(int error, const std::string& device) {
   if (error == EACCES)
     return "type `sudo usermod -aG dialout $USER`, log out and in again, and start once more";
   if (error == EBUSY) return "end the other program that uses " + device;
+  if (error == ENOTTY)
+    return "it is no serial port; name the controller's as --port; " + KnownPorts();
   return "plug in the controller's cable, and give its name as --port; " + KnownPorts();
 }
 
