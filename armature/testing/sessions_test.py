@@ -6,9 +6,9 @@
 BIN is the folder of the programs. Needs only Python.
 """
 import json
-import os
 import pathlib
 import queue
+import shutil
 import signal
 import subprocess
 import sys
@@ -103,6 +103,15 @@ def run(*arguments, typed=''):
 
 
 class Sessions(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.example = tempfile.TemporaryDirectory()
+        assert run('example', '--folder', cls.example.name)[0] == 0
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.example.cleanup()
+
     def setUp(self):
         self.scratch = tempfile.TemporaryDirectory()
         self.talkers = []
@@ -122,7 +131,8 @@ class Sessions(unittest.TestCase):
 
     def folder(self, name):
         folder = pathlib.Path(self.scratch.name) / name
-        self.assertEqual(run('example', '--folder', folder)[0], 0)
+        folder.mkdir()
+        shutil.copy(pathlib.Path(self.example.name) / 'theropod.txt', folder)
         return folder
 
     def calibrate(self, folder, puppet, *more):
