@@ -11,6 +11,7 @@ namespace keypose::composite {
 namespace {
 
 constexpr double kDamping = 1e-4, kLongestTurn = 0.25;  // rad
+constexpr double kLongestLensStep = 0.05;               // of the logarithm, and of k1
 
 double ReachOf(const RefineStep& step, int round) {
   if (step.rounds < 2) return step.last_reach_px;
@@ -128,14 +129,18 @@ void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, cons
       h += parts.back().h, g += parts.back().g;
     }
     const Eigen::Vector2d lens_step = LensStep(h, g, lens);
+    std::vector<Step> moves(frames.size());
+    double factor = std::min(1.0, kLongestLensStep / std::max(lens_step.norm(), 1e-300));
     for (int i = 0; i < SizeOf(frames); ++i) {
-      Step move;
-      move << parts[i].place - parts[i].place_by_lens * lens_step, lens_step;
+      moves[i] << parts[i].place - parts[i].place_by_lens * lens_step, lens_step;
+      factor = std::min(factor, kLongestTurn / std::max(moves[i].head<6>().norm(), 1e-300));
+    }
+    // One factor for all, or the frames would end with different lenses.
+    for (int i = 0; i < SizeOf(frames); ++i) {
       const double start = equations[i].at().camera.fx;
-      frames[i].at = AtWholeSize(frames[i].at, equations[i].Moved(Limited(move)), start);
+      frames[i].at = AtWholeSize(frames[i].at, equations[i].Moved(factor * moves[i]), start);
     }
   }
-  // A step that was limited moved its lens less.
   for (SharedFrame& frame : frames) frame.at.camera = frames[0].at.camera;
 }
 
