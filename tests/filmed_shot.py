@@ -21,7 +21,7 @@ def arguments():
     parser.add_argument("--bin", default="build/release/bin", help="folder of the programs")
     parser.add_argument("--out", default="filmed_shot", help="working folder; files of an earlier run are removed")
     parser.add_argument("--width", type=int, default=960, help="of the film [px]")
-    parser.add_argument("--views", type=int, default=24, help="photographs of the template")
+    parser.add_argument("--views", type=int, default=32, help="photographs of the template")
     parser.add_argument("--few", type=int, default=8, help="photographs of each other pose")
     parser.add_argument("--seed", type=int, default=1, help="character")
     parser.add_argument("--plate", action="store_true", help="give the clean plate instead of making it from the film")
@@ -48,7 +48,7 @@ class Shot:
     def film(self):
         few = ",".join(f"{pose}={self.args.few}" for pose in ("wave", "bow"))
         self.run("keypose-synth", "shot", "--output", self.world, "--shows", SHOWS, "--width", str(self.args.width),
-                 "--views", str(self.args.views), "--photo-width", "800", "--few", few, "--charuco", "--clean-plate",
+                 "--views", str(self.args.views), "--photo-width", "900", "--few", few, "--clean-plate",
                  "--seed", str(self.args.seed))
 
     def make(self):

@@ -21,6 +21,7 @@ ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLes
   const int moments = options.shutter_deg > 0 ? kShutterMoments : 1;
   // So many rays altogether as without blur, but four a pixel at least in each moment.
   const int along = moments > 1 ? std::max(2, options.along / 2) : options.along;
+  const Ground table = geometry.Table();
   ImageF mean(view.camera.width, view.camera.height, 4);
   for (int i = 0; i < moments; ++i) {
     const double open = options.shutter_deg / 360 * ((i + 0.5) / moments - 0.5);
@@ -28,7 +29,7 @@ ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLes
     const RayScene scene(points, looks.faces);
     const PointsX3 gains =
         GainsAt(geometry, lessons, time + open, VertexNormals(points, looks.faces));
-    const ImageF layer = RenderLayer(character, points, scene, gains, view, rays, along);
+    const ImageF layer = RenderLayer(character, points, scene, gains, view, rays, along, &table);
     for (std::size_t k = 0; k < mean.data.size(); ++k)
       mean.data[k] += layer.data[k] / static_cast<float>(moments);
   }

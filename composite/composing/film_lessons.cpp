@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 constexpr int kMostFrames = 24;  // of the film that are looked at
 constexpr int kMostShadowFrames = 3, kShadowSamples = 900;
 constexpr double kLeastExplained = 0.1;  // of the lost light; less is no shadow
-constexpr double kMargin = 0.008;  // of the picture's width: how far from the character it counts
+constexpr double kMargin = 0.012;  // of the picture's width: how far from the character it counts
 constexpr double kCompareBlur = 0.0025;  // of the picture's width
 
 /// One of the frames that are looked at.
@@ -80,6 +80,7 @@ class Lesson {
         looks_(looks),
         film_(film),
         view_(geometry.view()),
+        table_(geometry.Table()),
         rays_(view_.camera),
         along_(along),
         progress_(progress) {}
@@ -111,7 +112,7 @@ class Lesson {
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
       look.layer = RenderLayer(looks_.At(picture->animation), look.points, *look.scene, {}, view_,
-                               rays_, picture->anchor >= 0 ? std::min(along_, 3) : 1);
+                               rays_, picture->anchor >= 0 ? std::min(along_, 3) : 1, &table_);
       look.away = AwayMask(look.layer, film_.holdout, picture->anchor >= 0 ? margin : 2 * margin);
       seen = seen ||
              std::find(look.away.data.begin(), look.away.data.end(), 255) != look.away.data.end();
@@ -131,12 +132,13 @@ class Lesson {
 
   void LearnPlate() {
     ReportProgress(progress_, 0.5, "clean plate");
-    ImageF given = LinearOf(film_.given_plate);
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+    given_ = LinearOf(film_.given_plate);
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     if (looked_.empty()) return;
     for (Looked& look : looked_) Normalise(&look);
-    if (!given.empty()) given = Scaled(given, ExposureOf(lessons_.plate.light, given, {}));
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+    if (!given_.empty())
+      given_ = Scaled(std::move(given_), ExposureOf(lessons_.plate.light, given_, {}));
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
   }
 
   static ImageF Scaled(ImageF image, const Vector3d& factors) {
@@ -152,7 +154,7 @@ class Lesson {
 
   /// Then the plate has that frame's shadow, and nothing can be learnt from comparing the two.
   bool OnlyOneFrameShows(int x, int y) const {
-    return film_.given_plate.empty() && *lessons_.plate.grain_lacking.at(x, y) < 0.01f;
+    return given_.empty() && *lessons_.plate.grain_lacking.at(x, y) < 0.01f;
   }
 
   /// Places of the table around the character, and what they lost of the plate's light.
@@ -161,6 +163,7 @@ class Lesson {
     const Rigid3 world_from_camera = view_.camera_from_world.Inverse();
     const double height = (world_from_camera.translation - table.origin).dot(table.up);
     std::vector<std::pair<Vector3d, double>> all;
+    const ImageF& empty_set = given_.empty() ? lessons_.plate.light : given_;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
         if (*look.away.at(x, y) > 127 || OnlyOneFrameShows(x, y)) continue;
@@ -173,7 +176,7 @@ class Lesson {
         for (int j = -1; j <= 1; ++j)
           for (int i = -1; i <= 1; ++i)
             for (int c = 0; c < 3; ++c) {
-              plate += lessons_.plate.light.at(x + i, y + j)[c];
+              plate += empty_set.at(x + i, y + j)[c];
               light += look.light.at(x + i, y + j)[c];
             }
         if (plate > 0.2) all.emplace_back(place, 1 - light / plate);
@@ -185,15 +188,14 @@ class Lesson {
   }
 
   void LearnShadow() {
-    const Ground table = geometry_.Table();
     // A second round undoes the shadow in the frames that the plate is made from.
-    for (int round = 0; round < (film_.given_plate.empty() ? 2 : 1); ++round) {
+    for (int round = 0; round < (given_.empty() ? 2 : 1); ++round) {
       ReportProgress(progress_, 0.6 + 0.1 * round, "shadow");
       std::vector<ShadowSamples> samples;
       for (const Looked& look : looked_)
         if (look.picture->anchor >= 0 && SizeOf(samples) < kMostShadowFrames)
-          samples.push_back(SamplesOf(look, table));
-      lessons_.shadow = FitShadow(samples, table);
+          samples.push_back(SamplesOf(look, table_));
+      lessons_.shadow = FitShadow(samples, table_);
       if (lessons_.shadow.explained < kLeastExplained) {
         lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
         if (!samples.empty())
@@ -201,9 +203,8 @@ class Lesson {
               "no shadow on the table was found in the filmed frames, so in-betweens have none");
         return;
       }
-      for (Looked& look : looked_) look.kept = KeptOf(look, table);
-      const ImageF given = film_.given_plate.empty() ? ImageF() : lessons_.plate.light;
-      lessons_.plate = MakeCleanPlate(PlateFrames(), given);
+      for (Looked& look : looked_) look.kept = KeptOf(look, table_);
+      lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     }
   }
 
@@ -253,8 +254,8 @@ class Lesson {
     const int frame = look->picture->animation;
     const PointsX3 gains =
         GainsAt(geometry_, lessons_, frame, VertexNormals(look->points, looks_.faces));
-    const ImageF layer =
-        RenderLayer(looks_.At(frame), look->points, *look->scene, gains, view_, rays_, along_);
+    const ImageF layer = RenderLayer(looks_.At(frame), look->points, *look->scene, gains, view_,
+                                     rays_, along_, &table_);
     double least = std::numeric_limits<double>::infinity();
     for (const double sigma : {0.0, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.7}) {
       const double error = ErrorOf(*look, Blurred(layer, sigma));
@@ -290,9 +291,11 @@ class Lesson {
   const Looks& looks_;
   const Film& film_;
   View view_;
+  Ground table_;
   PixelRays rays_;
   int along_;
   Progress* progress_;
+  ImageF given_;  // the given plate, in the exposure of the one that is made
   std::vector<Looked> looked_;
   FilmLessons lessons_;
 };

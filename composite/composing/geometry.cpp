@@ -8,6 +8,13 @@
 #include "core/size_of.h"
 
 namespace keypose::composite {
+namespace {
+
+/// A reconstructed pose stands on z = 0. Where its lowest vertex is this near (of its height), that
+/// is the table, and not what cleaning has left or taken of its soles.
+constexpr double kStandsOnZero = 0.05;
+
+}  // namespace
 
 ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
                            const std::vector<Mesh>& frames, const AnimationTimes& times)
@@ -85,6 +92,8 @@ Ground ShotGeometry::Table() const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Anchor& anchor : anchors_)
     lowest = std::min(lowest, frames_[anchor.animation].points.col(2).minCoeff());
+  const auto heights = frames_[anchors_.front().animation].points.col(2);
+  if (std::abs(lowest) < kStandsOnZero * (heights.maxCoeff() - heights.minCoeff())) lowest = 0;
   Eigen::Vector3d up = Eigen::Vector3d::Zero(), low = Eigen::Vector3d::Constant(1e300), high = -low;
   double height = 0;
   for (const Anchor& anchor : anchors_) up += PlaceOf(anchor).rotation.col(2);

@@ -35,7 +35,7 @@ class ShotGeometry {
   /// Vertices in world. Between two frames they go straight.
   /// @param animation_frame  clamped to the animation
   PointsX3 Points(double animation_frame) const;
-  /// The table: the plane below the character's lowest point, with the character's own up.
+  /// The table: z = 0 of the character, or the plane of its lowest point where that is elsewhere.
   Ground Table() const;
 
  private:

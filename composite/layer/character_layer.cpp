@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 
@@ -50,11 +51,19 @@ PixelRays::PixelRays(const Camera& camera)
 }
 
 ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
-                   const PointsX3& gains, const View& view, const PixelRays& rays, int along) {
+                   const PointsX3& gains, const View& view, const PixelRays& rays, int along,
+                   const Ground* table) {
   ImageF layer(view.camera.width, view.camera.height, 4);
   const PixelBox box = ProjectedBounds(points, view);
   const Rigid3 world_from_camera = view.camera_from_world.Inverse();
   const Eigen::Matrix3d turn = world_from_camera.rotation.toRotationMatrix();
+  const Vector3d& eye = world_from_camera.translation;
+  const double height = table ? (eye - table->origin).dot(table->up) : 0;
+  // Distance at which a ray from above reaches the table; beyond any hit where it does not.
+  const auto to_table = [&](const Vector3d& ray) {
+    const double down = table ? -ray.dot(table->up) : 0;
+    return height > 0 && down > 0 ? height / down : std::numeric_limits<double>::infinity();
+  };
   const auto row = [&](std::int64_t line) {
     const int y = static_cast<int>(line);
     for (int x = box.x0; x < box.x1; ++x) {
@@ -63,7 +72,7 @@ ImageF RenderLayer(const Character& character, const PointsX3& points, const Ray
       for (int i = 0; i < along * along; ++i) {
         const Vector3d ray =
             turn * rays.At(x, y, (i % along + 0.5) / along, (i / along + 0.5) / along);
-        const RayScene::Hit hit = scene.Cast(world_from_camera.translation, ray);
+        const RayScene::Hit hit = scene.Cast(eye, ray, 0, to_table(ray));
         if (hit.face >= 0) sum += LightAt(character, gains, hit), ++hits;
       }
       float* pixel = layer.at(x, y);

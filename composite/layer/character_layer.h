@@ -9,6 +9,7 @@
 #include "core/mesh.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "views/film/ground_shadow.h"
 
 namespace keypose::composite {
 
@@ -43,9 +44,11 @@ class PixelRays {
 ///
 /// @param points  V x 3 in world
 /// @param gains   V x 3, factors on the texture's light; empty: all 1
+/// @param table   what lies below it is hidden by it, seen from above; null: nothing is hidden
 /// @param along   rays along each side of a pixel, at least 1
 /// Same bits for any thread count.
 ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
-                   const PointsX3& gains, const View& view, const PixelRays& rays, int along);
+                   const PointsX3& gains, const View& view, const PixelRays& rays, int along,
+                   const Ground* table = nullptr);
 
 }  // namespace keypose::composite

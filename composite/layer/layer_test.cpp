@@ -56,6 +56,20 @@ TEST(CharacterLayer, EdgesLieWhereTheDistortedCameraHasThem) {
   EXPECT_NEAR(170 - covered, middle.x(), 0.1);
 }
 
+TEST(CharacterLayer, TheTableHidesWhatLiesBelowIt) {
+  // The camera looks along z with y down; the table is the plane y = 0.2, seen from above.
+  const View view{"", {40, 30, 50, 50, 20, 15}, {}};
+  PointsX3 points;
+  const Character square = Square(&points, 10, 5, 30, 29, view.camera, 2);
+  Ground table;
+  table.up = {0, -1, 0}, table.origin = {0, 0.2, 2};
+  const RayScene scene(points, square.faces);
+  const ImageF layer =
+      RenderLayer(square, points, scene, {}, view, PixelRays(view.camera), 4, &table);
+  EXPECT_EQ(layer.at(20, 18)[3], 1) << "y is 0.2 at row 20";
+  EXPECT_EQ(layer.at(20, 21)[3], 0);
+}
+
 TEST(CharacterLayer, GainsMultiplyTheTexturesLight) {
   const View view{"", {40, 30, 50, 50, 20, 15}, {}};
   PointsX3 points;

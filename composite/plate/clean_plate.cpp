@@ -16,7 +16,10 @@ namespace {
 constexpr double kGrainLevels = 8;   // stored levels that grain may differ by
 constexpr double kUpper = 0.8;       // quantile of the brightest frames
 constexpr float kShadowBand = 0.1f;  // frames whose shadow is as weak as the weakest, and this much
-constexpr double kPaintRadius = 5;   // [px]
+// A darker shadow says little of what lies in it, and the less certain its depth, the more of that
+// is multiplied.
+constexpr float kLeastKept = 0.45f;
+constexpr double kPaintRadius = 5;  // [px]
 
 double LevelOf(double light) { return 255 * SrgbFromLinear(std::clamp(light, 0.0, 1.0)); }
 double LightOf(double level) { return LinearFromSrgb(level / 255); }
@@ -42,7 +45,7 @@ std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int 
       most = std::max(most, frame.kept.empty() ? 1.0f : *frame.kept.at(x, y));
   for (const PlateFrame& frame : frames) {
     const float kept = frame.kept.empty() ? 1.0f : *frame.kept.at(x, y);
-    if (*frame.away.at(x, y) > 127 || kept < most - kShadowBand || kept <= 0.05f) continue;
+    if (*frame.away.at(x, y) > 127 || kept < most - kShadowBand || kept < kLeastKept) continue;
     Sample sample{};
     for (int c = 0; c < 3; ++c) {
       sample.level[c] = LevelOf(frame.light.at(x, y)[c] / kept);
