@@ -12,6 +12,7 @@
 #include "capture/segmentation/masking.h"
 #include "capture/testing/test_images.h"
 #include "core/errors.h"
+#include "core/exif_focal.h"
 #include "core/parallel.h"
 
 namespace keypose::capture {

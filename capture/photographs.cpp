@@ -8,6 +8,7 @@
 #include "capture/photographs.h"
 #include "capture/shoot/develop/photograph.h"
 #include "core/errors.h"
+#include "core/exif_focal.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/photograph_files.h"

@@ -12,6 +12,7 @@
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/shrunk.h"
 #include "core/errors.h"
+#include "core/exif_focal.h"
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kUsualFocal35mm = 50, kExifDeviation = 0.03;
+constexpr double kSensorDeviation = 0.06;  // where the sensor is a guess
 
 std::vector<std::string> SplitByCommas(const std::string& text) {
   std::vector<std::string> parts;
@@ -191,12 +193,12 @@ void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs:
   if (options.focal_35mm > 0) {
     focal_35mm = options.focal_35mm;
     input.shot.focal_fixed = true;
-  } else if (info.focal_35mm.value_or(0) > 0) {
-    focal_35mm = *info.focal_35mm;
-    input.shot.focal_deviation = kExifDeviation;
-  } else if (info.focal_mm && info.sensor_width_mm) {
-    focal_35mm = *info.focal_mm / *info.sensor_width_mm * 36;
-    input.shot.focal_deviation = kExifDeviation;
+  } else if (const double focal_px =
+                 FocalPx(info.width, info.height, info.focal_35mm.value_or(0),
+                         info.focal_mm.value_or(0), info.sensor_width_mm.value_or(0));
+             focal_px > 0) {
+    focal_35mm = focal_px * 36 / longer;
+    input.shot.focal_deviation = info.focal_35mm ? kExifDeviation : kSensorDeviation;
   }
   camera.fx = camera.fy = focal_35mm / 36 * longer;
   input.scale = std::min(1.0, options.max_size / longer);

@@ -24,21 +24,6 @@ std::vector<double> KnownFocals(const std::vector<Photograph>& photographs) {
 
 }  // namespace
 
-double FocalPx(int width, int height, double focal_35mm, double focal_mm, double sensor_width_mm) {
-  const double longer = std::max(width, height);
-  if (focal_35mm > 0) return focal_35mm / 36 * longer;
-  if (focal_mm <= 0) return 0;
-  // The sensor's width comes from its pixel pitch. Programs that reduce a photograph drop the pitch
-  // or keep it; if they keep it, the sensor seems small and its pixels large, a combination that no
-  // camera has. Small pixels or a very short lens indicate a phone; else the camera most likely has
-  // an APS-C sensor.
-  const double pitch_um = 1000 * sensor_width_mm / longer;
-  const bool trusted = sensor_width_mm > 0 && !(sensor_width_mm < 16 && pitch_um > 3.6);
-  if (!trusted && focal_mm < 10) return 0;
-  const double width_mm = trusted ? sensor_width_mm : 23.0;
-  return focal_mm / width_mm * longer;
-}
-
 std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs) {
   std::map<std::pair<int, int>, std::vector<std::string>> by_size;
   for (const Photograph& p : photographs) by_size[{p.width, p.height}].push_back(p.name);

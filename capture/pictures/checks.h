@@ -19,12 +19,6 @@ struct Photograph {
   std::string camera_model;
 };
 
-/// Focal length in pixels of an image `width` x `height`, from EXIF values that are 0 when absent;
-/// 0 if unknown. The 35 mm equivalent refers to the longer side (36 mm). If the sensor's width is
-/// missing, or must come from a reduced photograph, 23 mm is assumed for lenses of 10 mm and
-/// longer: an initial value for sfm, which refines it.
-double FocalPx(int width, int height, double focal_35mm, double focal_mm, double sensor_width_mm);
-
 /// Which photographs must be turned by 90 degrees so that all have one size; empty if none.
 /// @throws InputError  two sizes that differ by more than a turn; names photographs of each
 std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
