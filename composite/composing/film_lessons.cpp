@@ -22,6 +22,8 @@ using Eigen::Vector3d;
 constexpr int kMostFrames = 24;  // of the film that are looked at
 constexpr int kMostShadowFrames = 3, kShadowSamples = 900;
 constexpr double kLeastExplained = 0.1;  // of the lost light; less is no shadow
+constexpr int kShadowRounds = 6;
+constexpr double kTrace = 0.02;    // explained in an early round: enough to look on
 constexpr double kMargin = 0.012;  // of the picture's width: how far from the character it counts
 constexpr double kCompareBlur = 0.0025;  // of the picture's width
 
@@ -188,24 +190,30 @@ class Lesson {
   }
 
   void LearnShadow() {
-    // A second round undoes the shadow in the frames that the plate is made from.
-    for (int round = 0; round < (given_.empty() ? 2 : 1); ++round) {
-      ReportProgress(progress_, 0.6 + 0.1 * round, "shadow");
+    // A plate that is made from the film has some of the shadow in it, which hides how dark it is:
+    // each round takes out of the frames what is known, and finds more.
+    const int rounds = given_.empty() ? kShadowRounds : 1;
+    for (int round = 0; round < rounds; ++round) {
+      ReportProgress(progress_, 0.6 + 0.2 * round / rounds, "shadow");
       std::vector<ShadowSamples> samples;
       for (const Looked& look : looked_)
         if (look.picture->anchor >= 0 && SizeOf(samples) < kMostShadowFrames)
           samples.push_back(SamplesOf(look, table_));
       lessons_.shadow = FitShadow(samples, table_);
-      if (lessons_.shadow.explained < kLeastExplained) {
-        lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
-        if (!samples.empty())
-          lessons_.notes.push_back(
-              "no shadow on the table was found in the filmed frames, so in-betweens have none");
-        return;
-      }
+      if (lessons_.shadow.explained < (round + 1 < rounds ? kTrace : kLeastExplained))
+        return ForgetShadow(!samples.empty());
       for (Looked& look : looked_) look.kept = KeptOf(look, table_);
       lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     }
+  }
+
+  void ForgetShadow(bool looked_for) {
+    lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
+    for (Looked& look : looked_) look.kept = {};
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    if (looked_for)
+      lessons_.notes.push_back(
+          "no shadow on the table was found in the filmed frames, so in-betweens have none");
   }
 
   ImageF KeptOf(const Looked& look, const Ground& table) const {
