@@ -104,6 +104,7 @@ class GraphBuilder {
       SetResults(*rule_of_[i], &graph_.steps[i]);
       SetShown(*rule_of_[i], &graph_.steps[i]);
     }
+    CheckUnusedOptions();
     SortByNeeds();
     CheckResults();
     CheckOverrides();
@@ -169,11 +170,13 @@ class GraphBuilder {
   void LoadStages() {
     std::vector<fs::path> programs;
     for (const StepRule& rule : file_.steps) {
-      if (rule.enabled && MayExist(rule))
+      if (rule.enabled && (MayExist(rule) || IsGivenOptions(rule)))
         programs.push_back(program_of_[rule.name] = ProgramOf(rule, places_, disk_));
     }
     catalog_.Load(programs);
   }
+
+  bool IsGivenOptions(const StepRule& rule) const { return file_.options.count(rule.name) > 0; }
 
   /// Whether the project gives what the step exists for, at least for some pose or shot.
   bool MayExist(const StepRule& rule) const {
@@ -266,6 +269,20 @@ class GraphBuilder {
       step->options[name] = CanonicalOption(OptionOf(*step->info, name), OptionText(text));
     } catch (const UsageError& error) {
       Fail(where, fmt::format("step '{}': {}", step->rule, error.what()));
+    }
+  }
+
+  /// Options of steps that this project has no instance of are checked too: who gives them expects
+  /// an answer now, not on the day when a pose of few photographs or a film is added.
+  void CheckUnusedOptions() const {
+    const std::set<const StepRule*> used(rule_of_.begin(), rule_of_.end());
+    for (const StepRule& rule : file_.steps) {
+      if (!rule.enabled || used.count(&rule) || !IsGivenOptions(rule)) continue;
+      Step step;
+      step.rule = rule.name;
+      step.info = &catalog_.Get(program_of_.at(rule.name));
+      for (const auto& [name, value] : file_.options.at(rule.name).options)
+        SetOption(&step, name, value.text, value.where);
     }
   }
 

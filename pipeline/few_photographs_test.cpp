@@ -126,6 +126,16 @@ TEST(FewPhotographs, UntilOnlyAndExplainKnowTheStep) {
   EXPECT_EQ(house.Run(only).ran, Names{"bend/wave"});
 }
 
+TEST(FewPhotographs, OptionsOfAStepThatNoPoseHasYetAreChecked) {
+  FewHouse house;
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depht: 4}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }),
+              AllOf(HasSubstr("pipeline.yaml:2"), HasSubstr("step 'bend'"),
+                    HasSubstr("no option 'depht'"), HasSubstr("'depth'")));
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depth: no}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }), HasSubstr("'depth' is 'no'"));
+}
+
 TEST(FewPhotographs, OptionsMayBeForOneMethodOnly) {
   FewHouse house;
   const std::string shoot = "  shoot: {stage: shoot, for: pose, inputs: {photos: $photos}";

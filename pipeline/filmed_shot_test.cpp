@@ -63,6 +63,13 @@ TEST(FilmedShot, StepsExistOnlyWithAFilm) {
   EXPECT_THAT(set.Run().ran, IsEmpty());
 }
 
+TEST(FilmedShot, OptionsForTheFilmAreCheckedBeforeThereIsOne) {
+  Set set;
+  set.WriteProject(std::string(kPoses) + "options: {locate: {nothing: 4}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { set.Look(); }),
+              ::testing::AllOf(HasSubstr("pipeline.yaml:2"), HasSubstr("no option 'nothing'")));
+}
+
 TEST(FilmedShot, FramesGiveTheTimeline) {
   const PipelineFile file = ParsePipelineFile(
       std::string(kPoses) + "shot: {film: f, fps: 12, shows: {6: wave, 2: rest, 12: rest}}\n",
