@@ -33,7 +33,7 @@ struct InitOptions {
   /// of poses: what they were filmed in, FRAME=POSE, and files that belong to it; empty: none
   std::string film, plate, mattes, holdout;
   std::vector<std::string> shows;
-  double film_fps = 12;
+  double film_fps = 0;  ///< 0: those of a video, else 12
   /// files of a performance; empty: none
   std::string calibration, scan_mesh, texture, marks;
   bool video3d = false;  ///< of a performance: textures from the films
@@ -52,6 +52,12 @@ ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs);
 /// the next run makes them again.
 /// @return kDisk if something was damaged
 ExitCode VerifyCommand(const std::string& folder);
+/// Writes the whole project into one ZIP file that appears when it is complete.
+/// @param output      empty: the project's name and .zip, in the working folder
+/// @param with_cache  with results that are up to date, so that nothing runs again where it is
+/// unpacked
+/// @throws LockedError  a run is at work @throws DiskError  the file exists, or the disk is full
+ExitCode PackCommand(const std::string& folder, const std::string& output, bool with_cache);
 ExitCode UnlockCommand(const std::string& folder, bool force);
 ExitCode ReportCommand(const std::string& folder);
 ExitCode DoctorCommand();

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <set>
 
+#include "core/io/movie_header.h"
 #include "core/io/photograph_files.h"
 #include "core/io/shot_io.h"
 #include "core/size_of.h"
@@ -172,31 +174,63 @@ std::vector<std::pair<int, std::string>> ParseShows(const InitOptions& options,
   return {shows.begin(), shows.end()};
 }
 
+struct FilmFacts {
+  double fps = 12;
+  int last = 0;  ///< its last frame
+  bool without_gaps = true;
+};
+
+/// @throws InputError  neither a folder of numbered pictures nor a whole video
+FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
+  if (IsMovie(film)) {
+    const MovieHeader header = ReadMovieHeader(film);
+    // Three digits, as people write rates.
+    return {std::round(header.fps * 1000) / 1000, header.frames - 1, true};
+  }
+  if (!fs::is_directory(film))
+    throw InputError(
+        fmt::format("--film {}: {} is neither a folder of numbered pictures nor a "
+                    "video (.mp4, .mov)",
+                    options.film, film));
+  const std::vector<FilmPicture> pictures = FilmPictures(film);
+  return {12, pictures.back().frame, pictures.back().frame + 1 == SizeOf(pictures)};
+}
+
+/// Pictures a second of the finished shot: 24 where that is a multiple of the film's and leaves
+/// room for in-betweens, else twice those of the film.
+double AnimationRate(double film_fps, bool without_gaps) {
+  const double ratio = 24 / film_fps;
+  const bool whole = ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-6;
+  return whole && (ratio > 1.5 || !without_gaps) ? 24 : 2 * film_fps;
+}
+
 /// @throws UsageError  one of --film and --shows without the other, or fewer than two frames
 NewShot ParseShot(const InitOptions& options, const std::vector<NewPose>& poses) {
   NewShot shot;
   const bool of_film = !options.shows.empty() || !options.plate.empty() ||
                        !options.mattes.empty() || !options.holdout.empty();
   if (options.film.empty()) {
-    if (of_film) throw UsageError("--shows, --plate, --mattes and --holdout need --film FOLDER");
+    if (of_film)
+      throw UsageError("--shows, --plate, --mattes and --holdout need --film FOLDER or VIDEO");
     return shot;
   }
   shot.film = GivenPath("--film", options.film);
-  if (!fs::is_directory(shot.film))
-    throw InputError(
-        fmt::format("--film {}: {} is not a folder of numbered pictures", options.film, shot.film));
-  FilmPictures(shot.film);
+  const FilmFacts film = LookAtFilm(options, shot.film);
   shot.shows = ParseShows(options, poses);
   if (shot.shows.size() < 2)
     throw UsageError(
         "--film needs --shows with two frames or more, as in --shows 0=rest,4=wave: which frames "
         "show which pose");
-  if (!(options.film_fps > 0 && options.film_fps <= 120))
+  if (!(options.film_fps >= 0 && options.film_fps <= 120))
     throw UsageError("--film-fps must be above 0 and at most 120");
-  shot.fps = options.film_fps;
+  shot.fps = options.film_fps > 0 ? options.film_fps : film.fps;
+  shot.animation_fps = AnimationRate(shot.fps, film.without_gaps);
   shot.plate = GivenPath("--plate", options.plate);
   shot.mattes = GivenPath("--mattes", options.mattes);
   shot.holdout = GivenPath("--holdout", options.holdout);
+  if (shot.shows.back().first > film.last)
+    throw InputError(fmt::format("--shows {}={}: the film's last frame is {}",
+                                 shot.shows.back().first, shot.shows.back().second, film.last));
   return shot;
 }
 

@@ -151,13 +151,15 @@ class CommandLine {
     init->add_option("--scan", init_.scan,
                      "NAME: this pose is scanned from its own photographs all round, however few")
         ->allow_extra_args(false);
-    init->add_option("--film", init_.film,
-                     "the folder of a filmed shot's numbered pictures, which in-betweens go into; "
-                     "it stays where it is");
+    init->add_option(
+        "--film", init_.film,
+        "a filmed shot, which in-betweens go into: a folder of numbered pictures, or a "
+        "video (.mp4, .mov); it stays where it is");
     init->add_option("--shows", init_.shows,
                      "FRAME=POSE, separated by commas: which frames of the film show which pose")
         ->delimiter(',');
-    init->add_option("--film-fps", init_.film_fps, "filmed frames a second")->capture_default_str();
+    init->add_option("--film-fps", init_.film_fps,
+                     "filmed frames a second; default: those of a video, else 12");
     init->add_option("--plate", init_.plate, "a picture of the film's set without the character");
     init->add_option("--mattes", init_.mattes,
                      "a folder with a matte for each filmed frame: white is the character");
@@ -236,6 +238,12 @@ class CommandLine {
         ->capture_default_str();
     InProject(Command("verify", "read the whole cache and out/, and remove what is damaged",
                       [this] { return VerifyCommand(run_.folder); }));
+    CLI::App* pack = InProject(
+        Command("pack", "write the project into one ZIP file, for another machine or the shelf",
+                [this] { return PackCommand(run_.folder, packed_, !without_cache_); }));
+    pack->add_option("-o,--output", packed_, "the file; default: the project's name and .zip");
+    pack->add_flag("--without-cache", without_cache_,
+                   "smaller; where it is unpacked, all steps run once again");
     CLI::App* unlock =
         InProject(Command("unlock", "show who holds the project's lock, and clear a stale one",
                           [this] { return UnlockCommand(run_.folder, force_); }));
@@ -246,9 +254,6 @@ class CommandLine {
   }
 
   void AddLater() {
-    Command("pack", "not part of this version", []() -> ExitCode {
-      throw UsageError("this version of keypose has no `pack` yet");
-    })->allow_extras();
     Command("studio", "open the project in a web page", []() -> ExitCode {
       throw ToolError("keypose-studio is missing; install keypose again");
     })->allow_extras();
@@ -261,8 +266,8 @@ class CommandLine {
   std::function<ExitCode()> chosen_;
   RunOptions run_;
   InitOptions init_;
-  std::string step_, executor_ = "local";
-  bool version_ = false, dot_ = false, force_ = false;
+  std::string step_, packed_, executor_ = "local";
+  bool version_ = false, dot_ = false, force_ = false, without_cache_ = false;
   int keep_runs_ = 10;
 };
 

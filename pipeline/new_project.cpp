@@ -43,6 +43,8 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
     text += few.contains(pose) ? fmt::format("  {0}: {{photos: photos/{0}, method: fit}}\n", pose)
                                : fmt::format("  {0}: photos/{0}\n", pose);
   text += fmt::format("template: {}\n", template_pose);
+  if (!shot.film.empty() && shot.animation_fps != 24)
+    text += fmt::format("fps: {:g}\n", shot.animation_fps);
   if (!shot.film.empty()) return text + ShotText(shot);
   if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
   return text;

@@ -16,7 +16,7 @@ inline constexpr int kLeastScanPhotographs = 16;
 /// The filmed shot of a new project: paths as they shall stand in pipeline.yaml; empty: none.
 struct NewShot {
   std::string film, plate, mattes, holdout;
-  double fps = 12;
+  double fps = 12, animation_fps = 24;
   std::vector<std::pair<int, std::string>> shows;  ///< frame of the film, pose; ascending
 };
 

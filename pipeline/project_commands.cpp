@@ -28,12 +28,6 @@ Session Open(const std::string& folder, const std::vector<std::string>& set = {}
   return Session(FindProject(folder), overrides);
 }
 
-std::string SizeText(std::uint64_t bytes) {
-  if (bytes >= 1000000000) return fmt::format("{:.1f} GB", static_cast<double>(bytes) / 1e9);
-  if (bytes >= 1000000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
-  return fmt::format("{} kB", (bytes + 999) / 1000);
-}
-
 /// The first few of many names.
 std::string Some(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;

@@ -33,6 +33,58 @@ TEST_F(RunTest, MovedAndCopiedProjectsRunNothing) {
             AllUpToDate(root_ / "copied"));
 }
 
+/// Unpacks with a program that is not ours.
+void Unzip(const fs::path& archive, const fs::path& into) {
+  const std::string command =
+      "python3 -m zipfile -e '" + archive.string() + "' '" + into.string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(RunTest, PackedProjectRunsNothingWhereItIsUnpacked) {
+  fs::rename(root_ / "hero", root_ / "Äffchen");
+  const std::string project = (root_ / "Äffchen").string(), zip = (root_ / "all.zip").string();
+  ASSERT_EQ(Keypose({"run", "-C", project}).code, 0);
+  fs::create_directories(root_ / "Äffchen/.keypose/cache/00/1111");
+  WriteFile(root_ / "Äffchen/.keypose/cache/00/1111/old.txt", "nothing refers to this");
+  const Ended packed = Keypose({"pack", "-C", project, "-o", zip});
+  ASSERT_EQ(packed.code, 0) << packed.text;
+  EXPECT_THAT(packed.text, HasSubstr("all.zip: "));
+  fs::rename(root_ / "Äffchen", root_ / "away");
+  Unzip(zip, root_ / "there");
+  const fs::path there = root_ / "there/Äffchen";
+  EXPECT_FALSE(fs::exists(there / ".keypose/cache/00"));
+  EXPECT_EQ(Snapshot(there / "photos"), Snapshot(root_ / "away/photos"));
+  EXPECT_EQ(Keypose({"run", "-C", there.string()}).text, AllUpToDate(there));
+
+  const Ended again = Keypose({"pack", "-C", there.string(), "-o", zip});
+  EXPECT_EQ(again.code, 4) << again.text;
+  EXPECT_THAT(again.text, HasSubstr("exists already"));
+}
+
+TEST_F(RunTest, PackWithoutTheCacheHoldsWhatThePersonMade) {
+  ASSERT_EQ(Run().code, 0);
+  const std::string hero = (root_ / "hero").string();
+  const fs::path inside = root_ / "hero/hero.zip";
+  ASSERT_EQ(Keypose({"pack", "-C", hero, "--without-cache", "-o", inside.string()}).code, 0);
+  Unzip(inside, root_ / "there");
+  EXPECT_FALSE(fs::exists(root_ / "there/hero/.keypose"));
+  EXPECT_FALSE(fs::exists(root_ / "there/hero/hero.zip")) << "it does not hold itself";
+  EXPECT_TRUE(fs::exists(root_ / "there/hero/out/rest/text.txt"));
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "there/hero").string()}).code, 0);
+}
+
+TEST_F(RunTest, PackSaysWhatLiesOutsideOfTheProject) {
+  fs::create_directories(root_ / "elsewhere");
+  WriteFile(root_ / "elsewhere/IMG_0.jpg", "picture\n");
+  WriteFile(root_ / "hero/pipeline.yaml", "poses:\n  rest: ../elsewhere\n");
+  const std::string zip = (root_ / "all.zip").string();
+  const Ended packed = Keypose({"pack", "-C", (root_ / "hero").string(), "-o", zip});
+  EXPECT_EQ(packed.code, 0) << packed.text;
+  EXPECT_THAT(packed.text, HasSubstr("outside of the project: pipeline.yaml:2: ../elsewhere"));
+  EXPECT_EQ(Keypose({"pack", "-C", (root_ / "hero").string(), "-o", "/no/such/folder/a.zip"}).code,
+            4);
+}
+
 TEST_F(RunTest, ExplainAndStatusSayWhatChanged) {
   EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text, HasSubstr("never ran"));
   ASSERT_EQ(Run().code, 0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,8 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t columns);
 
 /// The text quoted as one word for a shell.
 std::string ShellWord(const std::string& text);
+
+/// "1.2 GB", "3.4 MB", "5 kB"
+std::string SizeText(std::uint64_t bytes);
 
 }  // namespace keypose::pipeline
