@@ -128,11 +128,13 @@ TEST(FewPhotographs, UntilOnlyAndExplainKnowTheStep) {
 
 TEST(FewPhotographs, OptionsOfAStepThatNoPoseHasYetAreChecked) {
   FewHouse house;
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depht: 4}}\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depht: 4}}\n");
   EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }),
               AllOf(HasSubstr("pipeline.yaml:2"), HasSubstr("step 'bend'"),
                     HasSubstr("no option 'depht'"), HasSubstr("'depth'")));
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depth: no}}\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {bend: {depth: no}}\n");
   EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }), HasSubstr("'depth' is 'no'"));
 }
 
