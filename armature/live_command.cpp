@@ -7,18 +7,22 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "armature/commands.h"
 #include "armature/example/theropod.h"
 #include "armature/live/latency.h"
+#include "armature/live/page_stream.h"
 #include "armature/live/picture_writer.h"
 #include "armature/live/pose_text.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/live/puppet_files.h"
 #include "armature/puppet.h"
 #include "armature/recording/session.h"
+#include "armature/recording/still_joints.h"
 #include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
@@ -30,13 +34,16 @@ namespace {
 using nlohmann::json;
 using LiveClock = std::chrono::steady_clock;
 
+/// While the puppet stands the page still hears how the controller does.
+constexpr double kPageHeartbeat_s = 0.5;
+
 struct LiveFlags {
   PuppetFlags puppet;
   PuppetPaths paths;
   PuppetChoices choices;
   SessionOptions session_options;
-  std::string session, pictures, plate, shot, set, texture;
-  double rate = 200, seconds = 0, picture_rate = 6;
+  std::string session, pictures, plate, shot, set, texture, page, simulated = "walk";
+  double rate = 200, seconds = 0, picture_rate = 6, page_rate = 30;
   int onion = 1;
   bool quiet = false;
 };
@@ -53,7 +60,8 @@ class LiveSession {
         parts_(std::move(loaded.parts)),
         reader_(reader),
         posed_(parts_),
-        plates_(flags.plate, flags.shot, parts_.mesh.points) {
+        plates_(flags.plate, flags.shot, parts_.mesh.points),
+        walks_(reader.simulated() && flags.simulated == "walk") {
     if (!flags.texture.empty()) texture_ = ReadImage(flags.texture, 3);
     if (!flags.set.empty()) set_ = ReadMesh(flags.set);
     if (!flags.pictures.empty())
@@ -61,7 +69,9 @@ class LiveSession {
     if (!flags.session.empty())
       session_ =
           std::make_unique<RecordingSession>(parts_.armature, flags.session, flags.session_options);
-    TakeUpGhosts();
+    if (!flags.page.empty())
+      page_ = std::make_unique<PageStream>(parts_, plates_, !flags.paths.mesh.empty(), flags.page);
+    if (session_) TakeUpSession();
     begin_ = LiveClock::now();
     processor_begin_ = ProcessorSeconds();
   }
@@ -79,10 +89,10 @@ class LiveSession {
     skin_.Add(posed_.skin_s());
     pose_.Add(whole_s - read_s);
     whole_.Add(whole_s);
-    for (const ReaderEvent& event : reader_.reader().TakeEvents())
-      Say(json{{"event", event.code}, {"words", event.words}, {"what_to_do", event.what_to_do}});
+    TellReader();
+    if (page_) TellPage(begin, reading);
     if (posed_.matcher().moved() || number_ == 0) {
-      if (!flags_.quiet)
+      if (!flags_.quiet && !page_)
         Print(PoseJson(parts_.skeleton, posed_.matcher(),
                        {LiveSeconds(begin_, begin), number_, reading.fresh, whole_s}));
       wants_picture_ = true;
@@ -100,17 +110,22 @@ class LiveSession {
     if (word == "end" || word == "quit") return false;
     if (word == "plate" && words >> which) return GoToPlate(which);
     if (!session_) return Refuse("without --session there is only: plate N, plate next, end");
-    if (word.empty() || word == "record") return wants_frame_ = true;
+    if (word.empty() || word == "record") {
+      told_waiting_ = false;
+      return wants_frame_ = true;
+    }
     wants_frame_ = false;
     if (word == "next") return GoTo(session_->at() + 1);
     if (word == "back") return GoTo(session_->at() - 1);
     if (int frame = 0; word == "goto" && words >> frame) return GoTo(frame);
     if (word == "cut") {
       session_->CutHere();
+      told_still_.clear();
       return GoTo(session_->at());
     }
+    if (word == "zero" && words >> which) return SetToZero(which);
     return Refuse("'" + line + "' is not understood; type record, next, back, goto N, cut, " +
-                  "plate N, plate next or end");
+                  "zero JOINT, plate N, plate next or end");
   }
 
   void TellMissed() { ++missed_; }
@@ -138,10 +153,59 @@ class LiveSession {
     std::fflush(stdout);
   }
 
-  /// The simulated puppet walks.
+  /// The simulated puppet walks, or takes the pose of the frame that is next.
   void MoveSimulated(LiveClock::time_point now) {
     if (!reader_.simulated()) return;
-    reader_.simulated()->MoveTo(ExampleMotion(parts_.armature, LiveSeconds(begin_, now)));
+    if (walks_)
+      return reader_.simulated()->MoveTo(ExampleMotion(parts_.armature, LiveSeconds(begin_, now)));
+    if (posed_for_ == session_->at()) return;
+    posed_for_ = session_->at();
+    reader_.simulated()->BeginFrame(posed_for_);
+    const SessionOptions& film = flags_.session_options;
+    reader_.simulated()->MoveTo(ExampleMotion(parts_.armature, posed_for_ * film.step / film.fps));
+  }
+
+  void TellReader() {
+    for (const ReaderEvent& event : reader_.reader().TakeEvents()) {
+      json told{{"event", event.code}, {"words", event.words}, {"what_to_do", event.what_to_do}};
+      if (event.joint >= 0) told["joint"] = reader_.JointName(event.joint);
+      Say(told);
+    }
+  }
+
+  /// A line for the page: at its rate while something moves, else now and then.
+  void TellPage(LiveClock::time_point now, const Reading& reading) {
+    CountWraps();
+    page_moved_ = page_moved_ || posed_.matcher().moved();
+    const double wait_s = page_moved_ ? 1 / flags_.page_rate : kPageHeartbeat_s;
+    if (number_ > 0 && LiveSeconds(page_at_, now) < wait_s) return;
+    page_at_ = now;
+    page_moved_ = false;
+    Print(page_->Line(posed_.matcher(),
+                      {LiveSeconds(begin_, now), reading.fresh, reading.values, reading.held,
+                       wraps_, reader_.reader().repeats(), reader_.reader().damaged()}));
+  }
+
+  /// A counter of 24 bits that passes its end.
+  void CountWraps() {
+    const std::vector<SensorState>& states = reader_.reader().tracker().states();
+    raw_.resize(states.size(), 0);
+    wraps_.resize(states.size(), 0);
+    for (std::size_t j = 0; j < states.size(); ++j) {
+      if (number_ > 0 && std::abs(states[j].raw - raw_[j]) > (1 << 23)) ++wraps_[j];
+      raw_[j] = states[j].raw;
+    }
+  }
+
+  bool SetToZero(const std::string& joint) {
+    try {
+      reader_.SetJoint(joint, 0);
+    } catch (const UsageError& error) {
+      return Refuse(error.what());
+    }
+    told_still_.erase(static_cast<int>(reader_.JointNamed(joint)));
+    Say(json{{"event", "set"}, {"joint", joint}, {"words", joint + " stands at 0 now"}});
+    return true;
   }
 
   void OfferPicture(LiveClock::time_point now) {
@@ -167,17 +231,46 @@ class LiveSession {
     return true;
   }
 
-  /// The frame is taken as soon as all sensors are read and the puppet is at rest; a simulated
-  /// puppet walks on and is taken as it is.
+  /// The frame is taken as soon as all sensors are read and the puppet is at rest; one that walks
+  /// by itself is taken as it is.
   void TryToRecord(const Reading& reading) {
-    if (!reading.fresh || !reading.held.empty()) return;
-    if (!reader_.simulated() && !reader_.at_rest()) return;
+    const std::string obstacle = reader_.Obstacle(reading, walks_);
+    if (!obstacle.empty()) {
+      if (obstacle != kPuppetMoves && !std::exchange(told_waiting_, true))
+        Say(json{{"event", "waiting"}, {"words", obstacle}});
+      return;
+    }
     wants_frame_ = false;
     const int frame = session_->at();
     session_->Record(reading.values);
+    if (page_) page_->Record(frame, posed_.matcher().pose());
     reader_.SaveCalibration();
     AddGhost(posed_.points());
     Say(json{{"event", "recorded"}, {"frame", frame}, {"frames", session_->frame_count()}});
+    TellStill();
+    FollowPlate();
+  }
+
+  void TellStill() {
+    const auto end = session_->frames().begin() + session_->at();
+    for (const int joint : StillJoints(parts_.armature, {session_->frames().begin(), end}))
+      if (told_still_.insert(joint).second)
+        Say(json{{"event", "still-joint"},
+                 {"joint", reader_.JointName(joint)},
+                 {"since", session_->at() - 3},
+                 {"words", StillWords(reader_.JointName(joint), session_->at() - 3)}});
+  }
+
+  /// What was recorded before this program began.
+  void TakeUpSession() {
+    TakeUpGhosts();
+    if (page_) page_->TakeUp(session_->frames());
+    Say(json{{"event", "session"},
+             {"at", session_->at()},
+             {"frames", session_->frame_count()},
+             {"fps", flags_.session_options.fps},
+             {"step", flags_.session_options.step},
+             {"cut_off", session_->was_cut_off()}});
     FollowPlate();
   }
 
@@ -194,6 +287,7 @@ class LiveSession {
     const int wanted = session_->at() * flags_.session_options.step;
     plate_ = std::min(wanted, plates_.count() - 1);
     wants_picture_ = true;
+    if (page_) Say(json{{"event", "plate"}, {"plate", plate_}});
   }
 
   void AddGhost(const PointsX3& points) {
@@ -204,7 +298,7 @@ class LiveSession {
   /// The poses of the frames before the one that is next.
   void TakeUpGhosts() {
     ghosts_.clear();
-    if (!session_ || !pictures_) return;
+    if (!pictures_) return;
     PosedPuppet earlier(parts_);
     for (int f = std::max(0, session_->at() - flags_.onion); f < session_->at(); ++f) {
       earlier.Update(session_->frames()[static_cast<std::size_t>(f)]);
@@ -247,11 +341,17 @@ class LiveSession {
   const PuppetLook look_{parts_.mesh, texture_, set_};
   std::unique_ptr<PictureWriter> pictures_;
   std::unique_ptr<RecordingSession> session_;
+  std::unique_ptr<PageStream> page_;
   std::vector<PointsX3> ghosts_;
-  int plate_ = 0;
+  const bool walks_;
+  int plate_ = 0, posed_for_ = -1;
+  std::vector<std::int32_t> raw_;
+  std::vector<int> wraps_;
+  std::set<int> told_still_;
+  bool page_moved_ = false, told_waiting_ = false;
   long number_ = 0, missed_ = 0;
   bool wants_picture_ = false, wants_frame_ = false;
-  LiveClock::time_point begin_, picture_at_{};
+  LiveClock::time_point begin_, picture_at_{}, page_at_{};
   double processor_begin_ = 0;
   Latency read_, match_, skin_, pose_, whole_;
 };
@@ -270,6 +370,8 @@ void RunLive(const LiveFlags& flags, LiveSession& live) {
       if (!line) break;
       goes_on = live.Do(*line);
     }
+    // Whoever shows the page is gone.
+    if (input.over() && !flags.page.empty()) break;
     if (flags.seconds > 0 && LiveSeconds(begin, LiveClock::now()) >= flags.seconds) break;
     due += period;
     for (; due + period < LiveClock::now(); due += period) live.TellMissed();
@@ -317,6 +419,20 @@ void AddCharacter(CLI::App& app, LiveFlags& flags) {
       ->capture_default_str();
 }
 
+void AddPage(CLI::App& app, LiveFlags& flags) {
+  app.add_option("--page", flags.page,
+                 "folder for what a page needs to show the puppet by itself; each line then has "
+                 "bones and sensors, and the program ends with its input");
+  app.add_option("--page_rate", flags.page_rate, "lines a second for the page, at most")
+      ->check(CLI::Range(0.1, 200.0))
+      ->capture_default_str();
+  app.add_option("--simulated", flags.simulated,
+                 "what a simulated puppet does: it walks, or it takes a pose for each frame of "
+                 "the session and rests")
+      ->check(CLI::IsMember({"walk", "frames"}))
+      ->capture_default_str();
+}
+
 void AddStream(CLI::App& app, LiveFlags& flags) {
   app.add_option("--rate", flags.rate, "updates a second")
       ->check(CLI::Range(0.1, 2000.0))
@@ -356,11 +472,14 @@ int LiveCommand(int argc, char** argv) {
   AddPuppetFlags(app, flags.puppet);
   AddCharacter(app, flags);
   AddStream(app, flags);
+  AddPage(app, flags);
   app.footer(
       "While it runs, type and press Enter: plate N | plate next | end; with --session also "
-      "(only Enter) or record | next | back | goto N | cut");
+      "(only Enter) or record | next | back | goto N | cut | zero JOINT");
   return RunCommandLine(app, argc, argv, [&] {
     flags.paths.description = flags.puppet.description;
+    if (flags.simulated == "frames" && flags.session.empty())
+      throw UsageError("--simulated frames needs --session: its frames are those of a recording");
     return Live(flags);
   });
 }

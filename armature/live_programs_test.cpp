@@ -3,12 +3,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
@@ -148,12 +151,62 @@ TEST_F(LivePrograms, LiveStreamsRecordsAndDraws) {
   EXPECT_EQ(curves.frame_count(), 1);
 }
 
+TEST_F(LivePrograms, LiveTellsAPageAllThatItShows) {
+  // Its input is a pipe: the program ends when that does.
+  WriteFile(folder_ / "typing",
+            "sleep 1; echo record; sleep 1.5; echo record; sleep 1.5; echo zero leftKneeBend; "
+            "echo zero nobody; sleep 0.5");
+  const std::string command = "live" + Puppet() + " --port simulated --simulated frames --mesh " +
+                              Path("t/theropod.ply") + " --session " + Path("session") +
+                              " --page_rate 20 --rate 60 --page " + Path("page");
+  const std::string shell = "sh " + Path("typing") + " | " + KEYPOSE_BIN_DIR +
+                            "/keypose-armature " + command + " > " + Path("out") + " 2> " +
+                            Path("err");
+  ASSERT_EQ(WEXITSTATUS(std::system(shell.c_str())), 0) << Err();
+  std::ifstream lines(folder_ / "out");
+  nlohmann::json pose;
+  std::vector<std::string> events;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json told = nlohmann::json::parse(line);
+    if (told.contains("pose")) pose = told;
+    if (told.contains("event")) events.push_back(told["event"]);
+  }
+  const auto view = nlohmann::json::parse(ReadFile(folder_ / "page/view.json"));
+  const std::size_t bones = view["bones"], vertices = view["vertices"];
+  EXPECT_EQ(view["sensors"].size(), 74u);
+  EXPECT_EQ(pose["values"].size(), 74u);
+  EXPECT_EQ(pose["bones"].size(), 7 * bones);
+  EXPECT_EQ(pose["chains"].size(), view["chains"].size());
+  EXPECT_EQ(fs::file_size(folder_ / "page/weights.bin"), 24 * vertices);
+  const auto count = [&](const char* name) {
+    return std::count(events.begin(), events.end(), name);
+  };
+  EXPECT_EQ(count("session"), 1);
+  EXPECT_EQ(count("set"), 1);
+  EXPECT_EQ(count("refused"), 1);
+  const auto recorded = static_cast<std::size_t>(count("recorded"));
+  ASSERT_GE(recorded, 1u);
+  EXPECT_EQ(fs::file_size(folder_ / "page/frames.bin"), 4 * 7 * bones * recorded);
+  // What a page is told of frames recorded before is what it was told of them then.
+  const std::string before = ReadFile(folder_ / "page/frames.bin");
+  ASSERT_EQ(Run(command), 0) << Err();
+  const std::string after = ReadFile(folder_ / "page/frames.bin");
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); i += 4) {
+    float one = 0, two = 0;
+    std::memcpy(&one, &before[i], 4);
+    std::memcpy(&two, &after[i], 4);
+    ASSERT_NEAR(one, two, 1e-5) << i;
+  }
+}
+
 TEST_F(LivePrograms, LiveRefusesWhatIsNotThere) {
   EXPECT_EQ(Run("live" + Puppet() + " --port /dev/no-such-port --calibration " + Path("c.json")),
             4);
   EXPECT_EQ(Run("live" + Puppet() + " --port simulated --mesh " + Path("none.ply")), 4);
   EXPECT_EQ(Run("live" + Puppet() + " --port simulated --method best"), 2);
   EXPECT_EQ(Run("live --port simulated"), 2);
+  EXPECT_EQ(Run("live" + Puppet() + " --port simulated --simulated frames"), 2);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/serial_port.h"
@@ -130,6 +131,22 @@ std::size_t Puppet::JointNamed(const std::string& name) const {
     names.push_back(JointName(static_cast<int>(j)));
   throw UsageError(
       fmt::format("the armature has no joint {}{}", Quoted(name), DidYouMean(name, names)));
+}
+
+std::string Puppet::Obstacle(const Reading& reading, bool moving_too) const {
+  if (!reading.fresh) return "the controller does not answer";
+  if (!reading.held.empty())
+    return "the sensor of " + JointName(reading.held.front()) + " is not read rightly";
+  const bool turning = simulated_ && !simulated_->at_rest();
+  return !moving_too && (turning || !at_rest()) ? kPuppetMoves : "";
+}
+
+void Puppet::SetJoint(const std::string& name, double number) {
+  const std::size_t joint = JointNamed(name);
+  const auto node = static_cast<std::size_t>(armature_.joints[joint]);
+  const bool turns = armature_.nodes[node].kind == NodeKind::kJoint;
+  reader_->SetValue(joint, turns ? number * kDegree : number);
+  SaveCalibration();
 }
 
 void Puppet::SaveCalibration() {

@@ -36,6 +36,9 @@ Armature LoadArmature(const std::filesystem::path& description);
 /// Parses, answers --help, runs. Errors of the command line become UsageError.
 int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
 
+/// The obstacle that goes by itself.
+inline constexpr const char* kPuppetMoves = "the puppet moves";
+
 /// A puppet that is read, or one that is simulated in this program. Its calibration file is kept up
 /// to date: at most once a second, and at the end.
 class Puppet {
@@ -57,6 +60,12 @@ class Puppet {
   /// @throws UsageError  there is none; names the nearest
   std::size_t JointNamed(const std::string& name) const;
   const std::string& JointName(int joint) const;
+  /// Why no frame can be taken now, in words; "" when one can.
+  /// @param moving_too  it is taken while the puppet moves
+  std::string Obstacle(const Reading& reading, bool moving_too) const;
+  /// A person has put this joint where it is known to stand.
+  /// @param number  degrees, or metres of a slide @throws UsageError, DiskError
+  void SetJoint(const std::string& name, double number);
   /// @throws DiskError
   void SaveCalibration();
 

@@ -12,7 +12,6 @@
 #include "armature/puppet.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::armature {
@@ -103,13 +102,8 @@ class Recorder {
 
   /// A person has put this joint where it is known to stand.
   bool Set(const std::string& name, double number) {
-    const std::size_t joint = puppet_.JointNamed(name);
-    const int node = puppet_.armature().joints[joint];
-    const bool turns =
-        puppet_.armature().nodes[static_cast<std::size_t>(node)].kind == NodeKind::kJoint;
-    puppet_.reader().SetValue(joint, turns ? number * kDegree : number);
-    puppet_.SaveCalibration();
-    told_still_.erase(static_cast<int>(joint));
+    puppet_.SetJoint(name, number);
+    told_still_.erase(static_cast<int>(puppet_.JointNamed(name)));
     teller_.Tell("set", fmt::format("{} stands at {} now", name, number));
     return true;
   }
@@ -123,19 +117,10 @@ class Recorder {
     return true;
   }
 
-  /// Why the frame cannot be taken yet; "" when it can.
-  std::string Obstacle(const Reading& reading) const {
-    if (!reading.fresh) return "the controller does not answer";
-    if (!reading.held.empty())
-      return "the sensor of " + puppet_.JointName(reading.held.front()) + " is not read rightly";
-    const bool turning = puppet_.simulated() && !puppet_.simulated()->at_rest();
-    return turning || !puppet_.at_rest() ? "the puppet moves" : "";
-  }
-
   void TryToRecord(const Reading& reading) {
-    const std::string obstacle = Obstacle(reading);
+    const std::string obstacle = puppet_.Obstacle(reading, false);
     if (!obstacle.empty()) {
-      const bool tells = !told_waiting_ && obstacle != "the puppet moves";
+      const bool tells = !told_waiting_ && obstacle != kPuppetMoves;
       if (tells) teller_.Tell("waiting", obstacle + "; the frame is taken when that is over");
       told_waiting_ = told_waiting_ || tells;
       return;
@@ -158,12 +143,7 @@ class Recorder {
     for (const int joint : still)
       if (told_still_.insert(joint).second)
         teller_.Tell(
-            "still-joint",
-            fmt::format("{0} has not moved by a count in three frames, though the joint "
-                        "beside it has: is its encoder stuck? Mend it, put the joint to "
-                        "its zero, type `zero {0}`, and `goto {1}` to take these frames "
-                        "again",
-                        puppet_.JointName(joint), session_.at() - 3),
+            "still-joint", StillWords(puppet_.JointName(joint), session_.at() - 3),
             json{{"joint", puppet_.JointName(joint)}, {"since", session_.at() - 3}}.dump());
   }
 

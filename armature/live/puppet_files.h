@@ -46,6 +46,9 @@ class PlateFiles {
   PlateFiles(const std::filesystem::path& plate, const std::filesystem::path& shot,
              const PointsX3& rest);
   int count() const { return count_; }
+  const std::vector<std::filesystem::path>& pictures() const { return plates_; }
+  /// Without pictures; one for all plates, or one for each.
+  const std::vector<PlateView>& views() const { return views_; }
   /// @param index  beyond the last: the last
   PlateView Read(int index) const;
 

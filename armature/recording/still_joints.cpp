@@ -47,4 +47,11 @@ std::vector<int> StillJoints(const Armature& armature,
   return still;
 }
 
+std::string StillWords(const std::string& joint, int since) {
+  return joint +
+         " has not moved by a count in three frames, though the joint beside it has: is its "
+         "encoder stuck? Mend it, put the joint to its zero, type `zero " +
+         joint + "`, and `goto " + std::to_string(since) + "` to take these frames again";
+}
+
 }  // namespace keypose::armature

@@ -1,6 +1,7 @@
 // Joints whose encoder seems to be stuck.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "armature/description/armature.h"
@@ -15,5 +16,9 @@ namespace keypose::armature {
 /// after them, the last ones, while the nearest joint above or below moved in each
 std::vector<int> StillJoints(const Armature& armature,
                              const std::vector<std::vector<double>>& frames);
+
+/// A sentence on such a joint, and what to do.
+/// @param since  the first frame in which it stood still
+std::string StillWords(const std::string& joint, int since);
 
 }  // namespace keypose::armature
