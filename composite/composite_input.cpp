@@ -105,24 +105,28 @@ void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
   }
 }
 
-/// A folder with several pictures is the film itself, from which the plate is made.
-bool IsFilm(const fs::path& plate) {
-  return fs::is_directory(plate) && FilmPictures(plate).size() > 1;
-}
+/// Several pictures are the film itself, from which the plate is made.
+bool IsFilm(const FilmFiles& plate) { return plate.pictures().size() > 1; }
 
 void ReadPlate(StageContext& stage, CompositeInput* input) {
   const fs::path plate = stage.Input("plate");
-  const bool is_film = IsFilm(plate);
+  auto plate_files = std::make_unique<FilmFiles>(plate);
+  const bool is_film = IsFilm(*plate_files);
   input->film_stays = stage.Has("filmed");
   const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
   if (input->film_stays || is_film) {
-    input->film = FilmPictures(folder);
+    input->film_files =
+        folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder);
+    input->film_files->DecodeAll();
+    input->film = input->film_files->pictures();
     for (const FilmPicture& picture : input->film)
       RequireSize(picture.path, input->shot.camera, "the filmed frame");
     RequireSameFilm(*input, folder);
   }
   if (!is_film) {
-    const fs::path path = FilmPictures(plate).front().path;
+    if (!plate_files) plate_files = std::make_unique<FilmFiles>(plate);
+    plate_files->DecodeAll();
+    const fs::path path = plate_files->pictures().front().path;
     RequireSize(path, input->shot.camera, "the plate");
     input->given_plate = ReadImage(path, 3);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "composite/composing/film_lessons.h"
+#include "composite/film/film_files.h"
 #include "core/io/shot_io.h"
 #include "core/stage/stage.h"
 
@@ -18,6 +19,7 @@ struct CompositeInput {
   AnimationTimes times;
   std::vector<Mesh> frames;
   Looks looks;
+  std::unique_ptr<FilmFiles> film_files;
   std::vector<FilmPicture> film;  ///< the filmed pictures that teach; may be empty
   bool film_stays = false;        ///< they are pictures of the finished shot too
   FilmPlan plan;

@@ -50,7 +50,7 @@ struct CompositeOptions {
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "1",
+    .version = "2",
     .summary = "Renders in-betweens into a filmed shot.",
     .inputs = {{.name = "frames",
                 .kind = "folder",
@@ -65,8 +65,9 @@ const keypose::StageSpec kSpec{
                 .help = "the set without the character (a picture), or the film, from which it is "
                         "made"},
                {.name = "filmed",
-                .kind = "folder",
-                .help = "filmed frames, which stay as they are; else all pictures are rendered",
+                .kind = "path",
+                .help = "filmed frames (a folder of numbered pictures, or a video), which stay as "
+                        "they are; else all pictures are rendered",
                 .optional = true},
                {.name = "holdout",
                 .kind = "file",

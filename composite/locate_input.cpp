@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kUsualFocal35mm = 50, kExifDeviation = 0.03;
+constexpr double kUsualFps = 12;
 constexpr double kSensorDeviation = 0.06;  // where the sensor is a guess
 
 std::vector<std::string> SplitByCommas(const std::string& text) {
@@ -231,6 +232,22 @@ void AddFrame(StageContext& stage, const FilmPicture& picture, int pose,
   input.pictures.push_back(picture);
 }
 
+/// A rate that the user gives wins over the video's own.
+void SetRate(StageContext& stage, double given, LocateInput& input) {
+  const double own = input.film->fps();
+  input.fps = given > 0 ? given : own > 0 ? own : kUsualFps;
+  if (own > 0 && std::abs(input.fps / own - 1) > 1e-3)
+    stage.Note(fmt::format("locate: the video has {:g} pictures a second; they are taken for {:g}",
+                           own, input.fps));
+}
+
+/// Of a video only the pictures that are used are decoded.
+void DecodeChosen(const std::vector<std::pair<FilmPicture, int>>& chosen, FilmFiles& film) {
+  std::vector<int> frames;
+  for (const auto& [picture, mesh] : chosen) frames.push_back(picture.frame);
+  film.Decode(frames);
+}
+
 void AddClicks(StageContext& stage, LocateInput& input) {
   if (!stage.Has("clicks")) return;
   const std::vector<FrameClick> clicks =
@@ -280,7 +297,8 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
          0,
          0,
          {}});
-  visit("fps", fps, {"pictures a second of the film", "1/s", 0.01, 1000, {}});
+  visit("fps", fps,
+        {"pictures a second of the film; 0: those of a video, else 12", "1/s", 0, 1000, {}});
   visit("max_size", max_size,
         {"pictures are scaled down to this longer side", "px", 240, 16384, {}});
   visit("min_iou", min_iou,
@@ -294,13 +312,16 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
 
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
   const std::vector<fs::path> files = MeshFiles(stage);
-  const std::vector<FilmPicture> pictures = FilmPictures(stage.Input("plate"));
+  input.film = std::make_unique<FilmFiles>(stage.Input("plate"));
+  const std::vector<FilmPicture>& pictures = input.film->pictures();
+  SetRate(stage, options.fps, input);
   const std::vector<int> keys =
       stage.Has("frames") ? ReadFrameTimes(stage.Input("frames"), SizeOf(files)).key_frames
                           : std::vector<int>();
   const Shows shows(options, SizeOf(files), keys, pictures);
   std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen();
   ReadMeshes(files, shows, chosen, input);
+  DecodeChosen(chosen, *input.film);
   SetCamera(stage, options, chosen[0].first.path, input);
   const std::vector<FilmPicture> mattes =
       stage.Has("matte") ? FilmPictures(stage.Input("matte")) : std::vector<FilmPicture>{};

@@ -1,9 +1,11 @@
 // Reads what locate needs: meshes, pictures, mattes, clicks, and what is known of the lens.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "composite/film/film_files.h"
 #include "composite/locating/search/locate_shot.h"
 #include "core/io/shot_io.h"
 #include "core/options.h"
@@ -16,7 +18,7 @@ struct LocateStageOptions {
   bool distortion = true;
   std::string camera = "still";
   std::string shows, poses;
-  double fps = 12;
+  double fps = 0;
   int max_size = 1920;
   double min_iou = 0.8;
 
@@ -25,7 +27,9 @@ struct LocateStageOptions {
 
 /// The input, and how to write its result.
 struct LocateInput {
-  Mesh mesh;  ///< the first pose's
+  std::unique_ptr<FilmFiles> film;
+  double fps = 12;  ///< of the film
+  Mesh mesh;        ///< the first pose's
   Image8 texture;
   ShotInput shot;                       ///< points to the two above; pictures are reduced
   std::vector<FilmPicture> pictures;    ///< one for each of shot.frames

@@ -84,14 +84,13 @@ double JitterOf(const LocateInput& input, const LocatedShot& located) {
 
 }  // namespace
 
-FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located,
-                  const LocateStageOptions& options) {
+FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
   FilmedShot shot;
   shot.camera = WholeCamera(input, located.camera);
   shot.focal = located.focal;
   shot.focal_uncertainty = located.focal_deviation;
   shot.still = input.shot.still;
-  shot.fps = options.fps;
+  shot.fps = input.fps;
   const Rigid3 world_camera = located.frames[0].at.camera_from_mesh;
   for (int i = 0; i < SizeOf(located.frames); ++i) {
     const LocatedFrame& found = located.frames[i];

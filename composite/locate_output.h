@@ -7,8 +7,7 @@
 
 namespace keypose::composite {
 
-FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located,
-                  const LocateStageOptions& options);
+FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located);
 
 void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot& located);
 

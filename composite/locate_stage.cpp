@@ -21,13 +21,14 @@ constexpr double kGoodContour = 1.5;  // px
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "locate";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
   spec.inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
       {"mesh", "file", "instead: the mesh of each pose that the film shows", "", true, true},
       {"textures", "path", "the texture, or a folder whose first picture it is", "", true, false},
-      {"plate", "path", "the filmed picture, or a folder of numbered ones", "", false, false},
+      {"plate", "path", "the filmed picture, a folder of numbered ones, or a video (.mp4, .mov)",
+       "", false, false},
       {"matte", "path", "255 where the character is; numbered as the pictures are", "", true,
        false},
       {"background", "file", "the set without the character (a clean plate)", "", true, false},
@@ -101,7 +102,7 @@ void Run(StageContext& stage, const LocateStageOptions& options) {
   ReportShot(stage, input, located);
   WarnOf(stage, input, located);
   Judge(stage, input, located);
-  WriteFile(stage.Output("shot"), ShotText(ShotOf(input, located, options)));
+  WriteFile(stage.Output("shot"), ShotText(ShotOf(input, located)));
   if (const auto path = stage.Output("picture"); !path.empty())
     WriteImage(path, DriftPicture(input, located));
 }

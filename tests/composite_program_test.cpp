@@ -17,6 +17,8 @@
 #include "core/io/shot_io.h"
 #include "synth/shot_command.h"
 #include "tests/run_program.h"
+#include "views/film/mp4.h"
+#include "views/shot/shot.h"
 
 namespace keypose::tests {
 namespace {
@@ -157,6 +159,24 @@ TEST_F(GeneratedShot, InBetweensAreLikeTheTruthAndFilmedFramesAreUntouched) {
   EXPECT_EQ(layer.width, 384);
   EXPECT_TRUE(fs::exists(folder_ / "out/compare/0004.png"));
   EXPECT_TRUE(fs::exists(folder_ / "out/blender/shot.py"));
+}
+
+TEST_F(GeneratedShot, AVideosFramesStayAsDecoded) {
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  Mp4Writer writer(folder_ / "take.mp4", 384, 216, 12);
+  for (const FilmPicture& picture : FilmPictures(folder_ / "film"))
+    writer.Add(ReadImage(picture.path, 3));
+  writer.Finish();
+  const RunResult result =
+      Composite("of_video", {{"plate", "take.mp4"}, {"filmed", "take.mp4"}, {"blender", "false"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  FrameSource source;
+  source.video = folder_ / "take.mp4", source.frames = 3;
+  FrameReader reader(source);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(ReadImage(folder_ / fmt::format("of_video/{:04}.png", 2 * i), 3).data,
+              reader.Read(i, 3).data);
+  EXPECT_GT(PsnrOf("of_video", 1), 26) << "the video lost some of what was filmed";
 }
 
 TEST_F(GeneratedShot, AGivenPlateLeavesNothingToPaint) {

@@ -13,6 +13,7 @@
 #include "core/render.h"
 #include "core/rotations.h"
 #include "core/testing_shapes.h"
+#include "views/film/mp4.h"
 
 namespace keypose::composite {
 namespace {
@@ -111,6 +112,29 @@ TEST_F(LocateProgram, WritesTheCameraOfAFilm) {
   EXPECT_EQ(report["frames_located"], 2);
   EXPECT_EQ(report["one_place"], true);
   EXPECT_LT(report["jitter_px"], 0.05);
+}
+
+TEST_F(LocateProgram, AVideoIsAFilmOfItsOwnRate) {
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  const Image8 picture = ReadImage(folder / "film/0000.png", 3);
+  Mp4Writer writer(folder / "take.mp4", kWidth, kHeight, 25);
+  for (int i = 0; i < 3; ++i) writer.Add(picture);
+  writer.Finish();
+  const std::string command =
+      "--mesh %/body.ply --plate %/take.mp4 --matte %/mattes --shows 0=0,2=0 --focal_35mm 50";
+  ASSERT_EQ(Run(command), 0) << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  ASSERT_EQ(shot.frames.size(), 2u);
+  EXPECT_EQ(shot.frames[1].frame, 2);
+  EXPECT_NEAR(shot.fps, 25, 1e-9);
+  EXPECT_GT(shot.frames[1].iou.value(), 0.98);
+  ASSERT_EQ(Run(command + " --fps 12"), 0);
+  EXPECT_EQ(ReadShot(folder / "shot.json").fps, 12) << "the rate that is given wins";
+  EXPECT_THAT(Log(), HasSubstr("the video has 25 pictures a second"));
+  const std::string whole = ReadFile(folder / "take.mp4");
+  WriteFile(folder / "cut.mp4", whole.substr(0, whole.size() - 100));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/cut.mp4 --matte %/mattes"), 3);
+  EXPECT_THAT(Log(), HasSubstr("cut.mp4 is cut off"));
 }
 
 TEST_F(LocateProgram, AFocalLengthThatCannotBeSeenIsKeptAndSaidSo) {

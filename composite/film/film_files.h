@@ -1,0 +1,43 @@
+// A film as numbered pictures: those of a folder, or of a video.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/shot_io.h"
+#include "core/progress.h"
+
+namespace keypose::composite {
+
+/// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
+/// removed with this object. They are what the decoder gives, bit for bit.
+class FilmFiles {
+ public:
+  /// Lists the pictures. Does not decode yet.
+  /// @throws InputError  no picture; a video that is cut off or damaged; see FilmPictures
+  explicit FilmFiles(const std::filesystem::path& film);
+  ~FilmFiles();
+  FilmFiles(const FilmFiles&) = delete;
+  FilmFiles& operator=(const FilmFiles&) = delete;
+
+  bool is_video() const { return fps_ > 0; }
+  double fps() const { return fps_; }  ///< of a video; 0: not known
+  /// All, in order. Those of a video lie at their paths only when they were decoded.
+  const std::vector<FilmPicture>& pictures() const { return pictures_; }
+
+  /// Of a video: writes these pictures, where that has not been done. Else does nothing.
+  /// @param frames  ascending
+  /// @throws InputError  no decoder for it; data that cannot be decoded; names file and frame
+  /// @throws DiskError
+  void Decode(const std::vector<int>& frames, Progress* progress = nullptr);
+  void DecodeAll(Progress* progress = nullptr);
+
+ private:
+  std::filesystem::path film_, scratch_;
+  double fps_ = 0;
+  std::string codec_;
+  std::vector<FilmPicture> pictures_;
+};
+
+}  // namespace keypose::composite

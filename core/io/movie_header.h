@@ -1,0 +1,25 @@
+// Reads what an MP4 or QuickTime file says of its film, without decoding it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace keypose {
+
+struct MovieHeader {
+  int frames = 0;
+  double fps = 0;  ///< mean over the whole film
+  int width = 0, height = 0;
+  std::string codec;  ///< four letters, such as avc1 (H.264), hvc1, ap4h (ProRes)
+};
+
+/// Whether the file begins as MP4 and QuickTime files do. False when it cannot be read.
+bool IsMovie(const std::filesystem::path& path);
+
+/// Of the first video track. Source: ISO/IEC 14496-12; QuickTime File Format.
+/// @throws DiskError   cannot be opened
+/// @throws InputError  cut off, no index (a recording that was not ended), no video track, index in
+/// pieces (fragmented), or damaged; names the file and what to do
+MovieHeader ReadMovieHeader(const std::filesystem::path& path);
+
+}  // namespace keypose

@@ -1,0 +1,131 @@
+// Films that are videos: the pictures that are decoded, and files that are no whole video.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "composite/film/film_files.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/movie_header.h"
+#include "views/film/mp4.h"
+#include "views/shot/shot.h"
+
+namespace keypose::composite {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr int kWidth = 64, kHeight = 48, kFrames = 6;
+
+class Video : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+    fs::create_directories(folder_);
+    Mp4Writer writer(film_, kWidth, kHeight, 12.5);
+    for (int i = 0; i < kFrames; ++i)
+      writer.Add(Image8(kWidth, kHeight, 3, static_cast<std::uint8_t>(40 * i)));
+    writer.Finish();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// What is wrong with a file of these bytes.
+  std::string Fault(const std::string& bytes) {
+    const fs::path path = folder_ / "other.mp4";
+    WriteFile(path, bytes);
+    try {
+      FilmFiles(path).DecodeAll();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("keypose_video_" + std::to_string(getpid()));
+  fs::path film_ = folder_ / "take.mp4";
+};
+
+TEST_F(Video, HeaderSaysRateSizeAndCodec) {
+  EXPECT_TRUE(IsMovie(film_));
+  const MovieHeader header = ReadMovieHeader(film_);
+  EXPECT_EQ(header.frames, kFrames);
+  EXPECT_NEAR(header.fps, 12.5, 1e-9);
+  EXPECT_EQ(header.width, kWidth);
+  EXPECT_EQ(header.height, kHeight);
+  EXPECT_EQ(header.codec, "avc1");
+}
+
+TEST_F(Video, PicturesAreTheDecodersBitForBitAndRemovedAfterwards) {
+  FrameSource source;
+  source.video = film_, source.frames = kFrames;
+  FrameReader reader(source);
+  std::vector<fs::path> paths;
+  {
+    FilmFiles film(film_);
+    EXPECT_TRUE(film.is_video());
+    EXPECT_NEAR(film.fps(), 12.5, 1e-9);
+    ASSERT_EQ(film.pictures().size(), static_cast<std::size_t>(kFrames));
+    film.Decode({1, 4});
+    EXPECT_FALSE(fs::exists(film.pictures()[0].path)) << "only what is asked for";
+    film.DecodeAll();
+    for (const FilmPicture& picture : film.pictures()) {
+      const Image8 read = ReadImage(picture.path, 3), truth = reader.Read(picture.frame, 3);
+      EXPECT_EQ(read.data, truth.data);
+      EXPECT_NEAR(*read.at(30, 20), 40 * picture.frame, 4);
+      paths.push_back(picture.path);
+    }
+  }
+  for (const fs::path& path : paths) EXPECT_FALSE(fs::exists(path));
+  EXPECT_FALSE(fs::exists(paths[0].parent_path()));
+}
+
+TEST_F(Video, FoldersStayWhatTheyAre) {
+  WriteImage(folder_ / "a_0003.png", Image8(8, 8, 3)),
+      WriteImage(folder_ / "a_0007.png", {8, 8, 3});
+  FilmFiles film(folder_);
+  EXPECT_FALSE(film.is_video());
+  film.DecodeAll();
+  ASSERT_EQ(film.pictures().size(), 2u);
+  EXPECT_EQ(film.pictures()[1].frame, 4);
+  EXPECT_TRUE(fs::exists(film.pictures()[1].path));
+}
+
+TEST_F(Video, CutOffAndDamagedFilesAreNamed) {
+  const std::string whole = ReadFile(film_);
+  EXPECT_EQ(Fault(whole), "none");
+  EXPECT_THAT(Fault(whole.substr(0, whole.size() - 20)),
+              AllOf(HasSubstr("other.mp4 is cut off"), HasSubstr("copy or export it again")));
+  EXPECT_THAT(Fault(whole.substr(0, 32)), AnyOf(HasSubstr("no index"), HasSubstr("cut off")));
+  std::string strange = whole;
+  for (std::size_t at; (at = strange.find("avc1", 40)) != std::string::npos;)
+    strange.replace(at, 4, "zzzz");
+  EXPECT_THAT(Fault(strange),
+              AllOf(HasSubstr("cannot be decoded"), HasSubstr("'zzzz'"), HasSubstr("H.264")));
+  std::string silent = whole;
+  silent.replace(silent.find("vide"), 4, "soun");
+  EXPECT_THAT(Fault(silent), HasSubstr("no video track"));
+}
+
+TEST_F(Video, AnyDamageOfTheIndexIsAnErrorOrAFilm) {
+  const std::string whole = ReadFile(film_);
+  const fs::path path = folder_ / "other.mp4";
+  for (std::size_t at = 0; at < std::min<std::size_t>(whole.size(), 720); at += 3)
+    for (const char byte : {'\0', '\xff'}) {
+      std::string damaged = whole;
+      damaged[at] = byte;
+      WriteFile(path, damaged);
+      try {
+        const MovieHeader header = ReadMovieHeader(path);
+        EXPECT_GT(header.frames, 0);
+        EXPECT_GT(header.fps, 0);
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("other.mp4"));
+      }
+    }
+}
+
+}  // namespace
+}  // namespace keypose::composite
