@@ -62,13 +62,16 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddTimeline();
   AddResults();
   AddShoot();
+  AddArmature();
   Follow();
   FollowShoot();
+  FollowArmature();
 }
 
 Routes::~Routes() {
   watch_.reset();
   shoot_.reset();
+  armature_.reset();
   run_.reset();
   hub_.Close();
 }
@@ -107,7 +110,8 @@ void Routes::Changed() {
 void Routes::Tell(const std::string& path) {
   stale_ = true;
   // Photographs come by the hundred; the watch tells of all of them together.
-  if (path == "/api/photos" || path.starts_with("/api/shoot")) return;
+  if (path == "/api/photos" || path.starts_with("/api/shoot") || path.starts_with("/api/armature"))
+    return;
   watch_->Forget();
   if (path != "/api/run" && path != "/api/stop") hub_.Send("project", "{}");
 }

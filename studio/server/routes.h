@@ -9,6 +9,7 @@
 #include <string>
 
 #include "studio/project/snapshot.h"
+#include "studio/runs/armature_control.h"
 #include "studio/runs/run_control.h"
 #include "studio/runs/shoot_control.h"
 #include "studio/server/answers.h"
@@ -41,6 +42,8 @@ class Routes {
   void AddResults();
   void AddShoot();
   void AddShootPictures();
+  void AddArmature();
+  void AddArmatureViews();
   void Add(const std::string& method, const std::string& path, Handler handler);
   /// Calls `use` with the project as it is now; one caller at a time.
   template <class Use>
@@ -57,6 +60,7 @@ class Routes {
   void Tell(const std::string& path);
   void Follow();
   void FollowShoot();
+  void FollowArmature();
   bool HasProject() const;
   std::string LockedBy();
   std::filesystem::path PictureFolder() const;
@@ -71,6 +75,7 @@ class Routes {
   std::map<std::string, nlohmann::json> described_;  ///< stages, by program and its stamp
   std::unique_ptr<RunControl> run_;
   std::unique_ptr<ShootControl> shoot_;
+  std::unique_ptr<ArmatureControl> armature_;
   std::unique_ptr<ProjectWatch> watch_;
 };
 

@@ -44,7 +44,8 @@ fs::path SessionFile(const fs::path& folder) { return folder / ".keypose/studio/
 /// without a project stays empty.
 void KeepSession(const fs::path& folder, const std::string& secret) {
   const fs::path file = SessionFile(folder);
-  if (!fs::exists(folder / "pipeline.yaml") || fs::exists(file)) return;
+  const bool used = fs::exists(folder / "pipeline.yaml") || fs::exists(folder / "armature");
+  if (!used || fs::exists(file)) return;
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   WriteFileAtomically(file, secret);
@@ -252,7 +253,8 @@ struct StudioServer::Impl {
       const Question question = QuestionOf(request);
       const Answer answer = routes.Handle(question);
       // A project is made by the page, or by `keypose shoot`; every tab then asks for it.
-      if (question.path == "/api/project") KeepSession(folder, session);
+      if (question.path == "/api/project" || question.path == "/api/armature")
+        KeepSession(folder, session);
       Send(question, answer, request, response);
     };
     server.Get(".*", any);

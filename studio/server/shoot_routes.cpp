@@ -12,6 +12,7 @@
 #include "pipeline/text.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
+#include "studio/server/serial_ports.h"
 
 namespace keypose::studio {
 
@@ -70,24 +71,6 @@ ShootSetup SetupFrom(const json& body) {
 json SetupJson(const ShootSetup& setup) {
   return {{"pose", setup.pose},       {"camera", setup.camera}, {"turntable", setup.turntable},
           {"rings", setup.rings_deg}, {"angles", setup.angles}, {"flips", setup.flips}};
-}
-
-/// Serial ports, by the name that tells what is plugged in, if the system gives one.
-json SerialPorts() {
-  json ports = json::array();
-  std::vector<fs::path> named;
-  std::error_code error;
-  for (const auto& link : fs::directory_iterator("/dev/serial/by-id", error)) {
-    ports.push_back({{"path", link.path().string()}, {"name", link.path().filename().string()}});
-    named.push_back(fs::weakly_canonical(link.path(), error));
-  }
-  for (const auto& device : fs::directory_iterator("/dev", error)) {
-    const std::string name = device.path().filename().string();
-    if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM")) continue;
-    if (std::find(named.begin(), named.end(), device.path()) == named.end())
-      ports.push_back({{"path", device.path().string()}, {"name", name}});
-  }
-  return ports;
 }
 
 /// The plans with which poses were begun, by the pose's name: a session goes on with the same one.

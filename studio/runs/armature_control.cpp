@@ -1,0 +1,195 @@
+#include "studio/runs/armature_control.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "pipeline/session.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// A session of many days repeats itself; pages want its end.
+constexpr std::size_t kMostArmatureEvents = 5000;
+/// A hand does not move faster than a page can show.
+constexpr int kReadings = 60, kPoses = 30;
+
+fs::path ArmatureProgram() { return pipeline::ProgramFolder() / "keypose-armature"; }
+
+/// --NAME=VALUE in one word, so that no value can be taken for another flag.
+void AddWord(const char* name, const std::string& value, std::vector<std::string>* words) {
+  if (!value.empty()) words->push_back(fmt::format("--{}={}", name, value));
+}
+
+std::vector<std::string> LiveWords(const ArmatureSetup& setup, const fs::path& page,
+                                   const fs::path& take) {
+  std::vector<std::string> words = {ArmatureProgram().string(), "live"};
+  AddWord("description", setup.description, &words);
+  AddWord("chains", setup.chains, &words);
+  AddWord("skeleton", setup.skeleton, &words);
+  AddWord("mesh", setup.mesh, &words);
+  AddWord("weights", setup.weights, &words);
+  AddWord("plate", setup.plate, &words);
+  AddWord("shot", setup.shot, &words);
+  AddWord("port", setup.port, &words);
+  if (setup.port == "simulated") AddWord("simulated", "frames", &words);
+  AddWord("calibration", setup.calibration, &words);
+  AddWord("fps", fmt::format("{}", setup.fps), &words);
+  AddWord("step", fmt::format("{}", setup.step), &words);
+  AddWord("rate", fmt::format("{}", kReadings), &words);
+  AddWord("page_rate", fmt::format("{}", kPoses), &words);
+  AddWord("page", page.string(), &words);
+  AddWord("session", take.string(), &words);
+  return words;
+}
+
+std::vector<std::string> BakeWords(const ArmatureSetup& setup, const fs::path& take,
+                                   const std::string& between) {
+  // A stage takes flag and value as two words, the value whatever it is.
+  std::vector<std::string> words = {ArmatureProgram().string(), "bake", "--overwrite"};
+  const auto add = [&](const char* name, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {std::string("--") + name, value});
+  };
+  add("description", setup.description);
+  add("chains", setup.chains);
+  add("skeleton", setup.skeleton);
+  add("mesh", setup.mesh);
+  add("weights", setup.weights);
+  add("curves", (take / "curves.json").string());
+  add("between", between);
+  add("frames", (take / "frames").string());
+  add("motion", (take / "motion.bvh").string());
+  return words;
+}
+
+}  // namespace
+
+ArmatureControl::ArmatureControl(fs::path project, Listener listener)
+    : project_(std::move(project)), listener_(std::move(listener)) {}
+
+ArmatureControl::~ArmatureControl() {
+  leave_ = true;
+  posed_.notify_all();
+  for (std::thread* thread : {&relay_, &bake_})
+    if (thread->joinable()) thread->join();
+  if (child_) child_->Say("end");
+  if (baker_) baker_->Interrupt();
+}
+
+fs::path ArmatureControl::TakeFolder(const std::string& take) const {
+  return project_ / "armature" / take;
+}
+
+void ArmatureControl::Start(const ArmatureSetup& setup) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (story_.running) throw LockedError("a session is at work already; end it first");
+  if (relay_.joinable()) relay_.join();
+  fs::create_directories(PageFolder());
+  fs::create_directories(project_ / "armature");
+  child_ = std::make_unique<TalkingChild>(LiveWords(setup, PageFolder(), TakeFolder(setup.take)),
+                                          project_, PageFolder() / "live.txt");
+  story_ = {true, story_.baking, story_.number, {}, 0, ""};
+  pose_.clear();
+  relay_ = std::thread([this] { Relay(); });
+}
+
+void ArmatureControl::Say(const std::string& line) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!story_.running || !child_->Say(line)) throw UsageError("no session is at work; begin one");
+}
+
+void ArmatureControl::Interrupt() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (story_.running) child_->Interrupt();
+}
+
+ArmatureStory ArmatureControl::Story() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return story_;
+}
+
+std::string ArmatureControl::Pose(std::uint64_t after) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const auto is_new = [&] { return !pose_.empty() && pose_number_ != after; };
+  posed_.wait_for(lock, std::chrono::seconds(1),
+                  [&] { return leave_ || !story_.running || is_new(); });
+  if (!story_.running || !is_new()) return "";
+  return fmt::format("{{\"number\": {}, \"pose\": {}}}", pose_number_, pose_);
+}
+
+void ArmatureControl::Relay() {
+  std::string line;
+  while (!leave_) {
+    const TalkingChild::Heard heard = child_->Hear(&line);
+    if (heard == TalkingChild::Heard::kLine) Take(line);
+    if (heard == TalkingChild::Heard::kEnd) return End();
+  }
+}
+
+void ArmatureControl::Take(const std::string& line) {
+  const json told = json::parse(line, nullptr, false);
+  if (!told.is_object()) return;
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (told.contains("pose")) {
+      pose_ = line;
+      ++pose_number_;
+      posed_.notify_all();
+      return;
+    }
+    if (!told.contains("event")) return;
+    if (story_.events.size() == kMostArmatureEvents) story_.events.erase(story_.events.begin());
+    story_.events.push_back(line);
+    number = ++story_.number;
+  }
+  listener_.event(number, line);
+}
+
+void ArmatureControl::End() {
+  const int code = child_->Wait();
+  const std::string said = code == 0 ? "" : WhatItSaid(PageFolder() / "live.txt", code);
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    story_.running = false;
+    story_.exit_code = code;
+    story_.message = said;
+    number = ++story_.number;
+  }
+  posed_.notify_all();
+  listener_.ended(number, code, said);
+}
+
+void ArmatureControl::Bake(const ArmatureSetup& setup, const std::string& between) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (story_.baking) throw LockedError("frames are baked already; wait for them");
+  if (bake_.joinable()) bake_.join();
+  fs::create_directories(PageFolder());
+  baker_ = std::make_unique<TalkingChild>(BakeWords(setup, TakeFolder(setup.take), between),
+                                          project_, PageFolder() / "bake.txt");
+  story_.baking = true;
+  bake_ = std::thread([this] { FollowBake(); });
+}
+
+void ArmatureControl::FollowBake() {
+  std::string line;
+  TalkingChild::Heard heard = TalkingChild::Heard::kNothing;
+  while (!leave_ && heard != TalkingChild::Heard::kEnd) heard = baker_->Hear(&line);
+  if (heard != TalkingChild::Heard::kEnd) return;
+  const int code = baker_->Wait();
+  const std::string said = code == 0 ? "" : WhatItSaid(PageFolder() / "bake.txt", code);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    story_.baking = false;
+  }
+  listener_.baked(code, said);
+}
+
+}  // namespace keypose::studio
