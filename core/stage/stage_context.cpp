@@ -20,7 +20,9 @@ RunningStage::RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths ou
       placing_(placing),
       progress_(progress) {}
 
-RunningStage::~RunningStage() {
+RunningStage::~RunningStage() { RemoveTemporaries(); }
+
+void RunningStage::RemoveTemporaries() {
   std::error_code ignored;
   for (const Pending& pending : pending_) fs::remove_all(pending.temporary_folder, ignored);
   if (!scratch_.empty()) fs::remove_all(scratch_, ignored);
@@ -41,6 +43,7 @@ std::vector<fs::path> RunningStage::Inputs(std::string_view port) const {
 }
 
 fs::path RunningStage::Output(std::string_view port) {
+  const std::lock_guard lock(mutex_);
   for (const Pending& pending : pending_)
     if (pending.port == port) return pending.temporary;
   const auto it = outputs_.find(port);
@@ -65,6 +68,7 @@ fs::path RunningStage::Output(std::string_view port) {
 }
 
 fs::path RunningStage::Scratch() {
+  const std::lock_guard lock(mutex_);
   if (scratch_.empty()) {
     // Next to the first output, so that large temporary files are on the disk that the user chose.
     const auto it = outputs_.begin();
@@ -106,7 +110,16 @@ void RunningStage::Verdict(const std::string& about, const std::string& grade,
   verdicts_.push_back({{"about", about}, {"grade", grade}, {"why", why}});
 }
 
+bool RunningStage::Abandon() {
+  const std::lock_guard lock(mutex_);
+  if (committed_) return false;
+  RemoveTemporaries();
+  return true;
+}
+
 void RunningStage::Commit() {
+  const std::lock_guard lock(mutex_);
+  committed_ = true;
   for (const Pending& pending : pending_) {
     if (!fs::exists(pending.temporary))
       throw std::logic_error(

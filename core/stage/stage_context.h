@@ -2,6 +2,7 @@
 // its report. Used by stage_main.cpp only.
 #pragma once
 
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "core/stage/output_guard.h"
@@ -50,6 +51,9 @@ class RunningStage final : public StageContext {
   /// @throws InputError a promised output was not written
   /// @throws DiskError
   void Commit();
+  /// Removes all outputs and the scratch folder, from any thread, while the stage is at work.
+  /// @return false, with nothing done: the outputs are being moved, or have been
+  bool Abandon();
   const nlohmann::json& measurements() const { return measurements_; }
   const nlohmann::json& warnings() const { return warnings_; }
   const nlohmann::json& verdicts() const { return verdicts_; }
@@ -61,6 +65,7 @@ class RunningStage final : public StageContext {
     bool is_folder = false;
   };
   void Place(const Pending& pending) const;
+  void RemoveTemporaries();
 
   const StageSpec& spec_;
   PortPaths inputs_, outputs_;
@@ -68,6 +73,8 @@ class RunningStage final : public StageContext {
   Progress* progress_;
   std::vector<Pending> pending_;
   std::filesystem::path scratch_;
+  std::mutex mutex_;  ///< of `pending_`, `scratch_`, and the whole of Commit and Abandon
+  bool committed_ = false;
   nlohmann::json measurements_ = nlohmann::json::object();
   nlohmann::json warnings_ = nlohmann::json::array(), verdicts_ = nlohmann::json::array();
 };

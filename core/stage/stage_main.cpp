@@ -1,12 +1,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
@@ -17,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/stage/interruption.h"
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
@@ -27,20 +26,8 @@ using nlohmann::json;
 
 namespace {
 
-std::atomic<bool> g_interrupted{false};
-void OnSignal(int) { g_interrupted = true; }
-
-void CatchSignals() {
-  struct sigaction action {};
-  action.sa_handler = OnSignal;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction inherited {};
-    // With nohup or a shell's `&`, the signal is ignored on purpose: the program must go on.
-    if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
-    sigaction(signal, &action, nullptr);
-  }
-  signal(SIGPIPE, SIG_IGN);
-}
+/// The runner kills a stage 5 seconds after SIGTERM (docs/stage-contract.md).
+constexpr double kGrace_s = 3;
 
 /// Progress as JSON lines to the runner's descriptor, or as percent lines for a person at a
 /// terminal.
@@ -52,7 +39,7 @@ class StageProgress final : public Progress {
     if (descriptor_ >= 0 && fcntl(descriptor_, F_SETFD, FD_CLOEXEC) != 0) descriptor_ = -1;
     terminal_ = descriptor_ < 0 && isatty(STDERR_FILENO);
   }
-  bool cancelled() const override { return g_interrupted; }
+  bool cancelled() const override { return Interruption::Asked(); }
   void Update(double fraction, std::string_view what) override {
     const std::lock_guard lock(mutex_);  // some algorithms report from each of their threads
     const auto now = std::chrono::steady_clock::now();
@@ -384,12 +371,16 @@ int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& option
     return 0;
   }
   CheckOutputs(spec, arguments.inputs, arguments.outputs, arguments.report, arguments.overwrite);
-  CatchSignals();
   StageProgress progress(spec.name);
   RunningStage stage(spec, arguments.inputs, arguments.outputs,
                      {arguments.overwrite, !std::getenv("KEYPOSE_PROGRESS_FD")}, &progress);
+  const Interruption interruption(kGrace_s, [&] {
+    if (!stage.Abandon()) return false;
+    std::fprintf(stderr, "keypose %s: error: %s\n", spec.name.c_str(), Cancelled().what());
+    return true;
+  });
   run(stage);
-  if (g_interrupted) throw Cancelled();
+  if (Interruption::Asked()) throw Cancelled();
   stage.Commit();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   if (!arguments.report.empty())

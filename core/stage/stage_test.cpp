@@ -1,8 +1,11 @@
 #include "core/stage/stage.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -244,6 +247,46 @@ TEST_F(StageTest, ToolThatFailsToSayItsVersionHasNone) {
   EXPECT_THROW(version_of("kill -9 $$"), ToolError);
   EXPECT_THROW(version_of("true"), ToolError);
   ::unsetenv("KEYPOSE_TOOL");
+}
+
+/// Stands in a library's call that looks at nothing, with an output and a scratch file half
+/// written.
+void StuckStage(StageContext& stage, const TestOptions&) {
+  WriteFile(stage.Output("copy"), "half");
+  WriteFile(stage.Scratch() / "left.bin", "half");
+  WriteFile(fs::path(stage.Input("text")).parent_path() / "stuck", "");
+  for (int i = 0; i < 3000; ++i) usleep(100000);
+}
+
+/// Starts a program that is stuck, sends signals, and returns its exit code.
+int EndStuck(const fs::path& folder, const std::vector<int>& signals) {
+  const pid_t child = fork();
+  if (child == 0) {
+    std::vector<std::string> words = {"test", "--text", (folder / "in.txt").string(), "--copy",
+                                      (folder / "out.txt").string()};
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    _exit(RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), StuckStage));
+  }
+  while (!fs::exists(folder / "stuck") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+  for (const int signal : signals) kill(child, signal), usleep(20000);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(StageTest, SignalEndsItInACallThatCannotBeAskedAndLeavesNothing) {
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(EndStuck(folder_, {SIGTERM}), 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(100)) << "of 300";
+  fs::remove(folder_ / "stuck");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    EXPECT_EQ(entry.path().filename(), "in.txt") << "litter";
+}
+
+TEST_F(StageTest, SecondSignalEndsItAtOnce) {
+  EXPECT_EQ(EndStuck(folder_, {SIGINT, SIGINT}), 130);
+  EXPECT_FALSE(fs::exists(folder_ / "out.txt"));
 }
 
 }  // namespace
