@@ -78,8 +78,10 @@ function PoseHead({ pose }: { pose: string }) {
   const known = project.poses.find((one) => one.name === pose)
   const verdict = steps.verdicts.find((one) => one.about === pose)
   const facts: string[] = []
-  if (known) facts.push(`${known.photographs} photos`)
-  if (known?.template) facts.push('template')
+  if (known && project.kind === 'poses') {
+    facts.push(`${known.photographs} photos`)
+    if (known.template) facts.push('template')
+  }
   return (
     <th scope="col">
       <div class="pose">
