@@ -17,6 +17,7 @@
 #include "motion/root/mark_chain.h"
 #include "motion/root/placed_poses.h"
 #include "motion/root/root_path.h"
+#include "motion/root/settled_pose.h"
 
 namespace keypose::motion {
 
@@ -26,7 +27,6 @@ constexpr double kOpposite = 90 * kDegree;  // poses further apart do not resemb
 /// Numbers in a batch of frames: what bounds the memory on large meshes.
 constexpr std::int64_t kBatchNumbers = 12'000'000;
 constexpr int kMostTogether = 24;
-constexpr int kRounds = 3;
 
 std::vector<int> TargetFaces(const std::vector<Mark>& marks) {
   std::vector<int> faces;
@@ -63,8 +63,9 @@ struct Transfer::Impl {
   void KeepPose(const MarkPose& pose);
   Eigen::MatrixXd Stretches(const MarkPose& pose) const;
   void Plan();
-  std::vector<PointsX3> Poses(int first, int count) const;
-  void Finish(int frame, PointsX3& pose, TransferReport& made) const;
+  std::vector<PointsX3> LiteralPoses(int first, int count) const;
+  PointsX3 PoseOf(int frame) const;
+  void Finish(int frame, PointsX3& pose, PoseSettler::Space& space, TransferReport& made) const;
 
   const PointsX3 target, template_reference;
   const FacesX3 faces, template_faces;
@@ -87,6 +88,7 @@ struct Transfer::Impl {
 
   std::vector<MotionFrame> frames;
   std::vector<std::vector<Eigen::Quaterniond>> quaternions;  // for the literal method
+  PoseSettler::Space settling;                               // of single frames
   TransferReport report;
 };
 
@@ -191,9 +193,8 @@ Eigen::MatrixXd Transfer::Impl::Stretches(const MarkPose& pose) const {
   return logs;
 }
 
-/// Poses in their places, without volume and holds.
-std::vector<PointsX3> Transfer::Impl::Poses(int first, int count) const {
-  if (placed) return placed->Make(std::span(frames).subspan(first, count));
+/// Poses in their places.
+std::vector<PointsX3> Transfer::Impl::LiteralPoses(int first, int count) const {
   std::vector<PointsX3> poses;
   for (int t = first; t < first + count; ++t) {
     poses.push_back(literal->Pose(quaternions[t]));
@@ -205,29 +206,28 @@ std::vector<PointsX3> Transfer::Impl::Poses(int first, int count) const {
   return poses;
 }
 
+/// One frame in its place, without volume and holds.
+PointsX3 Transfer::Impl::PoseOf(int frame) const {
+  return placed ? placed->MakeOne(frames[frame]) : LiteralPoses(frame, 1).front();
+}
+
 void Transfer::Impl::Plan() {
   if (planned) return;
   planned = true;
   if (holds) holds->Plan(placed->solver().system(), *path, options.fps, frames);
 }
 
-/// Volume and holds. They disturb each other a little, so they alternate; what is held comes last.
-void Transfer::Impl::Finish(int frame, PointsX3& pose, TransferReport& made) const {
-  const auto keep_volume = [&] {
-    if (!kept) return;
-    const KeptVolume::Result result = kept->Apply(pose);
-    made.volume_before = std::max(made.volume_before, result.deviation);
-    made.volume_move_over_diag =
-        std::max(made.volume_move_over_diag, result.largest_move / diagonal);
-  };
-  keep_volume();
-  if (holds) {
-    std::vector<HeldPatches::Goal> goals = holds->GoalsOf(frame, pose);
-    for (int round = 0; round < kRounds && !goals.empty(); ++round) {
-      if (round > 0) keep_volume();
-      made.holds.held_move = std::max(made.holds.held_move, holds->Apply(frame, goals, pose));
-    }
-  }
+/// Volume and holds.
+void Transfer::Impl::Finish(int frame, PointsX3& pose, PoseSettler::Space& space,
+                            TransferReport& made) const {
+  const PoseSettler settler(kept.get(), holds ? holds->patches() : nullptr);
+  PoseSettler::Report settled;
+  settler.KeepVolume(pose, space, settled);
+  settler.Settle(holds ? holds->GoalsOf(frame, pose) : std::vector<HeldPatches::Goal>{}, pose,
+                 space, settled);
+  made.volume_before = settled.deviation;
+  made.volume_move_over_diag = settled.volume_move / diagonal;
+  made.holds.held_move = settled.held_move;
 }
 
 Transfer::Transfer(const Mesh& target, const PointsX3& reference, const FacesX3& template_faces,
@@ -248,13 +248,23 @@ void Transfer::Run(const std::function<void(int, const PointsX3&)>& take, Progre
   const int together = static_cast<int>(std::clamp<std::int64_t>(
       kBatchNumbers / std::max<std::int64_t>(1, 3 * s.target.rows()) / 4 * 4, 4, kMostTogether));
   if (s.holds) s.report.holds = s.holds->report();
+  FrameSolver::Space space;
+  std::vector<PoseSettler::Space> settling(ThreadCount());
   for (int first = 0; first < frame_count(); first += together) {
     ReportProgress(progress, static_cast<double>(first) / frame_count(), "transferring");
     const int count = std::min(together, frame_count() - first);
-    std::vector<PointsX3> poses = s.Poses(first, count);
+    if (s.placed)
+      s.placed->Make(std::span(s.frames).subspan(first, count), space);
+    else
+      space.poses = s.LiteralPoses(first, count);
+    std::vector<PointsX3>& poses = space.poses;
     std::vector<TransferReport> made(count);
-    ParallelFor(count,
-                [&](std::int64_t k) { s.Finish(first + static_cast<int>(k), poses[k], made[k]); });
+    // A few blocks of frames, each with its own memory.
+    const std::int64_t grain = (count + std::ssize(settling) - 1) / std::ssize(settling);
+    ParallelBlocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t k = begin; k < end; ++k)
+        s.Finish(first + static_cast<int>(k), poses[k], settling[begin / grain], made[k]);
+    });
     for (int k = 0; k < count; ++k) {
       s.report.TakeWorst(made[k]);
       if (!poses[k].allFinite())
@@ -267,9 +277,9 @@ void Transfer::Run(const std::function<void(int, const PointsX3&)>& take, Progre
 
 PointsX3 Transfer::Frame(int frame) {
   impl_->Plan();
-  PointsX3 pose = std::move(impl_->Poses(frame, 1).front());
+  PointsX3 pose = impl_->PoseOf(frame);
   TransferReport made;
-  impl_->Finish(frame, pose, made);
+  impl_->Finish(frame, pose, impl_->settling, made);
   return pose;
 }
 

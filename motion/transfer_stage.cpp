@@ -72,7 +72,7 @@ struct TransferStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "transfer";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
   spec.inputs = {
       {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,

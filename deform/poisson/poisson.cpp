@@ -67,8 +67,9 @@ EdgeBatch::EdgeBatch(std::span<const int> faces, int frame_count)
   std::fill_n(values_.get(), faces.size() * 6 * stride, 0.0);
 }
 
-FrameRows::FrameRows(Eigen::Index vertices, int frame_count)
-    : frames(frame_count),
+FrameRows::FrameRows(Eigen::Index vertex_count, int frame_count)
+    : vertices(vertex_count),
+      frames(frame_count),
       stride((frame_count + kVectorWidth - 1) / kVectorWidth * kVectorWidth),
       values(std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(vertices) * 3 *
                                                       stride)) {}
@@ -232,20 +233,26 @@ RowTargets PoissonSystem::RowsAt(const PointsX3& points) const {
   return values;
 }
 
-std::vector<PointsX3> PoissonSystem::Impl::Fit(FrameRows& solved,
-                                               const std::vector<RowTargets>& targets) const {
+void PoissonSystem::Impl::Fit(FrameRows& solved, const std::vector<RowTargets>& targets,
+                              std::vector<PointsX3>& frames) const {
   for (const RowTargets& t : targets)
     if (t.rows() != std::ssize(rows))
       throw InputError("interpolate: one target a constraint row is needed");
   if (SizeOf(targets) != solved.frames)
     throw InputError("interpolate: one set of targets a frame is needed");
   if (coupled == 0) solver.SolveRows(solved.values.get(), 3 * solved.stride);
-  std::vector<PointsX3> frames(targets.size());
-  ParallelFor(std::ssize(frames), [&](std::int64_t t) {
-    frames[t].resize(n, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double* row = solved.Row(solver.rows()[i]) + t;
-      frames[t].row(i) << row[0], row[solved.stride], row[2 * solved.stride];
+  frames.resize(targets.size());
+  for (PointsX3& frame : frames) frame.resize(n, 3);
+  // Row by row: a row has a number of each frame, so that each is loaded once.
+  constexpr int kRowsTogether = 512;
+  ParallelBlocks(n, kRowsTogether, [&](std::int64_t begin, std::int64_t end) {
+    for (int t = 0; t < solved.frames; ++t) {
+      double* frame = frames[t].data();
+      for (std::int64_t r = begin; r < end; ++r) {
+        const double* row = solved.Row(r) + t;
+        double* point = frame + 3 * static_cast<std::ptrdiff_t>(solver.unknowns()[r]);
+        point[0] = row[0], point[1] = row[solved.stride], point[2] = row[2 * solved.stride];
+      }
     }
   });
   if (coupled > 0) {
@@ -255,7 +262,6 @@ std::vector<PointsX3> PoissonSystem::Impl::Fit(FrameRows& solved,
     for (int t = 0; t < solved.frames; ++t) frames[t] = x.middleCols<3>(3 * t);
   }
   ParallelFor(std::ssize(frames), [&](std::int64_t t) { CentreFreeParts(frames[t], targets[t]); });
-  return frames;
 }
 
 std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges,
@@ -267,15 +273,38 @@ std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges,
       impl_->Gather(static_cast<int>(patch), edges, turns.empty() ? nullptr : turns.data(), first,
                     rows);
   });
-  return impl_->Fit(rows, targets);
+  std::vector<PointsX3> poses;
+  impl_->Fit(rows, targets, poses);
+  return poses;
 }
 
 std::vector<PointsX3> PoissonSystem::Solve(int frames, const FillEdges& fill,
                                            const std::vector<RowTargets>& targets,
                                            const std::vector<Eigen::Matrix3d>& turns) const {
-  FrameRows rows(impl_->n, frames);
+  FrameRows rows;
+  std::vector<PointsX3> poses;
+  SolveInto(frames, fill, targets, turns, rows, poses);
+  return poses;
+}
+
+void PoissonSystem::SolveInto(int frames, const FillEdges& fill,
+                              const std::vector<RowTargets>& targets,
+                              const std::vector<Eigen::Matrix3d>& turns, FrameRows& rows,
+                              std::vector<PointsX3>& poses) const {
+  if (rows.vertices != impl_->n || rows.frames != frames) rows = FrameRows(impl_->n, frames);
   impl_->RightHandSide(fill, turns, rows);
-  return impl_->Fit(rows, targets);
+  impl_->Fit(rows, targets, poses);
+}
+
+PointsX3 PoissonSystem::SolveOne(const FillOneFrame& fill, const RowTargets& target,
+                                 const Eigen::Matrix3d& turn) const {
+  std::vector<double> rows = impl_->OneRightHandSide(fill, turn);
+  impl_->solver.SolveFour(rows.data());
+  PointsX3 pose(impl_->n, 3);
+  for (Eigen::Index r = 0; r < impl_->n; ++r)
+    pose.row(impl_->solver.unknowns()[r]) = Eigen::Map<const Eigen::RowVector3d>(&rows[4 * r]);
+  impl_->CentreFreeParts(pose, target);
+  return pose;
 }
 
 bool PoissonSystem::IsFree() const { return impl_->coupled == 0; }

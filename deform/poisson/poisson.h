@@ -38,10 +38,12 @@ struct EdgeBatch {
 /// Positions of all vertices at several frames. The row of a vertex has `stride` numbers for x,
 /// then for y and z. Each frame is a column.
 struct FrameRows {
+  FrameRows() = default;
   FrameRows(Eigen::Index vertices, int frame_count);
   double* Row(Eigen::Index row) { return values.get() + row * 3 * stride; }
   const double* Row(Eigen::Index row) const { return values.get() + row * 3 * stride; }
 
+  Eigen::Index vertices = 0;
   int frames = 0, stride = 0;  ///< stride: frames rounded up to whole vectors
   std::unique_ptr<double[]> values;
 };
@@ -49,6 +51,10 @@ struct FrameRows {
 /// Writes the wanted edges of the batch's faces at the frames first .. first + edges.frames - 1.
 /// Several threads call it at once.
 using FillEdges = std::function<void(int first, EdgeBatch& edges)>;
+
+/// Writes the wanted edges of some faces in one frame: eight numbers a face, x y z 0 of the first
+/// edge, then of the second. Several threads call it at once.
+using FillOneFrame = std::function<void(std::span<const int> faces, double* edges)>;
 
 /// One linear constraint, the same for x, y and z: the sum of weight * position over `terms` equals
 /// a target point, which differs from frame to frame.
@@ -125,6 +131,17 @@ class PoissonSystem {
   std::vector<PointsX3> Solve(int frames, const FillEdges& fill,
                               const std::vector<RowTargets>& targets,
                               const std::vector<Eigen::Matrix3d>& turns = {}) const;
+
+  /// The same into buffers that are used again.
+  void SolveInto(int frames, const FillEdges& fill, const std::vector<RowTargets>& targets,
+                 const std::vector<Eigen::Matrix3d>& turns, FrameRows& rows,
+                 std::vector<PointsX3>& poses) const;
+  /// One frame by itself, in a fraction of the time that a batch of one takes. Its sums are in
+  /// another order than a batch's.
+  /// @param turn  of all edges
+  /// @pre IsFree()
+  PointsX3 SolveOne(const FillOneFrame& fill, const RowTargets& target,
+                    const Eigen::Matrix3d& turn) const;
 
   /// Whether the parts have no rows except those of their centroids.
   bool IsFree() const;

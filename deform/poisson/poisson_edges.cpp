@@ -29,6 +29,16 @@ struct GatherJob {
   int out_stride, rows;
 };
 
+/// One frame: edges of eight numbers a face, rows of four numbers.
+struct OneGatherJob {
+  const int* row_begin;
+  const RowCorner* corners;
+  const double* edges;
+  const double* turn;  // 3 x 3, column by column
+  double* out;
+  int rows;
+};
+
 }  // namespace
 
 namespace plain {
@@ -114,6 +124,29 @@ void PoissonSystem::Impl::RightHandSide(const FillEdges& fill,
                      }
                    }
                  });
+}
+
+std::vector<double> PoissonSystem::Impl::OneRightHandSide(const FillOneFrame& fill,
+                                                          const Eigen::Matrix3d& turn) const {
+  std::vector<double> sums(4 * n);
+  constexpr int kPatchesTogether = 4;
+  ParallelBlocks(std::ssize(patch_begin) - 1, kPatchesTogether,
+                 [&](std::int64_t from, std::int64_t to) {
+                   std::vector<double> edges;
+                   for (int patch = static_cast<int>(from); patch < to; ++patch) {
+                     const std::span<const int> listed(patch_faces.data() + patch_begin[patch],
+                                                       patch_faces.data() + patch_begin[patch + 1]);
+                     edges.resize(8 * listed.size());
+                     fill(listed, edges.data());
+                     const int begin = patch * kPatchRows,
+                               end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
+                     const OneGatherJob job{
+                         row_begin.data() + begin, row_corners.data(), edges.data(), turn.data(),
+                         sums.data() + 4 * begin,  end - begin};
+                     HasFused() ? fused::GatherOneFrame(job) : plain::GatherOneFrame(job);
+                   }
+                 });
+  return sums;
 }
 
 }  // namespace keypose

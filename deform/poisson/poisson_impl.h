@@ -41,7 +41,10 @@ struct PoissonSystem::Impl {
               FrameRows& sums) const;
   void RightHandSide(const FillEdges& fill, const std::vector<Eigen::Matrix3d>& turns,
                      FrameRows& sums) const;
-  std::vector<PointsX3> Fit(FrameRows& solved, const std::vector<RowTargets>& targets) const;
+  void Fit(FrameRows& solved, const std::vector<RowTargets>& targets,
+           std::vector<PointsX3>& frames) const;
+  /// Right-hand sides of one frame: rows of four numbers, x y z 0.
+  std::vector<double> OneRightHandSide(const FillOneFrame& fill, const Eigen::Matrix3d& turn) const;
 
   // In poisson_rows.cpp.
   void AcceptRows(const std::vector<ConstraintRow>& given);

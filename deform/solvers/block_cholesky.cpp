@@ -26,6 +26,16 @@ struct BlockCholesky::Analysis {
   std::vector<std::ptrdiff_t> entry, slots;  // slots: places in the factor of the matrix's nonzeros
   std::vector<int> parent;
   int most_rows = 0;
+  /// Subtrees that are solved side by side in SolveFour: supernodes begin .. end - 1.
+  struct Subtree {
+    int begin, end;
+  };
+  std::vector<Subtree> subtrees;
+  std::vector<int> top;        // supernodes of no subtree, in order
+  std::vector<int> local_row;  // as `row`, counted from the subtree's first unknown; rows beyond
+                               // the subtree follow in the order of its root's
+
+  void CutSubtrees();
 
   int Width(int s) const { return first[s + 1] - first[s]; }
   int Rows(int s) const { return at[s + 1] - at[s]; }
@@ -68,6 +78,7 @@ Kernels BestKernels() {
 
 const Kernels kKernels = BestKernels();
 
+constexpr int kLeastSubtrees = 16;  // each has at most one in so many of the factor's entries
 constexpr double kMostZeros = 0.3;  // in a supernode of up to 16 columns; more zeros make solves
                                     // slower and the factorisation no faster
 
@@ -102,6 +113,35 @@ cholmod_sparse PatternOf(const Eigen::SparseMatrix<double>& lower) {
 }
 
 }  // namespace
+
+/// Supernodes are in postorder, so that a subtree is a range that ends with its root.
+void BlockCholesky::Analysis::CutSubtrees() {
+  std::vector<std::ptrdiff_t> work(count);
+  std::vector<int> begin(count);
+  for (int s = 0; s < count; ++s) begin[s] = s;
+  for (int s = 0; s < count; ++s) {
+    work[s] += entry[s + 1] - entry[s];
+    if (parent[s] < 0) continue;
+    work[parent[s]] += work[s];
+    begin[parent[s]] = std::min(begin[parent[s]], begin[s]);
+  }
+  const std::ptrdiff_t most = entry.back() / kLeastSubtrees;
+  for (int s = 0; s < count; ++s)
+    if (work[s] <= most && (parent[s] < 0 || work[parent[s]] > most))
+      subtrees.push_back({begin[s], s + 1});
+    else if (work[s] > most)
+      top.push_back(s);
+  local_row = row;
+  for (const Subtree& tree : subtrees) {
+    const int root = tree.end - 1, base = first[tree.begin], inside = first[tree.end] - base;
+    const int *beyond = row.data() + at[root] + Width(root), *end = row.data() + at[root + 1];
+    for (int k = at[tree.begin]; k < at[tree.end]; ++k)
+      local_row[k] =
+          row[k] < first[tree.end]
+              ? row[k] - base
+              : inside + static_cast<int>(std::lower_bound(beyond, end, row[k]) - beyond);
+  }
+}
 
 BlockCholesky::BlockCholesky() = default;
 BlockCholesky::~BlockCholesky() = default;
@@ -152,6 +192,7 @@ void BlockCholesky::Analyze(const Eigen::SparseMatrix<double>& lower) {
       a.slots.push_back(a.entry[s] + static_cast<std::ptrdiff_t>(j - a.first[s]) * a.Rows(s) +
                         place);
     }
+  a.CutSubtrees();
   analysis_ = std::move(analysis);
 }
 
@@ -228,6 +269,63 @@ void BlockCholesky::SolveRows(double* x, Eigen::Index columns) const {
   });
   if (std::count(failed.begin(), failed.end(), 1) > 0)
     throw SolverError("sparse Cholesky: the solution is not finite");
+}
+
+/// Solves the subtree's rows of x on a copy. Forward, what it leaves to rows beyond it is returned,
+/// in the order of its root's rows; backward, they are read.
+double* BlockCholesky::SolveSubtree(bool forward, int subtree, double* x,
+                                    std::vector<double>& own) const {
+  const Analysis& a = *analysis_;
+  const auto [begin, end] = a.subtrees[subtree];
+  const int root = end - 1, base = a.first[begin], size = a.first[end] - base,
+            beyond = a.Rows(root) - a.Width(root);
+  own.assign(static_cast<std::size_t>(size + beyond) * 4, 0.0);
+  std::copy_n(x + static_cast<std::ptrdiff_t>(base) * 4, size * 4, own.data());
+  const int* row = a.row.data() + a.at[root] + a.Width(root);
+  double* rest = own.data() + static_cast<std::ptrdiff_t>(size) * 4;
+  for (int i = 0; i < beyond && !forward; ++i)
+    std::copy_n(x + static_cast<std::ptrdiff_t>(row[i]) * 4, 4, rest + i * 4);
+  for (int k = 0; k < end - begin; ++k) {
+    const int s = forward ? begin + k : end - 1 - k;
+    const Panel panel{factor_.data() + a.entry[s], a.Rows(s), a.Width(s),
+                      a.local_row.data() + a.at[s], inverse_diagonal_.data() + a.first[s]};
+    kKernels.solve(forward, panel, own.data(), 4, 4);
+  }
+  std::copy_n(own.data(), size * 4, x + static_cast<std::ptrdiff_t>(base) * 4);
+  return rest;
+}
+
+void BlockCholesky::SolveFour(double* x) const {
+  if (factor_.empty()) throw SolverError("sparse Cholesky: solve before factor");
+  const Analysis& a = *analysis_;
+  const auto pass = [&](bool forward, int s) {
+    const Panel panel{factor_.data() + a.entry[s], a.Rows(s), a.Width(s), a.row.data() + a.at[s],
+                      inverse_diagonal_.data() + a.first[s]};
+    kKernels.solve(forward, panel, x, 4, 4);
+  };
+  const int count = static_cast<int>(a.subtrees.size());
+  std::vector<std::vector<double>> left(count);
+  ParallelFor(count, [&](std::int64_t k) {
+    std::vector<double> own;
+    const double* rest = SolveSubtree(true, static_cast<int>(k), x, own);
+    left[k].assign(rest, static_cast<const double*>(own.data() + own.size()));
+  });
+  for (int k = 0; k < count; ++k) {
+    const int root = a.subtrees[k].end - 1, *row = a.row.data() + a.at[root] + a.Width(root);
+    for (std::size_t i = 0; i < left[k].size(); ++i)
+      x[row[i / 4] * std::ptrdiff_t{4} + i % 4] += left[k][i];
+  }
+  for (const int s : a.top) pass(true, s);
+  for (std::size_t k = a.top.size(); k-- > 0;) pass(false, a.top[k]);
+  ParallelFor(count, [&](std::int64_t k) {
+    std::vector<double> own;
+    SolveSubtree(false, static_cast<int>(k), x, own);
+  });
+  // A value that is not finite spreads to the last row of its connected part.
+  for (int s = 0; s < a.count; ++s)
+    for (int c = 0; c < 4 && a.parent[s] < 0; ++c)
+      if (!std::isfinite(x[(a.first[s + 1] - 1) * std::ptrdiff_t{4} + c]))
+        throw SolverError("sparse Cholesky: the solution is not finite");
 }
 
 void BlockCholesky::SolveInPlace(Eigen::MatrixXd& x) const {

@@ -44,12 +44,17 @@ class BlockCholesky {
   /// unknowns().
   /// @throws SolverError  the solution is not finite
   void SolveRows(double* x, Eigen::Index columns) const;
+  /// The same for rows of four numbers. Here the factor is read from memory for little arithmetic,
+  /// so several subtrees of the elimination tree are solved at a time; the sums are in another
+  /// order than in SolveRows, but the same for any thread count.
+  void SolveFour(double* x) const;
   /// The same for a matrix in the order of the unknowns, N x any number of columns.
   void SolveInPlace(Eigen::MatrixXd& x) const;
   std::size_t factor_entries() const;  ///< stored entries, including zeros in supernodes
 
  private:
   struct Analysis;
+  double* SolveSubtree(bool forward, int subtree, double* x, std::vector<double>& own) const;
   std::shared_ptr<const Analysis> analysis_;
   std::vector<double> factor_, inverse_diagonal_;
 };

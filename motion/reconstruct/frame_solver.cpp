@@ -29,6 +29,20 @@ struct TurnJob {
   double* out;
 };
 
+/// One frame of the edges of some faces.
+struct OneTurnJob {
+  const int *begin, *mark;
+  const double* weight;
+  const double* values;  // of the marks: [mark][component], components of the turn 0 .. 3, of the
+                         // remainder 4 .. 7
+  int components;
+  bool quaternions, remainders;
+  const double* edges;
+  const int* listed;
+  int count;
+  double* out;  // eight numbers a face
+};
+
 }  // namespace
 
 namespace plain {
@@ -123,13 +137,54 @@ FrameFields FrameFields::Turns(const MarkTurns& turns) {
 FrameSolver::FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
                          bool screened)
     : rest_(rest), fields_(fields), system_({rest_}, faces, {}, {screened}) {
-  edges_.reserve(6 * faces.rows());
+  edges_.reserve(6 * faces.rows() + 1);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 1; k < 3; ++k)
       for (int c = 0; c < 3; ++c) edges_.push_back(rest(faces(f, k), c) - rest(faces(f, 0), c));
+  edges_.push_back(0);
 }
 
 std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames) const {
+  Space space;
+  Solve(frames, space);
+  return std::move(space.poses);
+}
+
+PointsX3 FrameSolver::SolveOne(const FrameFields& frame) const {
+  const bool quaternions = frame.quaternions.size() > 0, remainders = frame.remainders.size() > 0;
+  const int components = remainders ? 8 : 4;
+  const Eigen::MatrixXd& turns = quaternions ? frame.quaternions : Eigen::MatrixXd(frame.turns);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values =
+      Eigen::MatrixXd::Zero(turns.rows(), components);
+  values.leftCols(turns.cols()) = turns;
+  if (remainders) values.middleCols<3>(4) = frame.remainders;
+  const WeightRows& rows = fields_.faces();
+  const auto fill = [&](std::span<const int> listed, double* edges) {
+    if (frame.log_stretches.size() > 0) {
+      for (std::size_t k = 0; k < listed.size(); ++k) {
+        const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * listed[k]);
+        Eigen::Map<Eigen::Matrix<double, 4, 2>> out(edges + 8 * k);
+        out << MapAt(rows, listed[k], frame) * rest, Eigen::RowVector2d::Zero();
+      }
+      return;
+    }
+    const OneTurnJob job{rows.begin.data(),
+                         rows.mark.data(),
+                         rows.weight.data(),
+                         values.data(),
+                         components,
+                         quaternions,
+                         remainders,
+                         edges_.data(),
+                         listed.data(),
+                         SizeOf(listed),
+                         edges};
+    HasFused() ? fused::TurnEdgesOfOneFrame(job) : plain::TurnEdgesOfOneFrame(job);
+  };
+  return system_.SolveOne(fill, RowTargets::Zero(std::ssize(system_.rows()), 3), frame.body);
+}
+
+void FrameSolver::Solve(const std::vector<FrameFields>& frames, Space& space) const {
   const bool quaternions = frames[0].quaternions.size() > 0;
   const bool remainders =
       AnyOf(frames, [](const FrameFields& frame) { return frame.remainders.size() > 0; });
@@ -161,8 +216,8 @@ std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames)
   const RowTargets origin = RowTargets::Zero(std::ssize(system_.rows()), 3);
   std::vector<Eigen::Matrix3d> bodies;
   for (const FrameFields& frame : frames) bodies.push_back(frame.body);
-  return system_.Solve(SizeOf(frames), fill, std::vector<RowTargets>(frames.size(), origin),
-                       bodies);
+  system_.SolveInto(SizeOf(frames), fill, std::vector<RowTargets>(frames.size(), origin), bodies,
+                    space.rows, space.poses);
 }
 
 Eigen::Matrix3d FrameSolver::RotationAt(int vertex, const FrameFields& frame) const {

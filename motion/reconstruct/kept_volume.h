@@ -8,33 +8,39 @@
 
 namespace keypose::motion {
 
-/// Moves poses along their normals until each closed part has its volume at rest, to 1e-5.
+/// How poses move along their normals so that each closed part has its volume at rest.
 ///
 /// How far each vertex moves along its normal, relative to the others, is found once, at rest: the
 /// field that gains volume at the least stretch (VolumeCorrection). So a pose costs no solve, and
-/// mostly one pass over the faces: the gradient of the volume gives normals, volume (a third of the
+/// one pass over the faces: the gradient of the volume gives normals, volume (a third of the
 /// gradient's product with the points) and slope; the curvature along the field is that at rest.
 class KeptVolume {
  public:
   /// @param system  built with screening; must outlive this
   KeptVolume(const PoissonSystem& system, const PointsX3& rest);
 
-  struct Result {
-    double deviation = 0;     ///< largest |volume / rest - 1| of a part before
-    double largest_move = 0;  ///< of a vertex
+  /// A pose's volumes, and how they change.
+  struct State {
+    std::vector<double> volume, slope;  ///< of each part; slope: the derivative along `field`
+    PointsX3 gradient;                  ///< V x 3, of the volume
+    PointsX3 field;                     ///< V x 3
   };
-  /// Parts whose volume is out of reach (a quarter of the diagonal) are left alone.
-  Result Apply(PointsX3& pose) const;
+  /// @param state  filled; its memory is used again
+  void Measure(const PointsX3& pose, State& state) const;
+  /// The volumes alone, in a fraction of the time.
+  std::vector<double> Volumes(const PointsX3& pose) const;
+
   bool any_closed() const { return any_closed_; }
+  int part_count() const { return static_cast<int>(closed_.size()); }
+  /// Whether the part's volume is kept.
+  bool Keeps(int part, const State& state) const { return closed_[part] && state.slope[part] > 0; }
+  double Wanted(int part) const { return volume_[part]; }
+  /// The step along the field that brings the missing volume, after a step of `before`.
+  /// 0 where that is out of reach (a quarter of the diagonal).
+  double StepFor(int part, double missing, double slope, double before) const;
+  const std::vector<int>& parts() const { return system_->parts(); }
 
  private:
-  /// Of each part: volume, and its derivative along the field.
-  struct State {
-    std::vector<double> volume, slope;
-    PointsX3 field;  ///< V x 3
-  };
-  State StateOf(const PointsX3& pose) const;
-
   const PoissonSystem* system_;
   std::vector<char> closed_;
   std::vector<double> volume_, curvature_;  // of each part at rest

@@ -1,40 +1,44 @@
 #include "motion/root/held_patches.h"
 
-#include <Eigen/LU>
-
 #include "core/size_of.h"
 
 namespace keypose::motion {
 
-HeldPatches::HeldPatches(const PoissonSystem& system, const std::vector<std::vector<int>>& patches)
+HeldPatch PatchOf(std::vector<int> vertices) {
+  HeldPatch patch;
+  for (const int i : vertices)
+    patch.centre.emplace_back(i, 1.0 / static_cast<double>(vertices.size()));
+  patch.vertices = std::move(vertices);
+  return patch;
+}
+
+HeldPatches::HeldPatches(const PoissonSystem& system, const std::vector<HeldPatch>& patches)
     : patches_(patches) {
   if (patches.empty()) return;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(system.vertex_count(), std::ssize(patches));
-  for (int p = 0; p < SizeOf(patches); ++p)
-    for (int i : patches[p]) rows(i, p) += 1.0 / static_cast<double>(patches[p].size());
-  columns_ = system.SolveScreened(rows);
-  compliance_ = rows.transpose() * columns_;
+  Eigen::MatrixXd pulls = Eigen::MatrixXd::Zero(system.vertex_count(), std::ssize(patches));
+  for (int p = 0; p < count(); ++p)
+    for (const int i : patches[p].vertices)
+      pulls(i, p) += 1.0 / static_cast<double>(patches[p].vertices.size());
+  columns_ = system.SolveScreened(pulls);
+  compliance_ = Eigen::MatrixXd::Zero(count(), count());
+  for (int p = 0; p < count(); ++p)
+    for (const auto& [vertex, weight] : patches[p].centre)
+      compliance_.row(p) += weight * columns_.row(vertex);
 }
 
 Eigen::RowVector3d HeldPatches::CentreOf(int patch, const PointsX3& pose) const {
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-  for (int i : patches_[patch]) sum += pose.row(i);
-  return sum / static_cast<double>(patches_[patch].size());
+  for (const auto& [vertex, weight] : patches_[patch].centre) sum += weight * pose.row(vertex);
+  return sum;
 }
 
-double HeldPatches::Apply(const std::vector<Goal>& goals, PointsX3& pose) const {
+Eigen::MatrixXd HeldPatches::Compliance(const std::vector<Goal>& goals) const {
   const Eigen::Index count = std::ssize(goals);
-  if (count == 0) return 0;
-  Eigen::MatrixXd system(count, count), gaps(count, 3), columns(pose.rows(), count);
-  for (Eigen::Index a = 0; a < count; ++a) {
-    gaps.row(a) = goals[a].centre - CentreOf(goals[a].patch, pose);
-    columns.col(a) = columns_.col(goals[a].patch);
+  Eigen::MatrixXd result(count, count);
+  for (Eigen::Index a = 0; a < count; ++a)
     for (Eigen::Index b = 0; b < count; ++b)
-      system(a, b) = compliance_(goals[a].patch, goals[b].patch);
-  }
-  const PointsX3 move = columns * system.partialPivLu().solve(gaps);
-  pose += move;
-  return move.rowwise().norm().maxCoeff();
+      result(a, b) = compliance_(goals[a].patch, goals[b].patch);
+  return result;
 }
 
 }  // namespace keypose::motion

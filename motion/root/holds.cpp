@@ -13,8 +13,6 @@ namespace keypose::motion {
 namespace {
 
 constexpr double kPinRadius = 0.02;  // of the diagonal: pins on single vertices make cusps
-constexpr int kPinPasses = 8;
-constexpr double kPinned = 1e-9;  // of the diagonal
 
 std::vector<int> VerticesAround(const PointsX3& points, const FacesX3& faces,
                                 const MarkPlace& place) {
@@ -127,16 +125,19 @@ void Holds::Plan(const PoissonSystem& system, const RootPath& path, double fps,
         throw InputError("transfer: two pins hold the mark '" + pins_[a].pin.mark +
                          "' at the same time; let one end before the other begins");
   PointsX3 centres(std::ssize(soles_) + std::ssize(pins_), 3);
-  std::vector<std::vector<int>> vertices;
+  std::vector<HeldPatch> patches;
   for (const Sole& sole : soles_) {
-    centres.row(std::ssize(vertices)) = sole.on_target.centre;
-    vertices.push_back(sole.on_target.vertices);
+    centres.row(std::ssize(patches)) = sole.on_target.centre;
+    patches.push_back(PatchOf(sole.on_target.vertices));
   }
   for (const Pinned& pinned : pins_) {
-    centres.row(std::ssize(vertices)) = PositionOf(pinned.place, target_, faces_);
-    vertices.push_back(pinned.vertices);
+    const MarkPlace& place = pinned.place;
+    centres.row(std::ssize(patches)) = PositionOf(place, target_, faces_);
+    patches.push_back({pinned.vertices, {}});
+    for (int c = 0; c < 3; ++c)
+      patches.back().centre.emplace_back(faces_(place.face, c), place.barycentric[c]);
   }
-  patches_.emplace(system, vertices);
+  patches_.emplace(system, patches);
   std::vector<PointsX3> tracks = TrackPatches(target_, faces_, marks_, centres, frames, path);
   std::vector<Eigen::RowVector3d> before;
   for (const MotionFrame& frame : frames) before.push_back(frame.root);
@@ -168,28 +169,13 @@ std::vector<HeldPatches::Goal> Holds::GoalsOf(int frame, const PointsX3& pose) c
   }
   for (int k = 0; k < SizeOf(pins_); ++k) {
     const int patch = SizeOf(soles_) + k;
-    if (pins_[k].hold.firmness[frame] > 0)
+    const double firmness = pins_[k].hold.firmness[frame];
+    if (firmness == 1)
+      goals.push_back({patch, pins_[k].at});
+    else if (firmness > 0)
       goals.push_back({patch, patches_->CentreOf(patch, pose) + pins_[k].hold.moves.row(frame)});
   }
   return goals;
-}
-
-double Holds::Apply(int frame, std::vector<HeldPatches::Goal>& goals, PointsX3& pose) const {
-  if (goals.empty()) return 0;
-  double largest = patches_->Apply(goals, pose);
-  for (int pass = 0; pass < kPinPasses && !pins_.empty(); ++pass) {
-    double off = 0;
-    for (HeldPatches::Goal& goal : goals) {
-      const int k = goal.patch - SizeOf(soles_);
-      if (k < 0 || pins_[k].hold.firmness[frame] < 1) continue;
-      const Eigen::RowVector3d gap = pins_[k].at - PositionOf(pins_[k].place, pose, faces_);
-      goal.centre += gap;
-      off = std::max(off, gap.norm());
-    }
-    if (off < kPinned * diagonal_) break;
-    largest = std::max(largest, patches_->Apply(goals, pose));
-  }
-  return largest;
 }
 
 }  // namespace keypose::motion

@@ -29,7 +29,7 @@ struct HoldsReport {
 };
 
 /// Plans and applies what is held. The order: construct, Watch each frame of the template, Plan
-/// once, then Apply to each frame of the target.
+/// once, then GoalsOf each frame of the target, for PoseSettler.
 class Holds {
  public:
   /// @param feet  whether soles stand where the template's do
@@ -47,13 +47,11 @@ class Holds {
   /// @throws InputError  a pin beyond the last frame, or two pins of one mark at once
   void Plan(const PoissonSystem& system, const RootPath& path, double fps,
             std::vector<MotionFrame>& frames);
-  /// Where patches belong in this frame, from where they are.
+  /// Where patches belong in this frame, from where they are: soles by their centres, pinned ones
+  /// by their marks.
   std::vector<HeldPatches::Goal> GoalsOf(int frame, const PointsX3& pose) const;
-  /// Brings what is held in this frame to its place.
-  /// @param goals  from GoalsOf; those of pinned patches are changed so that their marks, not their
-  /// centres, are in place
-  /// @return the largest displacement of a vertex
-  double Apply(int frame, std::vector<HeldPatches::Goal>& goals, PointsX3& pose) const;
+  /// None before Plan, or where nothing is held.
+  const HeldPatches* patches() const { return patches_ ? &*patches_ : nullptr; }
   const HoldsReport& report() const { return report_; }
   HoldsReport& report() { return report_; }
 

@@ -68,8 +68,7 @@ void PlacedPoses::Place(const MotionFrame& frame, PointsX3& pose) const {
   pose.rowwise() += frame.root - path_.RootOf(MarksOf(pose));
 }
 
-void PlacedPoses::MoveMarks(std::span<const MotionFrame> frames,
-                            std::vector<PointsX3>& poses) const {
+void PlacedPoses::MoveMarks(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const {
   Eigen::MatrixXd gaps = Eigen::MatrixXd::Zero(std::ssize(places_), 3 * std::ssize(poses));
   for (int t = 0; t < SizeOf(poses); ++t) {
     if (frames[t].marks.size() == 0) continue;
@@ -87,15 +86,29 @@ void PlacedPoses::MoveMarks(std::span<const MotionFrame> frames,
 }
 
 std::vector<PointsX3> PlacedPoses::Make(std::span<const MotionFrame> frames) const {
+  FrameSolver::Space space;
+  Make(frames, space);
+  return std::move(space.poses);
+}
+
+PointsX3 PlacedPoses::MakeOne(const MotionFrame& frame) const {
+  PointsX3 pose = solver_.SolveOne(frame.fields);
+  joined_.Join(solver_, frame.fields, pose);
+  Place(frame, pose);
+  if (carried_.size() > 0) MoveMarks({&frame, 1}, {&pose, 1});
+  return pose;
+}
+
+void PlacedPoses::Make(std::span<const MotionFrame> frames, FrameSolver::Space& space) const {
   std::vector<FrameFields> fields;
   for (const MotionFrame& frame : frames) fields.push_back(frame.fields);
-  std::vector<PointsX3> poses = solver_.Solve(fields);
+  solver_.Solve(fields, space);
+  std::vector<PointsX3>& poses = space.poses;
   ParallelFor(std::ssize(poses), [&](std::int64_t t) {
     joined_.Join(solver_, frames[t].fields, poses[t]);
     Place(frames[t], poses[t]);
   });
   if (carried_.size() > 0) MoveMarks(frames, poses);
-  return poses;
 }
 
 }  // namespace keypose::motion

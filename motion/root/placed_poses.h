@@ -33,13 +33,17 @@ class PlacedPoses {
   /// diagonal and combined so that each mark is where it belongs.
   /// Same bits for any thread count.
   std::vector<PointsX3> Make(std::span<const MotionFrame> frames) const;
+  /// The same; the poses are in `space`, whose memory is used again.
+  void Make(std::span<const MotionFrame> frames, FrameSolver::Space& space) const;
+  /// One frame by itself, as Make to rounding.
+  PointsX3 MakeOne(const MotionFrame& frame) const;
   /// Places an unplaced pose, without its marks' places.
   void Place(const MotionFrame& frame, PointsX3& pose) const;
   const FrameSolver& solver() const { return solver_; }
   PointsX3 MarksOf(const PointsX3& pose) const;
 
  private:
-  void MoveMarks(std::span<const MotionFrame> frames, std::vector<PointsX3>& poses) const;
+  void MoveMarks(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const;
 
   FacesX3 faces_;
   std::vector<MarkPlace> places_;
