@@ -4,6 +4,7 @@ import {
   BufferGeometry,
   Color,
   DoubleSide,
+  DynamicDrawUsage,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
@@ -16,6 +17,8 @@ import type { Material, Raycaster, Texture } from 'three'
 import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh'
 
 import { scaleColor } from './colors'
+import { joinedCorners, smoothNormals, spread } from './corners'
+import type { Corners } from './corners'
 import type { MeshData } from './mesh_data'
 
 Mesh.prototype.raycast = acceleratedRaycast
@@ -42,9 +45,12 @@ const kBlend = 'uniform sampler2D second;\nuniform float share;\n'
 /** Stored values are mixed, not light: so does the film. */
 const kBlendedMap = `
 #ifdef USE_MAP
-  vec4 under = sRGBTransferOETF(texture2D(map, vMapUv));
-  vec4 over = sRGBTransferOETF(texture2D(second, vMapUv));
-  diffuseColor *= sRGBTransferEOTF(mix(under, over, share));
+  vec4 under = texture2D(map, vMapUv);
+  if (share > 0.0) {
+    vec4 over = sRGBTransferOETF(texture2D(second, vMapUv));
+    under = sRGBTransferEOTF(mix(sRGBTransferOETF(under), over, share));
+  }
+  diffuseColor *= under;
 #endif`
 
 /** The scale's colours as the renderer takes them: 256 levels, then that of 'no value'. */
@@ -55,70 +61,29 @@ const kLinearScale = new Float32Array(
   }).flat(),
 )
 
-/** A value for each of a vertex's corners. */
-function spread(indices: Uint32Array, values: Float32Array, out: Float32Array): void {
-  for (let corner = 0; corner < indices.length; ++corner) {
-    const from = 3 * indices[corner]
-    out[3 * corner] = values[from]
-    out[3 * corner + 1] = values[from + 1]
-    out[3 * corner + 2] = values[from + 2]
-  }
-}
-
-function setSmoothNormals(geometry: BufferGeometry, data: MeshData): void {
-  const { indices, positions: p } = data
-  const sums = new Float32Array(3 * data.vertices)
-  for (let f = 0; f < indices.length; f += 3) {
-    const a = 3 * indices[f]
-    const b = 3 * indices[f + 1]
-    const c = 3 * indices[f + 2]
-    const ux = p[b] - p[a]
-    const uy = p[b + 1] - p[a + 1]
-    const uz = p[b + 2] - p[a + 2]
-    const vx = p[c] - p[a]
-    const vy = p[c + 1] - p[a + 1]
-    const vz = p[c + 2] - p[a + 2]
-    const nx = uy * vz - uz * vy
-    const ny = uz * vx - ux * vz
-    const nz = ux * vy - uy * vx
-    for (const at of [a, b, c]) {
-      sums[at] += nx
-      sums[at + 1] += ny
-      sums[at + 2] += nz
-    }
-  }
-  const normals = new Float32Array(3 * indices.length)
-  for (let corner = 0; corner < indices.length; ++corner) {
-    const from = 3 * indices[corner]
-    const length = Math.hypot(sums[from], sums[from + 1], sums[from + 2]) || 1
-    normals[3 * corner] = sums[from] / length
-    normals[3 * corner + 1] = sums[from + 1] / length
-    normals[3 * corner + 2] = sums[from + 2] / length
-  }
-  geometry.setAttribute('normal', new BufferAttribute(normals, 3))
-}
-
 /** The colours of a vertex for each of its corners, as the renderer takes them. */
-function linearColors(data: MeshData): Float32Array {
-  const colors = new Float32Array(3 * data.indices.length)
+function linearColors(data: MeshData, vertexOf: Uint32Array): Float32Array {
+  const colors = new Float32Array(3 * vertexOf.length)
   const color = new Color()
-  for (let corner = 0; corner < data.indices.length; ++corner) {
-    const from = 4 * data.indices[corner]
+  for (let corner = 0; corner < vertexOf.length; ++corner) {
+    const from = 4 * vertexOf[corner]
     const part = (k: number) => data.colors![from + k] / 255
     color.setRGB(part(0), part(1), part(2), SRGBColorSpace).toArray(colors, 3 * corner)
   }
   return colors
 }
 
-/** A vertex for each corner, so that the layout's seams need no splitting. */
-function geometryOf(data: MeshData): BufferGeometry {
+/** Positions and normals that change with each picture of an animation. */
+const changing = (count: number) =>
+  new BufferAttribute(new Float32Array(3 * count), 3).setUsage(DynamicDrawUsage)
+
+function geometryOf(corners: Corners): BufferGeometry {
+  const { index, vertexOf, uvs } = corners
   const geometry = new BufferGeometry()
-  const positions = new Float32Array(3 * data.indices.length)
-  spread(data.indices, data.positions, positions)
-  geometry.setAttribute('position', new BufferAttribute(positions, 3))
-  if (data.uvs) geometry.setAttribute('uv', new BufferAttribute(data.uvs, 2))
-  setSmoothNormals(geometry, data)
-  geometry.boundsTree = new MeshBVH(geometry, { indirect: true })
+  geometry.setIndex(new BufferAttribute(index, 1))
+  geometry.setAttribute('position', changing(vertexOf.length))
+  geometry.setAttribute('normal', changing(vertexOf.length))
+  if (uvs) geometry.setAttribute('uv', new BufferAttribute(uvs, 2))
   return geometry
 }
 
@@ -148,18 +113,32 @@ function makeCloud(data: MeshData): Points {
 }
 
 export class Surface {
+  readonly data: MeshData
   readonly object: Mesh | Points
   private readonly mesh: Mesh | null
+  private readonly corners: Corners
+  /** of the vertices; kept, so that a picture of an animation makes nothing new */
+  private readonly normals: Float32Array
   /** what lies over the picture, as the shader takes it */
   private readonly over = { second: { value: null as Texture | null }, share: { value: 0 } }
 
   constructor(
-    public data: MeshData,
+    shown: MeshData,
     look: Look,
     private readonly pictures: Pictures,
   ) {
-    this.mesh = data.faces > 0 ? new Mesh(geometryOf(data)) : null
+    // A copy: an animation puts other positions here.
+    const data = { ...shown }
+    this.data = data
+    this.corners = joinedCorners(data)
+    this.normals = new Float32Array(data.faces > 0 ? 3 * data.vertices : 0)
+    this.mesh = data.faces > 0 ? new Mesh(geometryOf(this.corners)) : null
     this.object = this.mesh ?? makeCloud(data)
+    if (this.mesh) {
+      this.place(data.positions)
+      this.shade()
+      this.mesh.geometry.boundsTree = new MeshBVH(this.mesh.geometry, { indirect: true })
+    }
     // setPositions may move it out of the ball that three.js remembers.
     if (this.mesh) this.mesh.frustumCulled = false
     this.setLook(look)
@@ -215,7 +194,7 @@ export class Surface {
       return material
     }
     if (look === 'colors' && data.colors) {
-      const colors = new BufferAttribute(linearColors(data), 3)
+      const colors = new BufferAttribute(linearColors(data, this.corners.vertexOf), 3)
       this.mesh!.geometry.setAttribute('color', colors)
       return new MeshBasicMaterial({ vertexColors: true, side: DoubleSide })
     }
@@ -226,11 +205,12 @@ export class Surface {
   showValues(values: Float32Array, none: string): void {
     if (!this.mesh) return
     new Color(none).toArray(kLinearScale, 3 * 256)
-    const corners = 3 * this.data.faces
+    const { vertexOf } = this.corners
+    const corners = vertexOf.length
     const old = this.mesh.geometry.getAttribute('color') as BufferAttribute | undefined
     const colors = (old?.array as Float32Array) ?? new Float32Array(3 * corners)
     for (let corner = 0; corner < corners; ++corner) {
-      const value = values[this.data.indices[corner]]
+      const value = values[vertexOf[corner]]
       const level = Math.round(255 * Math.min(1, Math.max(0, value)))
       const from = Number.isFinite(value) ? 3 * level : 3 * 256
       colors[3 * corner] = kLinearScale[from]
@@ -251,12 +231,24 @@ export class Surface {
 
   setPositions(positions: Float32Array, normals: boolean): void {
     if (!this.mesh) return
-    const target = this.mesh.geometry.getAttribute('position') as BufferAttribute
-    spread(this.data.indices, positions, target.array as Float32Array)
+    this.data.positions = positions
+    this.place(positions)
+    if (normals && this.mesh.material instanceof MeshStandardMaterial) this.shade()
+  }
+
+  private place(positions: Float32Array): void {
+    this.write('position', positions)
+  }
+
+  private shade(): void {
+    smoothNormals(this.data.indices, this.data.positions, this.normals)
+    this.write('normal', this.normals)
+  }
+
+  private write(name: string, values: Float32Array): void {
+    const target = this.mesh!.geometry.getAttribute(name) as BufferAttribute
+    spread(this.corners.vertexOf, values, target.array as Float32Array)
     target.needsUpdate = true
-    this.data = { ...this.data, positions }
-    if (normals && this.mesh.material instanceof MeshStandardMaterial)
-      setSmoothNormals(this.mesh.geometry, this.data)
   }
 
   /** The first place that the ray meets, or null. */

@@ -17,6 +17,7 @@ import type { Texture } from 'three'
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js'
 
 import type { CameraView } from '../api'
+import { Detail, drawnByProcessor } from './detail'
 import { frustumsOf, ghostOf } from './extras'
 import { Markers } from './markers'
 import type { Marker, Screen } from './markers'
@@ -39,10 +40,20 @@ export interface Turn {
   offset?: [number, number, number]
 }
 
+/** Pictures that follow each other faster than this are a movement; it ends after a rest [ms]. */
+const kMoving_ms = 120
+const kRest_ms = 220
+/** There is so much time for a picture while the view is turned [ms]. */
+const kTurning_ms = 1000 / 24
+/** Pixels for one of the screen, along each side, where the processor draws what stands still. */
+const kStill = 1.5
+/** Pictures before a clock begins: buffers of another size are made with the first. */
+const kRunUpPictures = 3
+
 async function loadedTexture(url: string): Promise<Texture> {
   const texture = await new TextureLoader().loadAsync(url)
   texture.colorSpace = SRGBColorSpace
-  texture.anisotropy = 4
+  texture.anisotropy = drawnByProcessor() ? 1 : 4
   return texture
 }
 
@@ -61,8 +72,14 @@ export class Viewer {
   private size = 1
   private wanted = false
   private pressed: { x: number; y: number } | null = null
-  /** true if pixels are dear, as there is no graphics card */
-  readonly slow: boolean
+  /** time that there is for a picture while it moves [ms]; playing sets it */
+  budget_ms = kTurning_ms
+  private readonly byProcessor = drawnByProcessor()
+  private readonly detail = new Detail(this.byProcessor)
+  private moves = false
+  private lastDrawn = -Infinity
+  private drawing = 0
+  private resting = 0
 
   /** Called with the place on the surface that was clicked; null: beside it. */
   onPick: ((hit: Hit | null, event: PointerEvent) => void) | null = null
@@ -79,9 +96,9 @@ export class Viewer {
   private lastHit: Hit | null = null
 
   constructor(private readonly host: HTMLElement) {
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'default' })
-    this.slow = drawnByProcessor(this.renderer)
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio))
+    const antialias = !this.byProcessor
+    this.renderer = new WebGLRenderer({ antialias, alpha: true, powerPreference: 'default' })
+    this.usePixels()
     this.renderer.outputColorSpace = SRGBColorSpace
     const canvas = this.renderer.domElement
     canvas.tabIndex = 0
@@ -116,6 +133,8 @@ export class Viewer {
   }
 
   dispose(): void {
+    clearTimeout(this.resting)
+    cancelAnimationFrame(this.drawing)
     this.resizes.disconnect()
     this.controls.dispose()
     this.clear()
@@ -199,10 +218,23 @@ export class Viewer {
     this.draw()
   }
 
-  /** Draws fewer pixels, in both directions; for playing on a slow machine. 1: all. */
-  setDetail(share: number): void {
-    this.renderer.setPixelRatio(share * Math.min(2, window.devicePixelRatio))
-    this.draw()
+  /**
+   * Says that many pictures will follow, one each `budget_ms`, and draws the first; settles when it
+   * is on the screen, so that a clock may begin.
+   */
+  async runUp(budget_ms: number): Promise<void> {
+    this.budget_ms = budget_ms
+    this.moves = true
+    for (let i = 0; i < kRunUpPictures; ++i) {
+      this.draw()
+      await new Promise(requestAnimationFrame)
+    }
+  }
+
+  /** The end of runUp: all pixels again. */
+  comeToRest(): void {
+    this.budget_ms = kTurning_ms
+    this.rest()
   }
 
   /** Other meshes over the first one, see-through: onion skin. */
@@ -329,11 +361,45 @@ export class Viewer {
     if (this.turning) this.onTurn?.(this.turn())
     if (this.wanted) return
     this.wanted = true
-    requestAnimationFrame(() => {
+    this.drawing = requestAnimationFrame((now) => {
       this.wanted = false
-      this.markers.fit(this.screen())
-      this.renderer.render(this.scene, this.camera)
+      if (now - this.lastDrawn < kMoving_ms) this.moves = true
+      this.lastDrawn = now
+      this.drawNow()
+      if (!this.moves) return
+      clearTimeout(this.resting)
+      this.resting = window.setTimeout(() => this.rest(), kRest_ms)
+      requestAnimationFrame((next) => this.note(next - now))
     })
+  }
+
+  private drawNow(): void {
+    // Here and not before: the canvas is empty once its size has changed.
+    this.usePixels()
+    this.markers.fit(this.screen())
+    this.renderer.render(this.scene, this.camera)
+  }
+
+  /** A slow picture keeps the next repaint waiting: that is what it cost. */
+  private note(cost_ms: number): void {
+    if (this.moves) this.detail.note(cost_ms, this.budget_ms)
+  }
+
+  private rest(): void {
+    clearTimeout(this.resting)
+    if (!this.moves) return
+    this.moves = false
+    this.detail.forget()
+    // Not by draw(), which would take it for a movement that goes on.
+    this.drawNow()
+  }
+
+  /** Without multisampling, what stands still gets more pixels than the screen has. */
+  private usePixels(): void {
+    const screen = Math.min(2, window.devicePixelRatio)
+    const whole = this.byProcessor ? Math.max(kStill, screen) : screen
+    const ratio = this.moves ? this.detail.share * screen : whole
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio)
   }
 
   private screen(): Screen {
@@ -450,12 +516,4 @@ export class Viewer {
     this.camera.updateProjectionMatrix()
     this.draw()
   }
-}
-
-/** True without a graphics card: each pixel then costs the processor's time. */
-function drawnByProcessor(renderer: WebGLRenderer): boolean {
-  const context = renderer.getContext()
-  const names = context.getExtension('WEBGL_debug_renderer_info')
-  const name = names ? String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)) : ''
-  return /swiftshader|llvmpipe|softpipe|basic render/i.test(name)
 }

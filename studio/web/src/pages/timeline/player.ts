@@ -14,6 +14,8 @@ export class Player {
   length = 1
   /** frames at which the playhead may stand */
   range = 1
+  /** Awaited before the clock begins: what shows the frames may get ready. */
+  beforeStart: (() => Promise<unknown>) | null = null
   private readonly onFrame = new Set<(frame: number) => void>()
   private readonly onState = new Set<() => void>()
   private anchorTime = 0
@@ -52,10 +54,10 @@ export class Player {
     this.playing = true
     this.dropped = 0
     this.tellState()
-    await this.sound.wake()
-    if (!this.playing) return
     // From the end there is nothing to play.
     if (this.frame >= this.length - 1) this.set(0)
+    await Promise.all([this.sound.wake(), this.beforeStart?.()])
+    if (!this.playing) return
     this.anchor(this.frame)
     requestAnimationFrame(this.tick)
   }

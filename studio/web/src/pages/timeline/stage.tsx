@@ -14,9 +14,6 @@ import type { Player } from './player'
 import { madeFrame, texturesAt } from './timeline_model'
 import type { Made } from './use_frames'
 
-const kSlowDetail = 0.5
-const kLeastDetail = 0.35
-
 /** The textures of the other keys' poses: on the way the figure wears two of them. */
 async function loadOthers(
   viewer: { current: Viewer | null },
@@ -71,25 +68,17 @@ interface Showing {
   onion: Onion
 }
 
-/**
- * While playing, time counts more than sharpness: where frames drop, fewer pixels are drawn. What
- * was found out is kept for the next time.
- */
-function useDetail(viewer: { current: Viewer | null }, player: Player): void {
+/** The clock begins when the first picture is there; all pixels again when it stops. */
+function useRunUp(viewer: { current: Viewer | null }, player: Player): void {
   useEffect(() => {
-    let share = 1
-    let drops = 0
-    return player.watchState(() => {
-      if (!viewer.current) return
-      if (!player.playing) return viewer.current.setDetail(1)
-      if (viewer.current.slow) share = Math.min(share, kSlowDetail)
-      if (player.dropped === 0) drops = 0
-      else if (player.dropped > drops + 1) {
-        share = Math.max(kLeastDetail, 0.8 * share)
-        drops = player.dropped
-      }
-      viewer.current.setDetail(share)
+    player.beforeStart = async () => viewer.current?.runUp(1000 / player.fps)
+    const unwatch = player.watchState(() => {
+      if (!player.playing) viewer.current?.comeToRest()
     })
+    return () => {
+      player.beforeStart = null
+      unwatch()
+    }
   }, [viewer, player])
 }
 
@@ -131,7 +120,7 @@ export function Stage(props: {
   const viewer = useRef<Viewer | null>(null)
   const shown = useTemplate(viewer, props.made)
   useShownFrame({ ...props, viewer }, shown)
-  useDetail(viewer, props.player)
+  useRunUp(viewer, props.player)
   return (
     <ViewerStage label="The animation" ready={(one) => (viewer.current = one)}>
       {props.children}
