@@ -193,7 +193,7 @@ void PoissonSystem::Impl::Assemble() {
   const double ground = std::max(diagonal.cwiseAbs().mean(), 1e-12);
   for (Eigen::Index j = 0; j < n; ++j)
     if (lowest[j] == j) h.valuePtr()[h.outerIndexPtr()[j]] += ground;
-  solver.Analyze(h);
+  solver.Analyze(h, options.dissected);
   CutPatches();
   if (!options.screened) {
     solver.Factor(h);
@@ -217,6 +217,10 @@ PoissonSystem::PoissonSystem(PoissonSystem&&) noexcept = default;
 
 int PoissonSystem::vertex_count() const { return static_cast<int>(impl_->n); }
 const FacesX3& PoissonSystem::faces() const { return impl_->faces; }
+int PoissonSystem::patch_count() const { return SizeOf(impl_->patch_begin) - 1; }
+std::span<const int> PoissonSystem::FacesOfPatch(int patch) const {
+  return impl_->FacesOfPatch(patch);
+}
 const std::vector<int>& PoissonSystem::parts() const { return impl_->parts; }
 int PoissonSystem::part_count() const { return impl_->part_count; }
 const Eigen::VectorXd& PoissonSystem::face_areas() const { return impl_->area; }

@@ -30,6 +30,7 @@ struct EdgeBatch {
 
   int frames = 0, stride = 0;   ///< stride: frames rounded up to whole vectors
   std::span<const int> listed;  ///< empty: all faces
+  int patch = -1;               ///< of PoissonSystem, whose faces are listed; -1: no patch
 
  private:
   std::unique_ptr<double[]> values_;
@@ -52,9 +53,9 @@ struct FrameRows {
 /// Several threads call it at once.
 using FillEdges = std::function<void(int first, EdgeBatch& edges)>;
 
-/// Writes the wanted edges of some faces in one frame: eight numbers a face, x y z 0 of the first
-/// edge, then of the second. Several threads call it at once.
-using FillOneFrame = std::function<void(std::span<const int> faces, double* edges)>;
+/// Writes the wanted edges of a patch's faces in one frame: eight numbers a face, x y z 0 of the
+/// first edge, then of the second. Several threads call it at once.
+using FillOneFrame = std::function<void(int patch, double* edges)>;
 
 /// One linear constraint, the same for x, y and z: the sum of weight * position over `terms` equals
 /// a target point, which differs from frame to frame.
@@ -77,6 +78,7 @@ using RowTargets = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 struct PoissonOptions {
   /// also factor H + kappa M, for SolveScreened, SmoothOverVertices and WithoutRows
   bool screened = true;
+  bool dissected = false;  ///< as in BlockCholesky::Analyze: for hundreds of frames
 };
 
 /// Minimises the sum over keys, faces and edges of cot/2 |x_j - x_i - wanted edge|^2 under linear
@@ -103,6 +105,9 @@ class PoissonSystem {
 
   int vertex_count() const;
   const FacesX3& faces() const;
+  /// Patches of faces, for which edges are asked. A face can be in several.
+  int patch_count() const;
+  std::span<const int> FacesOfPatch(int patch) const;
   /// Connected part of each vertex: 0 .. part_count() - 1, in order of their lowest vertices.
   const std::vector<int>& parts() const;
   int part_count() const;

@@ -114,9 +114,8 @@ void PoissonSystem::Impl::RightHandSide(const FillEdges& fill,
   ParallelBlocks(std::ssize(patch_begin) - 1, kPatchesTogether,
                  [&](std::int64_t from, std::int64_t to) {
                    for (int patch = static_cast<int>(from); patch < to; ++patch) {
-                     const std::span<const int> listed(patch_faces.data() + patch_begin[patch],
-                                                       patch_faces.data() + patch_begin[patch + 1]);
-                     EdgeBatch edges(listed, kVectorWidth);
+                     EdgeBatch edges(FacesOfPatch(patch), kVectorWidth);
+                     edges.patch = patch;
                      for (int first = 0; first < sums.frames; first += kVectorWidth) {
                        edges.frames = std::min(kVectorWidth, sums.frames - first);
                        fill(first, edges);
@@ -134,10 +133,8 @@ std::vector<double> PoissonSystem::Impl::OneRightHandSide(const FillOneFrame& fi
                  [&](std::int64_t from, std::int64_t to) {
                    std::vector<double> edges;
                    for (int patch = static_cast<int>(from); patch < to; ++patch) {
-                     const std::span<const int> listed(patch_faces.data() + patch_begin[patch],
-                                                       patch_faces.data() + patch_begin[patch + 1]);
-                     edges.resize(8 * listed.size());
-                     fill(listed, edges.data());
+                     edges.resize(8 * FacesOfPatch(patch).size());
+                     fill(patch, edges.data());
                      const int begin = patch * kPatchRows,
                                end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
                      const OneGatherJob job{

@@ -35,6 +35,9 @@ struct PoissonSystem::Impl {
 
   // In poisson_edges.cpp.
   void CutPatches();
+  std::span<const int> FacesOfPatch(int patch) const {
+    return {patch_faces.data() + patch_begin[patch], patch_faces.data() + patch_begin[patch + 1]};
+  }
   /// Writes the patch's rows at frames first .. first + 3, from the edges of its faces (of all
   /// faces, when the batch lists none).
   void Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first,

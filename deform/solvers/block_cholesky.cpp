@@ -148,13 +148,17 @@ BlockCholesky::~BlockCholesky() = default;
 BlockCholesky::BlockCholesky(BlockCholesky&&) noexcept = default;
 BlockCholesky& BlockCholesky::operator=(BlockCholesky&&) noexcept = default;
 
-void BlockCholesky::Analyze(const Eigen::SparseMatrix<double>& lower) {
+void BlockCholesky::Analyze(const Eigen::SparseMatrix<double>& lower, bool dissected) {
   if (!lower.isCompressed() || lower.rows() != lower.cols())
     throw SolverError("sparse Cholesky: the matrix must be square and compressed");
   auto analysis = std::make_shared<Analysis>();
   Analysis& a = *analysis;
   a.size = static_cast<int>(lower.rows());
   Workspace work;
+  if (dissected) {
+    work.common.nmethods = 1;
+    work.common.method[0].ordering = CHOLMOD_METIS;
+  }
   cholmod_sparse view = PatternOf(lower);
   work.factor = cholmod_analyze(&view, &work.common);
   if (!work.factor)

@@ -28,7 +28,9 @@ class BlockCholesky {
   /// @param lower  N x N, compressed; only the lower triangle is read, and its pattern must hold
   /// all nonzeros
   /// @throws SolverError  too large, or not square
-  void Analyze(const Eigen::SparseMatrix<double>& lower);
+  /// @param dissected  METIS's ordering: ten times the time of the analysis, and a third less in
+  /// each solve on surface meshes
+  void Analyze(const Eigen::SparseMatrix<double>& lower, bool dissected = false);
   /// A new solver that shares this one's analysis, ready for Factor.
   BlockCholesky SameAnalysis() const;
   /// @param lower  has the pattern that was analysed

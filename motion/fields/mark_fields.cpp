@@ -201,7 +201,7 @@ Eigen::Vector3d HalfCotangents(const PointsX3& p, const FacesX3& faces, Eigen::I
 
 MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
                        const std::vector<int>& marked_faces, const MarkFieldOptions& options)
-    : marks_(SizeOf(marked_faces)) {
+    : marks_(SizeOf(marked_faces)), corners_(faces), own_row_(faces.rows(), -1) {
   if (marked_faces.empty()) throw InputError("transfer: there are no marks");
   const Eigen::Index n = points.rows();
   std::vector<Row> rows(n), own(faces.rows());
@@ -230,19 +230,26 @@ MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
   for (int i : laplacian.vertices())
     for (const auto& term : rows[i]) least_ = std::min(least_, term.second);
   if (unmarked_parts_ > 0) FollowNearest(points, parts, has_mark, rows);
-  for (const Row& row : rows) vertices_.Append(Kept(row, options.least_weight));
-  std::vector<Row> face_rows(faces.rows());
   ParallelFor(
-      faces.rows(),
-      [&](std::int64_t f) {
-        if (!own[f].empty())
-          face_rows[f] = own[f];
-        else
-          face_rows[f] = MeanOf(rows[faces(f, 0)], rows[faces(f, 1)], rows[faces(f, 2)]);
-        face_rows[f] = Kept(std::move(face_rows[f]), options.least_weight);
-      },
-      512);
-  for (const Row& row : face_rows) faces_.Append(row);
+      n, [&](std::int64_t i) { rows[i] = Kept(std::move(rows[i]), options.least_weight); }, 512);
+  for (const Row& row : rows) vertices_.Append(row);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    if (own[f].empty()) continue;
+    own_row_[f] = own_rows_.rows();
+    own_rows_.Append(Kept(own[f], 0));
+  }
+}
+
+std::vector<std::pair<int, double>> MarkFields::RowOfFace(int face) const {
+  const auto row = [](const WeightRows& rows, int at) {
+    Row result;
+    for (int k = rows.begin[at]; k < rows.begin[at + 1]; ++k)
+      result.emplace_back(rows.mark[k], rows.weight[k]);
+    return result;
+  };
+  if (own_row_[face] >= 0) return row(own_rows_, own_row_[face]);
+  return MeanOf(row(vertices_, corners_(face, 0)), row(vertices_, corners_(face, 1)),
+                row(vertices_, corners_(face, 2)));
 }
 
 }  // namespace keypose::motion

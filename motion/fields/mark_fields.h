@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/mesh.h"
@@ -43,7 +44,11 @@ class MarkFields {
 
   int marks() const { return marks_; }
   const WeightRows& vertices() const { return vertices_; }
-  const WeightRows& faces() const { return faces_; }
+  /// Of a face, sorted by mark.
+  std::vector<std::pair<int, double>> RowOfFace(int face) const;
+  /// For each face: its row of own_rows() if it is marked, else -1.
+  const std::vector<int>& own_row() const { return own_row_; }
+  const WeightRows& own_rows() const { return own_rows_; }
   /// The lowest weight before rows were made to sum to 1: below -1e-3 the triangulation is poor.
   double least_weight() const { return least_; }
   /// Parts without a mark, which move with the nearest part that has one.
@@ -52,7 +57,9 @@ class MarkFields {
  private:
   int marks_ = 0, unmarked_parts_ = 0;
   double least_ = 0;
-  WeightRows vertices_, faces_;
+  FacesX3 corners_;
+  WeightRows vertices_, own_rows_;
+  std::vector<int> own_row_;
 };
 
 /// Half the cotangents of a triangle's corners 0, 1, 2, that is the weights of the opposite edges;

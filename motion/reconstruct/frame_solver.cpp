@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "core/rotations.h"
 #include "core/size_of.h"
 #include "deform/solvers/lanes.h"
@@ -16,28 +17,44 @@ namespace {
 
 constexpr int kLanes = 4;
 
-/// Four frames of the edges of some faces.
-struct TurnJob {
-  const int *begin, *mark;  // the faces' rows of weights
+/// Marks and weights of one row.
+struct WeightedRow {
+  const int* mark;
   const double* weight;
+  int count;
+};
+inline WeightedRow RowAt(const WeightRows& rows, int at) {
+  const int begin = rows.begin[at];
+  return {rows.mark.data() + begin, rows.weight.data() + begin, rows.begin[at + 1] - begin};
+}
+
+/// Four frames of the edges of a patch.
+struct TurnJob {
+  const WeightRows *vertex_rows, *own_rows;
+  const int* own_row;    // of each face: its row of own_rows, or -1
   const double* values;  // of the marks: [mark][component][frame]
   int components;
   bool quaternions, remainders;
   const double* edges;
+  const int *vertices, *corners;  // of the patch: its vertices, and its faces' corners among them
+  int vertex_count;
   const int* listed;
   int count;
+  double* fields;  // room for [vertex][component][frame]
   double* out;
 };
 
 /// One frame of the edges of some faces.
 struct OneTurnJob {
-  const int *begin, *mark;
-  const double* weight;
+  const WeightRows* own_rows;
+  const int* own_row;
   const double* values;  // of the marks: [mark][component], components of the turn 0 .. 3, of the
                          // remainder 4 .. 7
   int components;
   bool quaternions, remainders;
   const double* edges;
+  const double* fields;  // of all vertices: [vertex][component]
+  const int* corners;    // of all faces
   const int* listed;
   int count;
   double* out;  // eight numbers a face
@@ -70,26 +87,27 @@ Eigen::Matrix3d ExpOfSymmetric(const Eigen::Matrix3d& m) {
          solver.eigenvectors().transpose();
 }
 
+using Row = std::vector<std::pair<int, double>>;
+
 /// The weighted sum of the marks' rows.
-Eigen::VectorXd MixedRow(const WeightRows& rows, int at, const Eigen::MatrixXd& values) {
+Eigen::VectorXd MixedRow(const Row& row, const Eigen::MatrixXd& values) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(values.cols());
-  for (int k = rows.begin[at]; k < rows.begin[at + 1]; ++k)
-    sum += rows.weight[k] * values.row(rows.mark[k]).transpose();
+  for (const auto& [mark, weight] : row) sum += weight * values.row(mark).transpose();
   return sum;
 }
 
 /// The map that the fields ask at a row of weights, without the body.
-Eigen::Matrix3d MapAt(const WeightRows& rows, int at, const FrameFields& frame) {
+Eigen::Matrix3d MapAt(const Row& row, const FrameFields& frame) {
   Eigen::Matrix3d map;
   if (frame.quaternions.size() > 0) {
-    const Eigen::Vector4d q = MixedRow(rows, at, frame.quaternions).normalized();
+    const Eigen::Vector4d q = MixedRow(row, frame.quaternions).normalized();
     map = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
   } else {
-    map = ExpOf(MixedRow(rows, at, frame.turns));
-    if (frame.remainders.size() > 0) map = map * ExpOf(MixedRow(rows, at, frame.remainders));
+    map = ExpOf(MixedRow(row, frame.turns));
+    if (frame.remainders.size() > 0) map = map * ExpOf(MixedRow(row, frame.remainders));
   }
   if (frame.log_stretches.size() > 0)
-    map = map * ExpOfSymmetric(SymmetricOf(MixedRow(rows, at, frame.log_stretches)));
+    map = map * ExpOfSymmetric(SymmetricOf(MixedRow(row, frame.log_stretches)));
   return map;
 }
 
@@ -136,12 +154,24 @@ FrameFields FrameFields::Turns(const MarkTurns& turns) {
 
 FrameSolver::FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
                          bool screened)
-    : rest_(rest), fields_(fields), system_({rest_}, faces, {}, {screened}) {
+    : rest_(rest), fields_(fields), system_({rest_}, faces, {}, {screened, true}) {
   edges_.reserve(6 * faces.rows() + 1);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 1; k < 3; ++k)
       for (int c = 0; c < 3; ++c) edges_.push_back(rest(faces(f, k), c) - rest(faces(f, 0), c));
   edges_.push_back(0);
+  std::vector<int> place(rest.rows(), -1);
+  for (int p = 0; p < system_.patch_count(); ++p) {
+    Patch patch;
+    for (const int f : system_.FacesOfPatch(p))
+      for (int k = 0; k < 3; ++k) {
+        int& at = place[faces(f, k)];
+        if (at < 0) at = SizeOf(patch.vertices), patch.vertices.push_back(faces(f, k));
+        patch.corners.push_back(at);
+      }
+    for (const int i : patch.vertices) place[i] = -1;
+    patches_.push_back(std::move(patch));
+  }
 }
 
 std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames) const {
@@ -158,27 +188,32 @@ PointsX3 FrameSolver::SolveOne(const FrameFields& frame) const {
       Eigen::MatrixXd::Zero(turns.rows(), components);
   values.leftCols(turns.cols()) = turns;
   if (remainders) values.middleCols<3>(4) = frame.remainders;
-  const WeightRows& rows = fields_.faces();
-  const auto fill = [&](std::span<const int> listed, double* edges) {
-    if (frame.log_stretches.size() > 0) {
+  const bool stretched = frame.log_stretches.size() > 0;
+  const FacesX3& faces = system_.faces();
+  std::vector<double> at_vertices(stretched ? 0 : rest_.rows() * components);
+  constexpr int kVerticesTogether = 2048;
+  ParallelBlocks(
+      stretched ? 0 : rest_.rows(), kVerticesTogether, [&](std::int64_t begin, std::int64_t end) {
+        const auto mix = HasFused() ? fused::MixVerticesOfOneFrame : plain::MixVerticesOfOneFrame;
+        mix(fields_.vertices(), static_cast<int>(begin), static_cast<int>(end), values.data(),
+            components, at_vertices.data());
+      });
+  const auto fill = [&](int patch, double* edges) {
+    const std::span<const int> listed = system_.FacesOfPatch(patch);
+    if (stretched) {
       for (std::size_t k = 0; k < listed.size(); ++k) {
         const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * listed[k]);
         Eigen::Map<Eigen::Matrix<double, 4, 2>> out(edges + 8 * k);
-        out << MapAt(rows, listed[k], frame) * rest, Eigen::RowVector2d::Zero();
+        out << MapAt(fields_.RowOfFace(listed[k]), frame) * rest, Eigen::RowVector2d::Zero();
       }
       return;
     }
-    const OneTurnJob job{rows.begin.data(),
-                         rows.mark.data(),
-                         rows.weight.data(),
-                         values.data(),
-                         components,
-                         quaternions,
-                         remainders,
-                         edges_.data(),
-                         listed.data(),
-                         SizeOf(listed),
-                         edges};
+    const OneTurnJob job{&fields_.own_rows(), fields_.own_row().data(),
+                         values.data(),       components,
+                         quaternions,         remainders,
+                         edges_.data(),       at_vertices.data(),
+                         faces.data(),        listed.data(),
+                         SizeOf(listed),      edges};
     HasFused() ? fused::TurnEdgesOfOneFrame(job) : plain::TurnEdgesOfOneFrame(job);
   };
   return system_.SolveOne(fill, RowTargets::Zero(std::ssize(system_.rows()), 3), frame.body);
@@ -194,22 +229,33 @@ void FrameSolver::Solve(const std::vector<FrameFields>& frames, Space& space) co
   std::vector<std::vector<double>> values;
   for (int first = 0; first < SizeOf(frames); first += kLanes)
     values.push_back(ValuesOf(frames, first, components));
-  const WeightRows& rows = fields_.faces();
   const auto fill = [&](int first, EdgeBatch& edges) {
     if (stretched) {
-      for (int k = 0; k < SizeOf(edges.listed); ++k)
-        for (int t = 0; t < edges.frames; ++t) {
-          const int face = edges.listed[k];
-          const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * face);
-          edges.Set(k, t, MapAt(rows, face, frames[first + t]) * rest);
-        }
+      for (int k = 0; k < SizeOf(edges.listed); ++k) {
+        const int face = edges.listed[k];
+        const Row row = fields_.RowOfFace(face);
+        const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * face);
+        for (int t = 0; t < edges.frames; ++t)
+          edges.Set(k, t, MapAt(row, frames[first + t]) * rest);
+      }
       return;
     }
-    const TurnJob job{rows.begin.data(),   rows.mark.data(),
-                      rows.weight.data(),  values[first / kLanes].data(),
-                      components,          quaternions,
-                      remainders,          edges_.data(),
-                      edges.listed.data(), SizeOf(edges.listed),
+    const Patch& patch = patches_[edges.patch];
+    std::vector<double> at_vertices(patch.vertices.size() * components * kLanes);
+    const TurnJob job{&fields_.vertices(),
+                      &fields_.own_rows(),
+                      fields_.own_row().data(),
+                      values[first / kLanes].data(),
+                      components,
+                      quaternions,
+                      remainders,
+                      edges_.data(),
+                      patch.vertices.data(),
+                      patch.corners.data(),
+                      SizeOf(patch.vertices),
+                      edges.listed.data(),
+                      SizeOf(edges.listed),
+                      at_vertices.data(),
                       edges.Face(0)};
     HasFused() ? fused::TurnEdges(job) : plain::TurnEdges(job);
   };
@@ -223,7 +269,10 @@ void FrameSolver::Solve(const std::vector<FrameFields>& frames, Space& space) co
 Eigen::Matrix3d FrameSolver::RotationAt(int vertex, const FrameFields& frame) const {
   FrameFields turns = frame;
   turns.log_stretches.resize(0, 6);
-  return frame.body * MapAt(fields_.vertices(), vertex, turns);
+  Row row;
+  const WeightedRow weights = RowAt(fields_.vertices(), vertex);
+  for (int k = 0; k < weights.count; ++k) row.emplace_back(weights.mark[k], weights.weight[k]);
+  return frame.body * MapAt(row, turns);
 }
 
 }  // namespace keypose::motion

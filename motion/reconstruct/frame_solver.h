@@ -56,6 +56,11 @@ class FrameSolver {
   const PointsX3 rest_;
   const MarkFields& fields_;
   PoissonSystem system_;
+  struct Patch {
+    std::vector<int> vertices;
+    std::vector<int> corners;  // of each of its faces three, among `vertices`
+  };
+  std::vector<Patch> patches_;  // of the system
   // of each face at rest: corner 0 -> 1, then 0 -> 2; and one number more, as edges are read by
   // fours
   std::vector<double> edges_;

@@ -5,7 +5,10 @@
 
 #include "core/geometry.h"
 #include "core/size_of.h"
+#include "deform/solvers/lanes.h"
 #include "deform/volume/volume_correction.h"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace keypose::motion {
 
@@ -14,7 +17,30 @@ namespace {
 constexpr double kMostReach = 0.25;  // of the diagonal
 constexpr double kProbe = 1e-3;      // of the diagonal: a step that tells the curvature at rest
 
+/// Some faces of a pose.
+struct VolumeJob {
+  const double* points;
+  int last;  // vertex
+  const int* faces;
+  std::ptrdiff_t begin, end;
+};
+
+VolumeJob JobOf(const PointsX3& pose, const FacesX3& faces) {
+  return {pose.data(), static_cast<int>(pose.rows()) - 1, faces.data(), 0, faces.rows()};
+}
+
 }  // namespace
+
+namespace plain {
+using namespace keypose::plain;
+#include "motion/reconstruct/volume_sums.inc"
+}  // namespace plain
+KEYPOSE_FUSED_BEGIN
+namespace fused {
+using namespace keypose::fused;
+#include "motion/reconstruct/volume_sums.inc"
+}  // namespace fused
+KEYPOSE_FUSED_END
 
 KeptVolume::KeptVolume(const PoissonSystem& system, const PointsX3& rest)
     : system_(&system), diagonal_(BoundingDiagonal(rest)) {
@@ -39,24 +65,18 @@ KeptVolume::KeptVolume(const PoissonSystem& system, const PointsX3& rest)
 }
 
 void KeptVolume::Measure(const PointsX3& pose, State& state) const {
-  const FacesX3& faces = system_->faces();
   const std::vector<int>& parts = system_->parts();
-  state.gradient.setZero(pose.rows(), 3);
+  state.gradient.setZero(pose.rows(), 4);
   state.field.resize(pose.rows(), 3);
   state.volume.assign(closed_.size(), 0);
   state.slope.assign(closed_.size(), 0);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-    const Eigen::RowVector3d e1 = pose.row(b) - pose.row(a), e2 = pose.row(c) - pose.row(a);
-    const Eigen::RowVector3d sixth = e1.cross(e2) / 6;
-    state.gradient.row(a) += sixth;
-    state.gradient.row(b) += sixth;
-    state.gradient.row(c) += sixth;
-  }
+  const VolumeJob job = JobOf(pose, system_->faces());
+  HasFused() ? fused::AddGradients(job, state.gradient.data())
+             : plain::AddGradients(job, state.gradient.data());
   // Relative to a point of the pose, for accuracy far from the origin.
   const Eigen::RowVector3d origin = pose.row(0);
   for (Eigen::Index i = 0; i < pose.rows(); ++i) {
-    const Eigen::RowVector3d row = state.gradient.row(i);
+    const Eigen::RowVector3d row = state.gradient.row(i).head<3>() / 6;
     state.volume[parts[i]] += (pose.row(i) - origin).dot(row) / 3;
     const double length = row.norm();
     state.slope[parts[i]] += amount_[i] * length;
@@ -68,18 +88,13 @@ std::vector<double> KeptVolume::Volumes(const PointsX3& pose) const {
   const FacesX3& faces = system_->faces();
   const std::vector<int>& parts = system_->parts();
   std::vector<double> volume(closed_.size(), 0);
-  const Eigen::RowVector3d origin = pose.row(0);
-  // A run of faces of one part is summed in a register.
-  for (Eigen::Index f = 0; f < faces.rows();) {
-    const int part = parts[faces(f, 0)];
-    double sum = 0;
-    for (; f < faces.rows() && parts[faces(f, 0)] == part; ++f) {
-      const Eigen::RowVector3d a = pose.row(faces(f, 0)) - origin,
-                               e1 = pose.row(faces(f, 1)) - pose.row(faces(f, 0)),
-                               e2 = pose.row(faces(f, 2)) - pose.row(faces(f, 0));
-      sum += a.dot(e1.cross(e2));
-    }
-    volume[part] += sum / 6;
+  VolumeJob job = JobOf(pose, faces);
+  for (job.end = 0; job.begin < faces.rows(); job.begin = job.end) {
+    const int part = parts[faces(job.begin, 0)];
+    while (job.end < faces.rows() && parts[faces(job.end, 0)] == part) ++job.end;
+    volume[part] +=
+        (HasFused() ? fused::SumVolumes(job, pose.data()) : plain::SumVolumes(job, pose.data())) /
+        6;
   }
   return volume;
 }

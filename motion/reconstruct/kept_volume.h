@@ -22,8 +22,9 @@ class KeptVolume {
   /// A pose's volumes, and how they change.
   struct State {
     std::vector<double> volume, slope;  ///< of each part; slope: the derivative along `field`
-    PointsX3 gradient;                  ///< V x 3, of the volume
-    PointsX3 field;                     ///< V x 3
+    /// V x 4, of the volume times six; the fourth column means nothing
+    Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> gradient;
+    PointsX3 field;  ///< V x 3
   };
   /// @param state  filled; its memory is used again
   void Measure(const PointsX3& pose, State& state) const;

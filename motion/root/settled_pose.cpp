@@ -11,7 +11,7 @@ namespace keypose::motion {
 namespace {
 
 constexpr int kMostSteps = 4;
-constexpr double kClose = 1e-6;  // of the volume
+constexpr double kClose = 1e-5;  // of the volume
 /// Volume and holds disturb each other little, so that their steps converge fast.
 constexpr int kSweeps = 12;
 
@@ -44,10 +44,25 @@ void PoseSettler::KeepVolume(PointsX3& pose, Space& space, Report& report) const
 bool PoseSettler::HasVolume(const Space& space) const {
   for (int p = 0; p < volume_->part_count(); ++p) {
     if (!space.kept[p]) continue;
-    if (std::abs(volume_->Wanted(p) - space.volumes[p]) > kClose * std::abs(volume_->Wanted(p)))
-      return false;
+    if (std::abs(space.missing[p]) > kClose * std::abs(volume_->Wanted(p))) return false;
   }
   return true;
+}
+
+void PoseSettler::FindMissing(const PointsX3& pose, Space& space) const {
+  space.missing = volume_->Volumes(pose);
+  for (int p = 0; p < volume_->part_count(); ++p)
+    space.missing[p] = volume_->Wanted(p) - space.missing[p];
+}
+
+void PoseSettler::FindGains(const std::vector<HeldPatches::Goal>& goals, Space& space) const {
+  const std::vector<int>& parts = volume_->parts();
+  const int count = SizeOf(goals);
+  space.gains.setZero(volume_->part_count(), 3 * count);
+  for (int i = 0; i < SizeOf(parts) && count > 0; ++i)
+    for (int g = 0; g < count; ++g)
+      space.gains.block<1, 3>(parts[i], 3 * g) +=
+          held_->columns()(i, goals[g].patch) / 6 * space.state.gradient.row(i).head<3>();
 }
 
 PoseSettler::Step PoseSettler::StepTo(const std::vector<HeldPatches::Goal>& goals,
@@ -57,23 +72,19 @@ PoseSettler::Step PoseSettler::StepTo(const std::vector<HeldPatches::Goal>& goal
   const int parts = volume ? volume_->part_count() : 0;
   Step step{{}, std::vector<double>(parts, 0.0), Eigen::MatrixXd::Zero(count, 3)};
   if (count == 0 && !volume) return step;
-  Eigen::MatrixXd gaps(count, 3), gains = Eigen::MatrixXd::Zero(parts, 3 * count);
+  Eigen::MatrixXd gaps(count, 3);
   for (int g = 0; g < count; ++g) {
     step.patches.push_back(goals[g].patch);
     gaps.row(g) = goals[g].centre - held_->CentreOf(goals[g].patch, pose);
   }
-  // Volume that a pull gains, by part.
-  for (Eigen::Index i = 0; i < pose.rows() && count > 0 && volume; ++i)
-    for (int g = 0; g < count; ++g)
-      gains.block<1, 3>(volume_->parts()[i], 3 * g) +=
-          held_->columns()(i, goals[g].patch) * space.state.gradient.row(i);
   Eigen::PartialPivLU<Eigen::MatrixXd> compliance;
   if (count > 0) compliance.compute(held_->Compliance(goals));
   for (int sweep = 0; sweep < (count > 0 && volume ? kSweeps : 1); ++sweep) {
     for (int p = 0; p < parts; ++p) {
       if (!space.kept[p]) continue;
-      double missing = volume_->Wanted(p) - space.volumes[p];
-      for (int g = 0; g < count; ++g) missing -= gains.block<1, 3>(p, 3 * g).dot(step.pulls.row(g));
+      double missing = space.missing[p];
+      for (int g = 0; g < count; ++g)
+        missing -= space.gains.block<1, 3>(p, 3 * g).dot(step.pulls.row(g));
       step.along[p] = volume_->StepFor(p, missing, space.state.slope[p], space.steps[p]);
     }
     if (count == 0) break;
@@ -106,14 +117,17 @@ double PoseSettler::Move(const Step& step, PointsX3& pose, const Space& space) c
 void PoseSettler::Settle(const std::vector<HeldPatches::Goal>& goals, PointsX3& pose, Space& space,
                          Report& report) const {
   const bool volume = volume_ && volume_->any_closed();
-  if (volume) space.volumes = volume_->Volumes(pose);
+  if (volume) {
+    FindGains(goals, space);
+    FindMissing(pose, space);
+  }
   bool again = !goals.empty() || (volume && !HasVolume(space));
   for (int k = 0; k < kMostSteps && again; ++k) {
     const Step step = StepTo(goals, pose, space);
     report.held_move = std::max(report.held_move, Move(step, pose, space));
     if (!volume) return;
-    for (int p = 0; p < volume_->part_count(); ++p) space.steps[p] += step.along[p];
-    space.volumes = volume_->Volumes(pose);
+    for (int p = 0; p < SizeOf(step.along); ++p) space.steps[p] += step.along[p];
+    FindMissing(pose, space);
     again = !HasVolume(space);
   }
 }

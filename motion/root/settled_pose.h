@@ -27,13 +27,15 @@ class PoseSettler {
   /// Memory that is used again, one for each thread.
   struct Space {
     KeptVolume::State state;
-    std::vector<char> kept;              // of each part: whether its volume is in reach
-    std::vector<double> steps, volumes;  // of each part: all steps so far, the volume now
+    std::vector<char> kept;  // of each part: whether its volume is in reach
+    std::vector<double> steps,
+        missing;            // of each part: all steps so far, the volume that is missing
+    Eigen::MatrixXd gains;  // parts x 3 goals: volume that a pull gains
   };
   /// Brings the pose to its volume, as near as one step does.
   void KeepVolume(PointsX3& pose, Space& space, Report& report) const;
   /// @param space  from KeepVolume of this pose
-  /// Held points are then exactly at their goals, and volumes within 1e-6.
+  /// Held points are then exactly at their goals, and volumes within 1e-5.
   void Settle(const std::vector<HeldPatches::Goal>& goals, PointsX3& pose, Space& space,
               Report& report) const;
 
@@ -43,6 +45,8 @@ class PoseSettler {
               const Space& space) const;
   double Move(const Step& step, PointsX3& pose, const Space& space) const;
   bool HasVolume(const Space& space) const;
+  void FindMissing(const PointsX3& pose, Space& space) const;
+  void FindGains(const std::vector<HeldPatches::Goal>& goals, Space& space) const;
 
   const KeptVolume* volume_;
   const HeldPatches* held_;
