@@ -168,6 +168,7 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   for (int i = 0; i < SizeOf(input.film); ++i) {
     FilmedPicture picture{i, 0, -1};
     const int shown = (input.film[i].frame - start) * input.plan.per_frame;
+    picture.shows = shown >= 0 && shown < SizeOf(input.frames);
     picture.animation = std::clamp(shown, 0, SizeOf(input.frames) - 1);
     for (int a = 0; a < SizeOf(geometry.anchors()); ++a) {
       const ShotFrame& located = input.shot.frames[geometry.anchors()[a].shot_frame];

@@ -21,6 +21,7 @@ struct CompositeOptions {
   double shutter = 0;
   double fps = 24;
   std::string format = "png";
+  bool follow = false;
   bool shadow = true, grain = true, video = true, compare = true, blender = true;
 
   void Describe(keypose::OptionVisitor& visit) {
@@ -37,6 +38,10 @@ struct CompositeOptions {
           {.help = "of rendered pictures; exr is linear light without grain, layers premultiplied",
            .unit = "",
            .choices = {"png", "exr"}});
+    visit("follow", follow,
+          {"bend the frames that were filmed until they lie on the film, and in-betweens as the "
+           "filmed frames beside them",
+           ""});
     visit("shadow", shadow, {"the character's shadow on the table", ""});
     visit("grain", grain, {"the film's grain on rendered pictures", ""});
     visit("video", video, {"write shot.mp4", ""});
@@ -78,7 +83,7 @@ const keypose::StageSpec kSpec{
                  .help = "the finished shot, numbered; layers with alpha, film, report",
                  .file = "pictures"}},
     .memory_gib = 3,
-    .common = {"shutter", "format"}};
+    .common = {"follow", "shutter", "format"}};
 
 ordered_json JoinNode(const KeyJoin& join) {
   const JoinFigures& f = join.figures;
@@ -111,6 +116,7 @@ void ReportLessons(StageContext& stage, const FilmLessons& lessons) {
   stage.Report("plate_inpainted", lessons.plate.inpainted);
   stage.Report("grain_levels", lessons.grain ? lessons.grain->MeanSigma() : 0.0);
   stage.Report("blur_px", lessons.blur_px);
+  if (!lessons.shifts.empty()) stage.Report("followed_px", lessons.beside_px);
   stage.Report("shadow_sky", lessons.shadow.strength.sky);
   stage.Report("shadow_lamp", lessons.shadow.strength.lamp);
   stage.Report("shadow_explained", lessons.shadow.explained);
@@ -147,10 +153,11 @@ void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
 
 void Run(StageContext& stage, const CompositeOptions& options) {
   const CompositeInput input = ReadCompositeInput(stage, options.fps);
-  const ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
+  ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
   const Film film = FilmOf(input, geometry);
-  const FilmLessons lessons =
-      LearnFromFilm(geometry, input.looks, film, options.samples, stage.progress());
+  const FilmLessons lessons = LearnFromFilm(geometry, input.looks, film,
+                                            {options.samples, options.follow}, stage.progress());
+  geometry.SetShifts(lessons.shifts);
   ReportLessons(stage, lessons);
   OutputOptions output;
   output.compose = {options.samples, options.shutter, options.shadow, options.grain};

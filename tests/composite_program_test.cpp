@@ -161,6 +161,31 @@ TEST_F(GeneratedShot, InBetweensAreLikeTheTruthAndFilmedFramesAreUntouched) {
   EXPECT_TRUE(fs::exists(folder_ / "out/blender/shot.py"));
 }
 
+TEST_F(GeneratedShot, FollowingTheFilmMendsAnAnimationThatPassesBesideIt) {
+  // Between the keys the animation takes another way than what was filmed.
+  fs::create_directories(folder_ / "beside");
+  for (int n = 0; n < kPictures; ++n) {
+    const std::string name = fmt::format("frame_{:04}.ply", n);
+    Mesh frame = ReadMesh(folder_ / "frames" / name);
+    if (n % 4)
+      for (Eigen::Index v = 0; v < frame.points.rows(); ++v)
+        frame.points(v, 0) += 0.1 * frame.points(v, 2);
+    WriteMesh(folder_ / "beside" / name, frame);
+  }
+  fs::copy_file(folder_ / "frames/distortion.json", folder_ / "beside/distortion.json");
+  ASSERT_EQ(Composite("alone", {{"frames", "beside"}, {"blender", "false"}}).exit_code, 0);
+  const RunResult result = Composite("followed", {{"frames", "beside"},
+                                                  {"follow", "true"},
+                                                  {"blender", "false"},
+                                                  {"report", "followed.json"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_GT(PsnrOf("followed", 1), PsnrOf("alone", 1) + 1);
+  EXPECT_GT(PsnrOf("followed", 3), PsnrOf("alone", 3) + 1);
+  const json measured = json::parse(ReadFile(folder_ / "followed.json"))["measurements"];
+  EXPECT_GT(measured["followed_px"], 0.1);
+  EXPECT_EQ(measured["filmed_unchanged"], 3);
+}
+
 TEST_F(GeneratedShot, AVideosFramesStayAsDecoded) {
   if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
   Mp4Writer writer(folder_ / "take.mp4", 384, 216, 12);

@@ -58,6 +58,20 @@ TEST(ShotGeometry, LocatedFramesAreWhereTheyWereFound) {
   EXPECT_NEAR(table.up.z(), 1, 1e-12);
 }
 
+TEST(ShotGeometry, ShiftsGoStraightFromFrameToFrame) {
+  const std::vector<Mesh> frames = RollingBall();
+  const FilmedShot shot = ShotOfTwo();
+  const AnimationTimes times{24, 5, {0, 4}, {0, 0.1, 0.2, 0.5, 1}};
+  ShotGeometry geometry(shot, PlanFilm(shot, {0, 1, 2}, times), frames, times);
+  std::vector<PointsX3> before;
+  for (int f = 0; f < 5; ++f) before.push_back(geometry.Points(f));
+  const PointsX3 one = PointsX3::Constant(before[0].rows(), 3, 1);
+  geometry.SetShifts({{2, one}, {4, 3 * one}});
+  for (const auto& [frame, shift] : {std::pair{0, 1.0}, {2, 1.0}, {3, 1.75}, {4, 3.0}})
+    EXPECT_LT((geometry.Points(frame) - before[frame] - shift * one).cwiseAbs().maxCoeff(), 1e-9)
+        << frame << ": by the timeline's time";
+}
+
 TEST(ShotGeometry, WhatCannotBePlacedIsRefused) {
   const std::vector<Mesh> frames = RollingBall();
   const AnimationTimes times{24, 5, {}, {}};

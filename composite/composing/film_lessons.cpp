@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "composite/follow/follow_film.h"
 #include "composite/layer/linear_light.h"
 #include "composite/light/exposure.h"
 #include "core/errors.h"
@@ -22,8 +23,7 @@ using Eigen::Vector3d;
 constexpr int kMostFrames = 24;  // of the film that are looked at
 constexpr int kMostShadowFrames = 3, kShadowSamples = 900;
 constexpr double kLeastExplained = 0.1;  // of the lost light; less is no shadow
-constexpr int kShadowRounds = 6;
-constexpr double kTrace = 0.02;    // explained in an early round: enough to look on
+constexpr double kLeastLight = 0.2;      // of nine pixels' channels: enough to compare
 constexpr double kMargin = 0.012;  // of the picture's width: how far from the character it counts
 constexpr double kCompareBlur = 0.0025;  // of the picture's width
 
@@ -76,15 +76,15 @@ Image8 AwayMask(const ImageF& layer, const Image8& holdout, int radius) {
 
 class Lesson {
  public:
-  Lesson(const ShotGeometry& geometry, const Looks& looks, const Film& film, int along,
-         Progress* progress)
+  Lesson(const ShotGeometry& geometry, const Looks& looks, const Film& film,
+         const LearnOptions& options, Progress* progress)
       : geometry_(geometry),
         looks_(looks),
         film_(film),
         view_(geometry.view()),
         table_(geometry.Table()),
         rays_(view_.camera),
-        along_(along),
+        options_(options),
         progress_(progress) {}
 
   FilmLessons Learn() {
@@ -96,6 +96,7 @@ class Lesson {
     LearnGrain();
     LearnBlur();
     for (const FilmedPicture& picture : film_.pictures) Exposure(picture);
+    if (options_.follow) Follow();
     return std::move(lessons_);
   }
 
@@ -113,8 +114,9 @@ class Lesson {
       look.light = LinearOf(look.stored);
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
-      look.layer = RenderLayer(looks_.At(picture->animation), look.points, *look.scene, {}, view_,
-                               rays_, picture->anchor >= 0 ? std::min(along_, 3) : 1, &table_);
+      look.layer =
+          RenderLayer(looks_.At(picture->animation), look.points, *look.scene, {}, view_, rays_,
+                      picture->anchor >= 0 ? std::min(options_.along, 3) : 1, &table_);
       look.away = AwayMask(look.layer, film_.holdout, picture->anchor >= 0 ? margin : 2 * margin);
       seen = seen ||
              std::find(look.away.data.begin(), look.away.data.end(), 255) != look.away.data.end();
@@ -154,34 +156,24 @@ class Lesson {
     look->light = Scaled(std::move(look->light), exposure.cwiseInverse());
   }
 
-  /// Then the plate has that frame's shadow, and nothing can be learnt from comparing the two.
-  bool OnlyOneFrameShows(int x, int y) const {
-    return given_.empty() && *lessons_.plate.grain_lacking.at(x, y) < 0.01f;
-  }
-
-  /// Places of the table around the character, and what they lost of the plate's light.
-  ShadowSamples SamplesOf(const Looked& look, const Ground& table) const {
-    ShadowSamples samples{look.scene.get(), {}, {}};
+  /// Places of the table around the character, and what they lost of the light that `other` has
+  /// there: a frame, or null for the given plate.
+  ShadowSamples SamplesOf(const Looked& look, const Looked* other) const {
+    ShadowSamples samples{look.scene.get(), {}, {}, other ? other->scene.get() : nullptr};
     const Rigid3 world_from_camera = view_.camera_from_world.Inverse();
-    const double height = (world_from_camera.translation - table.origin).dot(table.up);
+    const double height = (world_from_camera.translation - table_.origin).dot(table_.up);
     std::vector<std::pair<Vector3d, double>> all;
-    const ImageF& empty_set = given_.empty() ? lessons_.plate.light : given_;
+    const ImageF& brighter = other ? other->light : given_;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
-        if (*look.away.at(x, y) > 127 || OnlyOneFrameShows(x, y)) continue;
+        if (*look.away.at(x, y) > 127 || (other && *other->away.at(x, y) > 127)) continue;
         const Vector3d ray = world_from_camera.rotation * rays_.At(x, y, 0.5, 0.5);
-        const double down = -ray.dot(table.up);
+        const double down = -ray.dot(table_.up);
         if (!(down * height > 0)) continue;
         const Vector3d place = world_from_camera.translation + height / down * ray;
-        if ((place - table.origin).norm() > 1.6 * table.diagonal) continue;
-        double plate = 0, light = 0;
-        for (int j = -1; j <= 1; ++j)
-          for (int i = -1; i <= 1; ++i)
-            for (int c = 0; c < 3; ++c) {
-              plate += empty_set.at(x + i, y + j)[c];
-              light += look.light.at(x + i, y + j)[c];
-            }
-        if (plate > 0.2) all.emplace_back(place, 1 - light / plate);
+        if ((place - table_.origin).norm() > 1.6 * table_.diagonal) continue;
+        const double light = LightAround(look.light, x, y), full = LightAround(brighter, x, y);
+        if (full > kLeastLight && light > 0) all.emplace_back(place, 1 - light / full);
       }
     const std::size_t step = std::max<std::size_t>(1, all.size() / kShadowSamples);
     for (std::size_t i = step / 2; i < all.size(); i += step)
@@ -189,22 +181,40 @@ class Lesson {
     return samples;
   }
 
-  void LearnShadow() {
-    // A plate that is made from the film has some of the shadow in it, which hides how dark it is:
-    // each round takes out of the frames what is known, and finds more.
-    const int rounds = given_.empty() ? kShadowRounds : 1;
-    for (int round = 0; round < rounds; ++round) {
-      ReportProgress(progress_, 0.6 + 0.2 * round / rounds, "shadow");
-      std::vector<ShadowSamples> samples;
+  static double LightAround(const ImageF& light, int x, int y) {
+    double sum = 0;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i)
+        for (int c = 0; c < 3; ++c) sum += light.at(x + i, y + j)[c];
+    return sum;
+  }
+
+  /// Located frames against the given plate; without one, two by two, the farthest apart first. A
+  /// plate that was made from the film has some of the shadow in it.
+  std::vector<ShadowSamples> AllSamples() const {
+    std::vector<const Looked*> located;
+    for (const Looked& look : looked_)
+      if (look.picture->anchor >= 0) located.push_back(&look);
+    if (given_.empty() && SizeOf(located) < 2)
       for (const Looked& look : looked_)
-        if (look.picture->anchor >= 0 && SizeOf(samples) < kMostShadowFrames)
-          samples.push_back(SamplesOf(look, table_));
-      lessons_.shadow = FitShadow(samples, table_);
-      if (lessons_.shadow.explained < (round + 1 < rounds ? kTrace : kLeastExplained))
-        return ForgetShadow(!samples.empty());
-      for (Looked& look : looked_) look.kept = KeptOf(look, table_);
-      lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
-    }
+        if (look.picture->anchor < 0) located.push_back(&look);
+    std::vector<ShadowSamples> samples;
+    for (const Looked* look : located)
+      if (!given_.empty() && SizeOf(samples) < kMostShadowFrames)
+        samples.push_back(SamplesOf(*look, nullptr));
+    for (int apart = SizeOf(located) - 1; given_.empty() && apart > 0; --apart)
+      for (int i = 0; i + apart < SizeOf(located) && SizeOf(samples) < kMostShadowFrames; ++i)
+        samples.push_back(SamplesOf(*located[i], located[i + apart]));
+    return samples;
+  }
+
+  void LearnShadow() {
+    ReportProgress(progress_, 0.6, "shadow");
+    const std::vector<ShadowSamples> samples = AllSamples();
+    lessons_.shadow = FitShadow(samples, table_);
+    if (lessons_.shadow.explained < kLeastExplained) return ForgetShadow(!samples.empty());
+    for (Looked& look : looked_) look.kept = KeptOf(look, table_);
+    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
   }
 
   void ForgetShadow(bool looked_for) {
@@ -223,11 +233,10 @@ class Lesson {
 
   void LearnLight() {
     ReportProgress(progress_, 0.8, "light");
-    lessons_.light_of_anchor.assign(geometry_.anchors().size(), -1);
     std::vector<ObservedGains> observed;
     for (const Looked& look : looked_) {
       if (look.picture->anchor < 0) continue;
-      lessons_.light_of_anchor[look.picture->anchor] = SizeOf(observed);
+      lessons_.light_frames.push_back(look.picture->animation);
       observed.push_back(ObserveGains(look.light, look.layer, film_.holdout, look.points,
                                       looks_.faces, *look.scene, view_,
                                       kCompareBlur * view_.camera.width));
@@ -263,7 +272,7 @@ class Lesson {
     const PointsX3 gains =
         GainsAt(geometry_, lessons_, frame, VertexNormals(look->points, looks_.faces));
     const ImageF layer = RenderLayer(looks_.At(frame), look->points, *look->scene, gains, view_,
-                                     rays_, along_, &table_);
+                                     rays_, options_.along, &table_);
     double least = std::numeric_limits<double>::infinity();
     for (const double sigma : {0.0, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.7}) {
       const double error = ErrorOf(*look, Blurred(layer, sigma));
@@ -295,13 +304,66 @@ class Lesson {
         ExposureOf(LinearOf(film_.read(picture.film)), lessons_.plate.light, away);
   }
 
+  /// Bends all frames of the animation that were filmed until they lie on the film, and observes
+  /// their light anew.
+  void Follow() {
+    std::map<int, PointsX3> shifts;
+    std::vector<ObservedGains> observed;
+    std::vector<int> frames;
+    for (const FilmedPicture& picture : film_.pictures) {
+      if (!picture.shows || shifts.count(picture.animation)) continue;
+      ReportProgress(progress_, 0.5, "following the film");
+      FollowOne(picture, &shifts, &observed);
+      frames.push_back(picture.animation);
+    }
+    if (frames.empty()) return;
+    lessons_.beside_px /= SizeOf(frames);
+    lessons_.light = FitShotLight(observed, looks_.faces);
+    lessons_.light_frames = frames;
+    lessons_.shifts = std::move(shifts);
+  }
+
+  void FollowOne(const FilmedPicture& picture, std::map<int, PointsX3>* shifts,
+                 std::vector<ObservedGains>* observed) {
+    const std::size_t index = &picture - film_.pictures.data();
+    const ImageF light =
+        Scaled(LinearOf(film_.read(picture.film)), lessons_.exposures[index].cwiseInverse());
+    PointsX3 points = geometry_.Points(picture.animation);
+    const Character character = looks_.At(picture.animation);
+    const PointsX3 gains =
+        GainsAt(geometry_, lessons_, picture.animation, VertexNormals(points, looks_.faces));
+    const ImageF behind = Behind(points);
+    const Followed followed = FollowFilm(
+        {light, behind, film_.holdout, character, gains, view_, rays_, &table_, lessons_.blur_px},
+        points);
+    points += followed.shifts;
+    lessons_.beside_px += followed.mean_px;
+    const RayScene scene(points, looks_.faces);
+    const ImageF layer = RenderLayer(character, points, scene, {}, view_, rays_,
+                                     std::min(options_.along, 3), &table_);
+    observed->push_back(ObserveGains(light, layer, film_.holdout, points, looks_.faces, scene,
+                                     view_, kCompareBlur * view_.camera.width));
+    shifts->emplace(picture.animation, followed.shifts);
+  }
+
+  /// The plate with the figure's shadow.
+  ImageF Behind(const PointsX3& points) const {
+    ImageF behind = lessons_.plate.light;
+    const ShadowStrength& strength = lessons_.shadow.strength;
+    if (!(strength.sky > 0 || strength.lamp > 0)) return behind;
+    const ImageF kept = ShadowPicture(TableShadow(RayScene(points, looks_.faces), table_, strength),
+                                      table_, view_, rays_);
+    for (std::size_t i = 0; i < behind.data.size(); ++i) behind.data[i] *= kept.data[i / 3];
+    return behind;
+  }
+
   const ShotGeometry& geometry_;
   const Looks& looks_;
   const Film& film_;
   View view_;
   Ground table_;
   PixelRays rays_;
-  int along_;
+  LearnOptions options_;
   Progress* progress_;
   ImageF given_;  // the given plate, in the exposure of the one that is made
   std::vector<Looked> looked_;
@@ -311,8 +373,8 @@ class Lesson {
 }  // namespace
 
 FilmLessons LearnFromFilm(const ShotGeometry& geometry, const Looks& looks, const Film& film,
-                          int along, Progress* progress) {
-  return Lesson(geometry, looks, film, along, progress).Learn();
+                          const LearnOptions& options, Progress* progress) {
+  return Lesson(geometry, looks, film, options, progress).Learn();
 }
 
 }  // namespace keypose::composite

@@ -6,10 +6,14 @@
 
 namespace keypose::composite {
 
-/// @param along  rays along each side of a pixel
+struct LearnOptions {
+  int along = 4;        ///< rays along each side of a pixel
+  bool follow = false;  ///< bend the animation's frames that were filmed until they lie on the film
+};
+
 /// @throws InputError  the character is outside of the picture in all filmed frames
 /// Same bits for any thread count.
 FilmLessons LearnFromFilm(const ShotGeometry& geometry, const Looks& looks, const Film& film,
-                          int along, Progress* progress);
+                          const LearnOptions& options, Progress* progress);
 
 }  // namespace keypose::composite

@@ -58,14 +58,26 @@ ShotGeometry::Between ShotGeometry::At(double frame) const {
   const int i = static_cast<int>(after - anchors_.begin());
   if (i == 0) return {0, 0, 0};
   if (i == SizeOf(anchors_)) return {i - 1, i - 1, 0};
+  return {i - 1, i, ShareOfWay(anchors_[i - 1].animation, anchors_[i].animation, frame)};
+}
+
+double ShotGeometry::ShareOfWay(int from, int to, double frame) const {
   const auto time = [&](double at) {
     const int low = std::clamp(static_cast<int>(at), 0, SizeOf(t_) - 1),
               high = std::min(low + 1, SizeOf(t_) - 1);
     return t_[low] + (at - low) * (t_[high] - t_[low]);
   };
-  const double from = time(anchors_[i - 1].animation), to = time(anchors_[i].animation);
-  const double share = to > from ? (time(frame) - from) / (to - from) : 0.5;
-  return {i - 1, i, std::clamp(share, 0.0, 1.0)};
+  const double way = time(to) - time(from);
+  return way > 0 ? std::clamp((time(frame) - time(from)) / way, 0.0, 1.0) : 0.5;
+}
+
+PointsX3 ShotGeometry::ShiftsOfFrame(int frame) const {
+  const auto after = shifts_.lower_bound(frame);
+  if (after == shifts_.end()) return std::prev(after)->second;
+  if (after == shifts_.begin() || after->first == frame) return after->second;
+  const auto before = std::prev(after);
+  const double share = ShareOfWay(before->first, after->first, frame);
+  return (1 - share) * before->second + share * after->second;
 }
 
 PointsX3 ShotGeometry::PointsOfFrame(int frame) const {
@@ -84,8 +96,12 @@ PointsX3 ShotGeometry::Points(double frame) const {
   const double at = std::clamp(frame, 0.0, SizeOf(frames_) - 1.0);
   const int low = static_cast<int>(at);
   const double share = at - low;
-  if (share < 1e-9) return PointsOfFrame(low);
-  return (1 - share) * PointsOfFrame(low) + share * PointsOfFrame(low + 1);
+  const auto points = [&](int f) -> PointsX3 {
+    if (shifts_.empty()) return PointsOfFrame(f);
+    return PointsOfFrame(f) + ShiftsOfFrame(f);
+  };
+  if (share < 1e-9) return points(low);
+  return (1 - share) * points(low) + share * points(low + 1);
 }
 
 Ground ShotGeometry::Table() const {

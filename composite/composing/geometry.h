@@ -1,6 +1,7 @@
 // The character's vertices in the set's world, at any time of a shot.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "composite/plan/film_plan.h"
@@ -32,20 +33,27 @@ class ShotGeometry {
     double share = 0;           ///< of the way
   };
   Between At(double animation_frame) const;
+  /// The share of the way in the timeline's time from one frame of the animation to another.
+  double ShareOfWay(int from, int to, double animation_frame) const;
   /// Vertices in world. Between two frames they go straight.
   /// @param animation_frame  clamped to the animation
   PointsX3 Points(double animation_frame) const;
+  /// From now on the vertices have these shifts in world at frames of the animation, and shifts
+  /// between those of the nearest two at others; beyond the last of them the nearest one's.
+  void SetShifts(std::map<int, PointsX3> shifts) { shifts_ = std::move(shifts); }
   /// The table: z = 0 of the character, or the plane of its lowest point where that is elsewhere.
   Ground Table() const;
 
  private:
   PointsX3 PointsOfFrame(int frame) const;
+  PointsX3 ShiftsOfFrame(int frame) const;
   const Similarity3& PlaceOf(const Anchor& anchor) const;
 
   FilmedShot shot_;
   const std::vector<Mesh>& frames_;
   std::vector<double> t_;  // time of each frame
   std::vector<Anchor> anchors_;
+  std::map<int, PointsX3> shifts_;      // by frame of the animation
   std::vector<PlacementBetween> ways_;  // from each anchor to the next
 };
 

@@ -1,5 +1,7 @@
 #include "composite/composing/lessons.h"
 
+#include <algorithm>
+
 #include "core/parallel.h"
 #include "core/size_of.h"
 
@@ -42,14 +44,13 @@ ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View&
 
 PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,
                  const PointsX3& normals) {
-  const auto at = geometry.At(time);
-  const auto light_of = [&](int anchor) {
-    return anchor < SizeOf(lessons.light_of_anchor) ? lessons.light_of_anchor[anchor] : -1;
-  };
-  int before = light_of(at.before), after = light_of(at.after);
-  double share = at.share;
-  if (before < 0) before = after, share = 0;
-  if (after < 0) after = before, share = 0;
+  const std::vector<int>& frames = lessons.light_frames;
+  if (frames.empty()) return GainsBetween(lessons.light, -1, -1, 0, normals);
+  const auto at = std::lower_bound(frames.begin(), frames.end(), time);
+  const int after = std::min(static_cast<int>(at - frames.begin()), SizeOf(frames) - 1);
+  const int before = at == frames.begin() || at == frames.end() ? after : after - 1;
+  const double share =
+      before == after ? 0 : geometry.ShareOfWay(frames[before], frames[after], time);
   return GainsBetween(lessons.light, before, after, share, normals);
 }
 

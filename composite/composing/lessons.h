@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ struct FilmedPicture {
   int film = 0;       ///< index of the picture
   int animation = 0;  ///< clamped to the animation
   int anchor = -1;    ///< index of the anchor; -1: not located
+  bool shows = true;  ///< else the animation is not yet or no longer there
 };
 
 struct Film {
@@ -45,8 +47,10 @@ struct Film {
 struct FilmLessons {
   CleanPlate plate;
   std::vector<Eigen::Vector3d> exposures;  ///< per picture of the film, over the plate's
-  ShotLight light;                         ///< its frames are the anchors that were filmed
-  std::vector<int> light_of_anchor;        ///< index into `light`'s frames; -1: not filmed
+  ShotLight light;                         ///< its frames are those of light_frames
+  std::vector<int> light_frames;           ///< of the animation, ascending
+  std::map<int, PointsX3> shifts;          ///< for ShotGeometry::SetShifts; empty: not followed
+  double beside_px = 0;  ///< mean shift of what is seen, where the film was followed
   ShadowFit shadow;
   std::optional<Grain> grain;
   double blur_px = 0;              ///< standard deviation, of the lens on the character

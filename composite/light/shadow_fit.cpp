@@ -21,26 +21,45 @@ struct Rows {
   Eigen::VectorXd sky, lost;
 };
 
-/// Share of a lamp that the figure hides, at all samples.
+/// What one unit of a shadow's strength takes of the light, at all samples.
+/// @param hidden  gives the hidden share of a light at a place before a figure
+template <class Hidden>
+Eigen::VectorXd RowOf(const std::vector<ShadowSamples>& frames, Eigen::Index count,
+                      const Hidden& hidden) {
+  Eigen::VectorXd row(count);
+  Eigen::Index first = 0;
+  for (const ShadowSamples& frame : frames) {
+    const auto at_figure = hidden(*frame.figure);
+    ParallelFor(
+        std::ssize(frame.places),
+        [&](std::int64_t i) { row[first + i] = at_figure(frame.places[i]); }, 32);
+    if (frame.other) {
+      const auto at_other = hidden(*frame.other);
+      ParallelFor(
+          std::ssize(frame.places),
+          [&](std::int64_t i) {
+            row[first + i] -= (1 - frame.lost[i]) * at_other(frame.places[i]);
+          },
+          32);
+    }
+    first += std::ssize(frame.places);
+  }
+  return row;
+}
+
+/// Of a lamp.
 Eigen::VectorXd HiddenFrom(const std::vector<ShadowSamples>& frames, const Ground& ground,
                            const SoftLamp& lamp, int rays, Eigen::Index count) {
   const std::vector<Vector3d> directions = RaysTo(lamp, rays);
-  Eigen::VectorXd hidden(count);
-  Eigen::Index first = 0;
-  for (const ShadowSamples& frame : frames) {
-    ParallelFor(
-        std::ssize(frame.places),
-        [&](std::int64_t i) {
-          const Vector3d from = frame.places[i] - 1e-5 * ground.diagonal * ground.up;
-          int blocked = 0;
-          for (const Vector3d& to : directions)
-            blocked += frame.figure->Occluded(from, to, 0, std::numeric_limits<double>::infinity());
-          hidden[first + i] = static_cast<double>(blocked) / rays;
-        },
-        32);
-    first += std::ssize(frame.places);
-  }
-  return hidden;
+  return RowOf(frames, count, [&](const RayScene& figure) {
+    return [&](const Vector3d& place) {
+      const Vector3d from = place - 1e-5 * ground.diagonal * ground.up;
+      int blocked = 0;
+      for (const Vector3d& to : directions)
+        blocked += figure.Occluded(from, to, 0, std::numeric_limits<double>::infinity());
+      return static_cast<double>(blocked) / rays;
+    };
+  });
 }
 
 /// Non-negative weights of two columns by robust least squares.
@@ -132,13 +151,16 @@ ShadowFit FitShadow(const std::vector<ShadowSamples>& frames, const Ground& grou
   ShadowFit fit;
   for (const ShadowSamples& frame : frames) fit.samples += static_cast<int>(frame.places.size());
   if (fit.samples < kFewestSamples) return fit;
-  Rows rows{Eigen::VectorXd(fit.samples), Eigen::VectorXd(fit.samples)};
+  Rows rows{RowOf(frames, fit.samples,
+                  [&](const RayScene& figure) {
+                    return [sky = GroundShadow(figure, ground)](const Vector3d& place) {
+                      return sky.Hidden(place);
+                    };
+                  }),
+            Eigen::VectorXd(fit.samples)};
   Eigen::Index at = 0;
-  for (const ShadowSamples& frame : frames) {
-    const GroundShadow sky(*frame.figure, ground);
-    for (std::size_t i = 0; i < frame.places.size(); ++i, ++at)
-      rows.sky[at] = sky.Hidden(frame.places[i]), rows.lost[at] = frame.lost[i];
-  }
+  for (const ShadowSamples& frame : frames)
+    for (const double lost : frame.lost) rows.lost[at++] = lost;
   LampSearch search(frames, ground, rows);
   search.Coarse();
   search.Fine();

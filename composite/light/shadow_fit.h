@@ -9,11 +9,15 @@
 
 namespace keypose::composite {
 
-/// Places of the table in one frame, and the share of its light that each has lost.
+/// Places of the table in one frame, and the share of light that each has lost there over a clean
+/// plate, or over another frame, which has a shadow of its own elsewhere. The second needs no
+/// plate: light = table * (1 - shadow) in both, so their ratio is free of the table, and 1 - ratio
+/// = shadow - ratio * shadow of the other, which is linear in the strengths.
 struct ShadowSamples {
   const RayScene* figure = nullptr;  ///< of the frame
   std::vector<Eigen::Vector3d> places;
-  std::vector<double> lost;  ///< 1 - frame / plate
+  std::vector<double> lost;         ///< 1 - light of the frame / light of the plate or other
+  const RayScene* other = nullptr;  ///< figure of the other frame; null: a plate without shadow
 };
 
 struct ShadowFit {
