@@ -186,13 +186,15 @@ class LiveSession {
                        wraps_, reader_.reader().repeats(), reader_.reader().damaged()}));
   }
 
-  /// A counter of 24 bits that passes its end.
+  /// A counter of 24 bits that passes its end. One that is 0 where its joint is passes it with its
+  /// joint's zero, which is no news.
   void CountWraps() {
     const std::vector<SensorState>& states = reader_.reader().tracker().states();
     raw_.resize(states.size(), 0);
     wraps_.resize(states.size(), 0);
     for (std::size_t j = 0; j < states.size(); ++j) {
-      if (number_ > 0 && std::abs(states[j].raw - raw_[j]) > (1 << 23)) ++wraps_[j];
+      const bool at_zero = (states[j].counts & 0xFFFFFF) == states[j].raw;
+      if (number_ > 0 && !at_zero && std::abs(states[j].raw - raw_[j]) > (1 << 23)) ++wraps_[j];
       raw_[j] = states[j].raw;
     }
   }

@@ -156,7 +156,8 @@ TEST_F(LivePrograms, LiveTellsAPageAllThatItShows) {
   WriteFile(folder_ / "typing",
             "sleep 1; echo record; sleep 1.5; echo record; sleep 1.5; echo zero leftKneeBend; "
             "echo zero nobody; sleep 0.5");
-  const std::string command = "live" + Puppet() + " --port simulated --simulated frames --mesh " +
+  const std::string command = "live" + Puppet() +
+                              " --port simulated --simulated frames --faults wrap@0 --mesh " +
                               Path("t/theropod.ply") + " --session " + Path("session") +
                               " --page_rate 20 --rate 60 --page " + Path("page");
   const std::string shell = "sh " + Path("typing") + " | " + KEYPOSE_BIN_DIR +
@@ -177,6 +178,9 @@ TEST_F(LivePrograms, LiveTellsAPageAllThatItShows) {
   EXPECT_EQ(pose["values"].size(), 74u);
   EXPECT_EQ(pose["bones"].size(), 7 * bones);
   EXPECT_EQ(pose["chains"].size(), view["chains"].size());
+  EXPECT_EQ(pose["wraps"].size(), 74u);
+  EXPECT_EQ(view["chains"][0]["exact"], false);
+  EXPECT_EQ(view["chains"][2]["exact"], true);
   EXPECT_EQ(fs::file_size(folder_ / "page/weights.bin"), 24 * vertices);
   const auto count = [&](const char* name) {
     return std::count(events.begin(), events.end(), name);

@@ -106,7 +106,8 @@ std::string PageStream::ViewText(const PlateFiles& plates) const {
     sensors.push_back({{"name", armature.nodes[static_cast<std::size_t>(node)].name},
                        {"unit", Turns(armature, j) ? "°" : "mm"}});
   }
-  for (const Chain& chain : parts_.plan.chains) chains.push_back(chain.name);
+  for (const Chain& chain : parts_.plan.chains)
+    chains.push_back({{"name", chain.name}, {"exact", chain.mode == ChainMode::kExact}});
   for (const fs::path& plate : plates.pictures()) pictures.push_back(fs::absolute(plate).string());
   for (const PlateView& view : plates.views()) views.push_back(ViewJson(view));
   const json all = {{"bones", parts_.skeleton.size()},

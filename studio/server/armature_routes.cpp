@@ -130,7 +130,7 @@ json ExampleSetup() {
   const std::string folder = "armature/example/";
   return {{"take", "take1"},
           {"port", "simulated"},
-          {"calibration", ""},
+          {"calibration", folder + "theropod.json"},
           {"fps", 24},
           {"step", 2},
           {"description", folder + "theropod.txt"},

@@ -62,6 +62,7 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddTimeline();
   AddResults();
   AddShoot();
+  AddShot();
   AddArmature();
   Follow();
   FollowShoot();

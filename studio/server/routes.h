@@ -42,6 +42,7 @@ class Routes {
   void AddResults();
   void AddShoot();
   void AddShootPictures();
+  void AddShot();
   void AddArmature();
   void AddArmatureViews();
   void Add(const std::string& method, const std::string& path, Handler handler);

@@ -120,6 +120,9 @@ CHANGES = [
     ('PUT', '/api/regions'),
     ('POST', '/api/shoot/start'),
     ('POST', '/api/shoot/command'),
+    ('POST', '/api/armature/start'),
+    ('POST', '/api/armature/command'),
+    ('POST', '/api/armature/bake'),
 ]
 LOOKS = [
     '/api/project',
@@ -146,11 +149,27 @@ def path_tricks(studio, pick):
         ('GET', f'/api/log?step={path}'),
         ('GET', f'/api/shoot/picture?path={path}'),
         ('GET', f'/api/shoot/picture?path=photos/rest/{path}'),
+        ('GET', f'/api/armature/plate?index={path}'),
+        ('GET', f'/api/armature/mesh?what={path}'),
+        ('GET', f'/api/armature/frames?from={path}'),
         ('GET', f'/api/confidence?pose={path}'),
         ('GET', f'/api/landmarks/fit?pose={path}'),
     ]
     status, _, body = studio.ask(*pick.choice(ways))
     return status in (400, 404) and b'TOP SECRET' not in body and b'root:' not in body
+
+
+def puppet(**changed):
+    """A set-up of an armature's session that could begin, but for what is changed."""
+    return {
+        'take': 'take1',
+        'port': 'simulated',
+        'calibration': '',
+        'description': 'out/a.txt',
+        'chains': 'out/a.txt',
+        'fps': 24,
+        'step': 2,
+    } | changed
 
 
 def writing_outside(studio, pick):
@@ -162,6 +181,10 @@ def writing_outside(studio, pick):
         ('PUT', f'/api/landmarks?pose={path}', b'{"picks": [], "revision": ""}'),
         ('POST', '/api/reveal', json.dumps({'path': path}).encode()),
         ('POST', '/api/run', json.dumps({'until': ['--set', path]}).encode()),
+        ('POST', '/api/armature/start', json.dumps(puppet(description=path)).encode()),
+        ('POST', '/api/armature/start', json.dumps(puppet(take=path)).encode()),
+        ('POST', '/api/armature/start', json.dumps(puppet(plate=path)).encode()),
+        ('POST', '/api/armature/start', json.dumps(puppet(port=f'/dev/{path}')).encode()),
     ]
     method, way, body = pick.choice(ways)
     status, _, words = studio.ask(method, way, body=body)

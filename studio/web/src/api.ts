@@ -46,6 +46,8 @@ export interface Project {
   problem: string
   has_frames: boolean
   has_report: boolean
+  /** whether pipeline.yaml has a filmed shot */
+  has_shot: boolean
   /** true: no pipeline.yaml in the folder yet */
   empty: boolean
 }
@@ -231,7 +233,7 @@ export interface ShootEvent {
 }
 
 /** Sends the session's cookie by itself; throws ApiError with the server's words. */
-async function ask(path: string, init?: RequestInit): Promise<Response> {
+export async function ask(path: string, init?: RequestInit): Promise<Response> {
   let answer: Response
   try {
     answer = await fetch(path, { ...init, headers: { 'X-Keypose': '1', ...init?.headers } })
@@ -248,8 +250,8 @@ async function ask(path: string, init?: RequestInit): Promise<Response> {
   throw new ApiError(answer.status, words)
 }
 
-const get = async <T>(path: string): Promise<T> => (await ask(path)).json() as Promise<T>
-const send = async <T>(method: string, path: string, body: unknown): Promise<T> =>
+export const get = async <T>(path: string): Promise<T> => (await ask(path)).json() as Promise<T>
+export const send = async <T>(method: string, path: string, body: unknown): Promise<T> =>
   (
     await ask(path, {
       method,
@@ -367,6 +369,9 @@ export type StudioEvent =
   | { type: 'project' } // pipeline.yaml or another file of the project has changed
   | { type: 'shoot'; number: number; event: ShootEvent }
   | { type: 'shoot_ended'; number: number; exit_code: number; message: string }
+  | { type: 'armature'; number: number; event: { event: string } }
+  | { type: 'armature_ended'; number: number; exit_code: number; message: string }
+  | { type: 'armature_baked'; exit_code: number; message: string }
   | { type: 'writers'; count: number } // tabs that have the project open
   | { type: 'connection'; open: boolean }
 
@@ -385,12 +390,24 @@ export interface RunLine {
   [key: string]: unknown
 }
 
+const kEventTypes = [
+  'run',
+  'run_ended',
+  'project',
+  'writers',
+  'shoot',
+  'shoot_ended',
+  'armature',
+  'armature_ended',
+  'armature_baked',
+]
+
 /**
  * Calls `listen` with every event until the returned function is called. Connects again by itself.
  */
 export function events(listen: (event: StudioEvent) => void): () => void {
   const source = new EventSource('/api/events')
-  for (const type of ['run', 'run_ended', 'project', 'writers', 'shoot', 'shoot_ended']) {
+  for (const type of kEventTypes) {
     source.addEventListener(type, (message) => {
       const data = JSON.parse((message as MessageEvent<string>).data) as object
       listen((type === 'run' ? { type, line: data } : { type, ...data }) as StudioEvent)

@@ -3,6 +3,7 @@ import type { FunctionComponent } from 'preact'
 import { useEffect, useState } from 'preact/hooks'
 
 import { api } from './api'
+import { ArmaturePage } from './pages/armature'
 import { ExportPage } from './pages/export'
 import { LandmarksPage } from './pages/landmarks'
 import { NewProjectPage } from './pages/new_project'
@@ -10,6 +11,7 @@ import { useUpload } from './pages/new_project/upload'
 import { PosesPage } from './pages/poses'
 import { RunPage } from './pages/run'
 import { ShootPage } from './pages/shoot'
+import { ShotPage } from './pages/shot'
 import { TimelinePage } from './pages/timeline'
 import { StudioState, useStudio } from './state'
 import { Bar } from './bar'
@@ -21,6 +23,8 @@ const kPages: { path: string; name: string; page: FunctionComponent }[] = [
   { path: 'run', name: 'Run', page: RunPage },
   { path: 'landmarks', name: 'Landmarks', page: LandmarksPage },
   { path: 'timeline', name: 'Timeline', page: TimelinePage },
+  { path: 'shot', name: 'Shot', page: ShotPage },
+  { path: 'armature', name: 'Armature', page: ArmaturePage },
   { path: 'export', name: 'Report & export', page: ExportPage },
 ]
 
@@ -108,10 +112,15 @@ function Shell() {
   // A project exists from its first photograph on; the page that sends them stays until the last.
   const sending = useUpload() !== null
   const isNew = sending || project.empty
-  // A folder without a project is filled from files, or by a camera.
-  const shoots = route === 'shoot' && !sending
+  // A folder without a project is filled from files, by a camera, or from an armature.
+  const shoots = (route === 'shoot' || route === 'armature') && !sending
   const Page = isNew && !shoots ? NewProjectPage : current.page
-  const pages = isNew ? [kPages[0], { path: 'poses', name: 'From files' }] : all
+  const newPages = [
+    kPages[0],
+    { path: 'poses', name: 'From files' },
+    { path: 'armature', name: 'Armature' },
+  ]
+  const pages = isNew ? newPages : all
   return (
     <>
       <header class="top">

@@ -1,0 +1,216 @@
+// The armature's page with the simulated puppet: no board, the example, frames recorded, a studio
+// that is killed, the flipbook, a frame again, baked frames.
+//
+//   node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { parseArgs } from 'node:util';
+
+import { Browser, check, record, StudioProgram, until } from './studio_driver.mjs';
+
+const { values: options, positionals } = parseArgs({
+  allowPositionals: true,
+  options: { pictures: { type: 'string' }, keep: { type: 'boolean' } },
+});
+if (positionals.length !== 1) {
+  console.error('usage: node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]');
+  process.exit(2);
+}
+const bin = resolve(positionals[0]);
+const kFrames = 5;
+const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_armature_'));
+const folder = join(scratch, 'theropod');
+const take = join(folder, 'armature/walk');
+const browser = new Browser();
+const studio = new StudioProgram(bin, folder);
+let page;
+
+const button = (name) => page.getByRole('button', { name, exact: true });
+const field = (name) => page.getByLabel(name, { exact: true });
+const frames = () => page.locator('.armature-page .side h2 + .number').textContent();
+const curves = () => JSON.parse(readFileSync(join(take, 'curves.json'), 'utf8'));
+/** What the canvas shows, as a text that differs when it does. */
+const shown = async () =>
+  (await page.locator('.armature-canvas canvas').screenshot()).toString('base64');
+
+async function enter() {
+  const address = await studio.start();
+  page = await browser.tab();
+  await page.goto(address);
+  await page.getByRole('link', { name: 'Armature' }).click();
+  await field('Take').waitFor();
+}
+
+async function setUp() {
+  await button('Begin').click();
+  await page.getByText('Which file describes the armature?').waitFor();
+  await record(page, 'armature_setup', null);
+  await button('Use the example').click();
+  await until(
+    'the example fills the form',
+    async () => (await field('Description').inputValue()) === 'armature/example/theropod.txt',
+  );
+  await field('Take').fill('walk');
+}
+
+/** A board that is not there: said in words, and the simulated puppet is offered. */
+async function noBoard() {
+  await field('Controller').selectOption('board');
+  await field('Port').fill('/dev/keypose-no-such-board');
+  execFileSync(
+    join(bin, 'keypose'),
+    [
+      ...['armature', 'calibrate', '--port', 'simulated'],
+      ...['--description', join(folder, 'armature/example/theropod.txt')],
+      ...['--calibration', join(folder, 'armature/example/theropod.json')],
+    ],
+    { input: '\n', stdio: ['pipe', 'ignore', 'ignore'] },
+  );
+  await button('Begin').click();
+  const fault = page.locator('.shoot-say.fault');
+  await fault.getByText(/keypose-no-such-board/).waitFor();
+  await record(page, 'armature_no_board', null);
+  await button('Try it with a simulated puppet').click();
+  await page.locator('.armature-page').waitFor({ timeout: 60000 });
+  await until('the puppet is drawn', () =>
+    page.locator('.armature-canvas canvas').evaluate((one) => one.width > 300),
+  );
+}
+
+async function recordFrames() {
+  for (let frame = 0; frame < kFrames; ++frame) {
+    await page.keyboard.press(frame % 2 ? 'Enter' : 'Space');
+    await until(
+      `frame ${frame} is there`,
+      async () => parseInt(await frames(), 10) === frame + 1,
+    );
+  }
+  check(curves().frames === undefined || curves().frames >= kFrames, 'curves.json lacks frames');
+  check(
+    (await page.locator('.armature-sensors li').count()) === 74,
+    'the page does not list 74 sensors',
+  );
+  await page.getByText('Answers.').waitFor();
+  await record(page, 'armature', options.pictures);
+}
+
+/** The studio is killed in mid-session: what was recorded is there, and the session goes on. */
+async function kill() {
+  const before = readFileSync(join(take, 'journal.jsonl'), 'utf8');
+  browser.away = true;
+  await studio.end('SIGKILL');
+  await page.getByText('The studio does not answer').first().waitFor();
+  await studio.start();
+  await button('Go on with walk').waitFor({ timeout: 30000 });
+  browser.away = false;
+  check(
+    readFileSync(join(take, 'journal.jsonl'), 'utf8') === before,
+    'the journal has changed while nobody recorded',
+  );
+  // The old session's program lets go of the take when its studio is gone.
+  await until('the session goes on', async () => {
+    if (await page.locator('.armature-page').count()) return true;
+    const go = button('Go on with walk');
+    if (await go.isEnabled().catch(() => false)) await go.click();
+    await page.waitForTimeout(700);
+    return false;
+  });
+  await until('all frames are there', async () => parseInt(await frames(), 10) === kFrames);
+  await page.keyboard.press('Space');
+  await until('it records on', async () => parseInt(await frames(), 10) === kFrames + 1);
+}
+
+async function flipbook() {
+  await page.keyboard.press('f');
+  const seen = new Set();
+  await until('the flipbook turns its pages', async () => {
+    const words = await page.getByText(/^Flipbook: frame/).textContent();
+    seen.add(words);
+    return seen.size >= 4;
+  });
+  const one = await shown();
+  await until('the flipbook moves the puppet', async () => (await shown()) !== one);
+  await page.keyboard.press('Escape');
+  await page.getByText(/^Frame 6 is next/).waitFor();
+}
+
+async function again() {
+  await page.keyboard.press('Backspace');
+  await page.getByText(/^Frame 5 is next/).waitFor();
+  await button('Record 5 again Space').click();
+  await page.getByText(/^Frame 6 is next/).waitFor();
+  check(parseInt(await frames(), 10) === kFrames + 1, 'a frame that is recorded again is added');
+  await page.keyboard.press('Backspace');
+  await page.getByText(/^Frame 5 is next/).waitFor();
+  await button('Forget').click();
+  await button('Forget 5 on?').click();
+  await until('the last frame is forgotten', async () => parseInt(await frames(), 10) === kFrames);
+  await page.keyboard.press('v');
+  await page.locator('.armature-backdrop').waitFor();
+  await page.keyboard.press('v');
+}
+
+async function bake() {
+  await button('Bake').click();
+  await page.getByText('The frames are baked.').waitFor({ timeout: 120000 });
+  const baked = readdirSync(join(take, 'frames')).filter((name) => name.endsWith('.ply'));
+  check(baked.length === 2 * kFrames, `${baked.length} frames on twos, not ${2 * kFrames}`);
+  check(existsSync(join(take, 'motion.bvh')), 'there is no motion.bvh');
+}
+
+async function end() {
+  await button('End').click();
+  await button('Go on with walk').waitFor();
+  await record(page, 'armature_ended', null);
+}
+
+async function walk() {
+  mkdirSync(folder);
+  await browser.start();
+  const parts = {
+    enter,
+    'set up': setUp,
+    'no board': noBoard,
+    'record frames': recordFrames,
+    kill,
+    flipbook,
+    again,
+    bake,
+    end,
+  };
+  for (const [name, act] of Object.entries(parts)) {
+    const began = Date.now();
+    await act();
+    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
+  }
+  check(
+    browser.faults.length === 0,
+    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
+  );
+}
+
+try {
+  await walk();
+  console.log('all of it went well');
+} catch (error) {
+  console.error(
+    `FAILED: ${error.message}\n${error.stack
+      ?.split('\n')
+      .filter((line) => line.includes('testing/'))
+      .join('\n')}`,
+  );
+  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
+  const picture = join(tmpdir(), 'keypose_armature_failed.png');
+  await page?.screenshot({ path: picture }).then(
+    () => console.error(`what the page showed: ${picture}`),
+    () => undefined,
+  );
+  process.exitCode = 1;
+} finally {
+  await browser.end();
+  studio.program?.kill('SIGKILL');
+  if (options.keep) console.log(`kept: ${folder}`);
+  else rmSync(scratch, { recursive: true, force: true });
+}

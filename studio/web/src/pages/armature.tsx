@@ -1,0 +1,128 @@
+// The puppet as an input device: set up, then pose it, frame after frame, over the plate. The
+// session is `keypose armature live`.
+import { useState } from 'preact/hooks'
+
+import { useStudio } from '../state'
+import { sentence } from '../words'
+import { armatureApi } from './armature/armature_api'
+import type { ArmatureSetup, ArmatureStory } from './armature/armature_api'
+import './shoot/shoot.css'
+import './armature/armature.css'
+import { Desk } from './armature/desk'
+import { kFirstSetup, kSimulated, problemsOf } from './armature/setup'
+import { SetupFields } from './armature/setup_form'
+import type { Sitting } from './armature/sitting'
+import { useSitting } from './armature/use_sitting'
+
+export function ArmaturePage() {
+  const at = useSitting()
+  const { sitting, story, load } = at
+  if (!sitting || !story) return <main class="empty">Looks for a session …</main>
+  // A page that was open when the session began asks for its set-up again.
+  if (sitting.running && story.setup) return <Desk at={at} sitting={sitting} setup={story.setup} />
+  return <Begin key={story.number} sitting={sitting} story={story} load={load} />
+}
+
+function toFirstProblem() {
+  document.querySelector<HTMLElement>('.shoot-page [aria-invalid="true"]')?.focus()
+}
+
+function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Promise<void> }) {
+  const { sitting, story, load } = props
+  const { complain } = useStudio()
+  const [setup, setSetup] = useState<ArmatureSetup>({ ...kFirstSetup, ...story.setup })
+  const [tried, setTried] = useState(false)
+  const [busy, setBusy] = useState(false)
+  const problems = problemsOf(setup)
+  const set = (change: Partial<ArmatureSetup>) => setSetup((old) => ({ ...old, ...change }))
+  const doing = async (act: () => Promise<unknown>) => {
+    setBusy(true)
+    await act().catch(complain)
+    setBusy(false)
+  }
+  const begin = (now: ArmatureSetup) =>
+    doing(async () => {
+      setTried(true)
+      if (Object.keys(problemsOf(now)).length > 0) return setTimeout(toFirstProblem)
+      await armatureApi.start(now)
+      return load()
+    })
+  const example = () => doing(async () => setSetup(await armatureApi.example()))
+  const known = story.takes.includes(setup.take)
+  return (
+    <main class="page shoot-page begin">
+      <h1 class="hidden">Armature</h1>
+      <aside class="side" aria-label="Set-up">
+        <form
+          class="stack"
+          onSubmit={(event) => {
+            event.preventDefault()
+            void begin(setup)
+          }}
+        >
+          <SetupFields setup={setup} set={set} problems={tried ? problems : {}} story={story} />
+          <button class="main" disabled={busy}>
+            {known ? `Go on with ${setup.take}` : 'Begin'}
+          </button>
+        </form>
+      </aside>
+      <div class="work">
+        <div class="shoot-begin">
+          {sitting.failure && (
+            <div class="shoot-say fault" role="alert">
+              <p>
+                <b>The session could not go on.</b>
+              </p>
+              <p>{sentence(sitting.failure)}</p>
+              <p class="small soft">All frames that were recorded are kept.</p>
+              {setup.port !== kSimulated && (
+                <div class="row">
+                  <button
+                    disabled={busy}
+                    onClick={() => {
+                      set({ port: kSimulated })
+                      void begin({ ...setup, port: kSimulated })
+                    }}
+                  >
+                    Try it with a simulated puppet
+                  </button>
+                </div>
+              )}
+            </div>
+          )}
+          <Advice />
+          {!setup.description && (
+            <div class="shoot-say" role="status">
+              <p>
+                <b>No puppet at hand?</b> A theropod with 74 sensors, a body, a plate and a set.
+              </p>
+              <div class="row">
+                <button disabled={busy} onClick={() => void example()}>
+                  Use the example
+                </button>
+              </div>
+            </div>
+          )}
+        </div>
+      </div>
+    </main>
+  )
+}
+
+function Advice() {
+  const steps = [
+    'Put the puppet’s description and chain file into the project’s folder ‘armature’, with ' +
+      'skeleton, character, plate, its camera and the set, as far as there are any.',
+    '`keypose armature calibrate` once, with the puppet in its zero position.',
+    'Begin. Pose the puppet: the character follows, over the plate, with the frames before as ' +
+      'onion skin.',
+    'Space records the frame and goes to the next; F shows what is there as a flipbook.',
+  ]
+  return (
+    <ol class="shoot-advice">
+      {steps.map((words) => (
+        <li key={words}>{words}</li>
+      ))}
+    </ol>
+  )
+}
