@@ -10,7 +10,10 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/kd_tree.h"
+#include "core/ray_scene.h"
 
 namespace keypose::fit {
 namespace {
@@ -93,14 +96,98 @@ TEST_F(FitProgram, SixPhotographsGiveThePoseWithTheTemplatesFaces) {
   EXPECT_GT(ReadImage(folder / "fitted.png").width, 400);
 }
 
-TEST_F(FitProgram, GivesTheSameBitsWithAnyNumberOfThreads) {
-  ASSERT_EQ(setenv("KEYPOSE_THREADS", "1", 1), 0);
+/// What a person would click: a place of the template, and where photographs show it.
+struct Clicks {
+  Landmark place;
+  nlohmann::json pixels = nlohmann::json::array();
+};
+
+/// The true clicks of a landmark of `synth`, in the first photographs that show it.
+Clicks TrueClicks(const fs::path& folder, const std::string& name, std::size_t most) {
+  const fs::path limbs = folder / "world/truth/limbs";
+  const Mesh surface = ReadMesh(limbs / "surface.ply"), mesh = ReadMesh(folder / "template.obj");
+  int vertex = -1;
+  const nlohmann::json listed = nlohmann::json::parse(ReadFile(limbs / "landmarks.json"));
+  for (const nlohmann::json& landmark : listed["landmarks"])
+    if (landmark["name"] == name) vertex = landmark["vertex"];
+  const PointsX3 at_rest = ReadMesh(folder / "world/truth/rest/surface.ply").points;
+  const int nearest = KdTree(mesh.points).Nearest(at_rest.row(vertex).transpose()).index;
+  // The landmark itself may lie inside another part.
+  vertex = KdTree(at_rest).Nearest(mesh.points.row(nearest).transpose()).index;
+  Clicks clicks;
+  clicks.place.name = name;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.faces(f, k) == nearest) {
+        clicks.place.face = f;
+        clicks.place.barycentric = Eigen::Vector3d::Unit(k);
+      }
+  const RayScene scene(surface.points, surface.faces);
+  const Eigen::Vector3d x = surface.points.row(vertex);
+  constexpr double kBefore = 0.995;  // of the way: the place does not hide itself
+  for (const View& view : ReadColmapModel(limbs / "cameras").views) {
+    if (clicks.pixels.size() == most) break;
+    if (scene.Occluded(view.Center(), x - view.Center(), 0, kBefore)) continue;
+    const Eigen::Vector2d pixel = view.Project(x);
+    clicks.pixels.push_back(
+        {{"name", name}, {"image", view.name}, {"pixel", {pixel.x(), pixel.y()}}});
+  }
+  return clicks;
+}
+
+/// The flag for picks in two files, as a project has them.
+std::string LandmarksFlag(const fs::path& folder, const std::vector<Clicks>& marks) {
+  std::vector<Landmark> places;
+  nlohmann::json pose;
+  for (const Clicks& clicks : marks) {
+    places.push_back(clicks.place);
+    for (const nlohmann::json& pixel : clicks.pixels) pose["pixels"].push_back(pixel);
+  }
+  WriteLandmarks(folder / "rest.json", ReadMesh(folder / "template.obj"), places);
+  WriteFileAtomically(folder / "limbs.json", pose.dump());
+  return " --landmarks " + (folder / "rest.json").string() + " --landmarks " +
+         (folder / "limbs.json").string();
+}
+
+// In small pictures the left hand, which turned, is found wrong.
+TEST_F(FitProgram, ThreePicksBringAHandToItsPlaceWithAnyNumberOfThreads) {
   ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320"), 0) << Log();
+  EXPECT_GT(Scored()["max"], 0.045);
+  const Clicks finger = TrueClicks(folder, "left_finger", 2),
+               elbow = TrueClicks(folder, "left_elbow", 1);
+  ASSERT_EQ(finger.pixels.size() + elbow.pixels.size(), 3u);
+  const std::string picks = LandmarksFlag(folder, {finger, elbow});
+  ASSERT_EQ(setenv("KEYPOSE_THREADS", "1", 1), 0);
+  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
   const std::string one = ReadFile(folder / "fitted.obj");
   ASSERT_EQ(setenv("KEYPOSE_THREADS", "3", 1), 0);
-  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320"), 0) << Log();
+  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
   unsetenv("KEYPOSE_THREADS");
   EXPECT_EQ(one, ReadFile(folder / "fitted.obj"));
+  EXPECT_LT(Scored()["max"], 0.03);
+  EXPECT_EQ(Measured()["landmarks"], 3);
+  EXPECT_EQ(Measured()["landmarks_refused"], 0);
+  const nlohmann::json measured = Measured();
+  for (const nlohmann::json& pick : measured["landmarks_off"]) EXPECT_LT(pick["off_px"], 4);
+}
+
+TEST_F(FitProgram, APickThatContradictsTheOthersIsNamedAndLeftOut) {
+  Clicks clicks = TrueClicks(folder, "right_toe", 3);
+  ASSERT_EQ(clicks.pixels.size(), 3u);
+  clicks.pixels[1]["pixel"] = {200, 200};
+  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320" + LandmarksFlag(folder, {clicks})), 0)
+      << Log();
+  EXPECT_THAT(Log(), HasSubstr("landmark 'right_toe' in photograph " +
+                               clicks.pixels[1]["image"].get<std::string>() + " contradicts"));
+  EXPECT_EQ(Measured()["landmarks"], 2);
+  EXPECT_EQ(Measured()["landmarks_refused"], 1);
+}
+
+TEST_F(FitProgram, PicksInAPhotographThatIsNotThereAreAnError) {
+  Clicks clicks = TrueClicks(folder, "left_finger", 1);
+  clicks.pixels[0]["image"] = "IMG_0099.jpg";
+  EXPECT_EQ(Fit(folder / "limbs", Rig(), LandmarksFlag(folder, {clicks})), 3);
+  EXPECT_THAT(Log(), HasSubstr("pick 'left_finger' is in photograph 'IMG_0099.jpg'"));
 }
 
 /// A rig whose cameras stand elsewhere, with the same lens.

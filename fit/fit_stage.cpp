@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
@@ -18,6 +19,7 @@
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
 #include "fit/outline_picture.h"
+#include "fit/picks/pose_picks.h"
 #include "views/load/prepared_views.h"
 
 namespace keypose::fit {
@@ -44,15 +46,16 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Bends the template into a few photographs of another pose.";
-  spec.inputs = {
-      {"template", "file", "the unwrapped template (.obj)", ""},
-      {"texture", "file", "the template's texture", ""},
-      {"images", "folder", "photographs of the pose, from capture", ""},
-      {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
-      {"stiffness", "file",
-       "the template with painted greys (.ply), or a number for each vertex", "", true}};
+  spec.inputs = {{"template", "file", "the unwrapped template (.obj)", ""},
+                 {"texture", "file", "the template's texture", ""},
+                 {"images", "folder", "photographs of the pose, from capture", ""},
+                 {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
+                 {"stiffness", "file",
+                  "the template with painted greys (.ply), or a number for each vertex", "", true},
+                 {"landmarks", "file",
+                  "picks in photographs of the pose, after picks of the template", "", true, true}};
   spec.outputs = {
       {"fitted", "file", "the template in the pose (.obj or .ply)", "fitted.obj"},
       {"model", "folder", "the cameras of the pose's photographs (COLMAP)", "model", true},
@@ -78,6 +81,59 @@ Camera LensFor(const Scene& rig, const CapturedImage& image) {
                    std::to_string(image.height) + " pixels, but the template's photographs have " +
                    std::to_string(known.width) + " x " + std::to_string(known.height) +
                    "; photograph all poses with one camera and one format");
+}
+
+PosePicks LoadPicks(StageContext& stage, const Mesh& mesh, const ImageSet& set) {
+  if (!stage.Has("landmarks")) return {};
+  CarryLog log;
+  PosePicks picks = ReadPosePicks(stage.Inputs("landmarks"), mesh, set, &log);
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
+  if (!picks.unpaired.empty())
+    stage.Warn(
+        "fit: the template has no picks of these names, so those of the pose are not used: " +
+        NameList(picks.unpaired));
+  return picks;
+}
+
+/// Where a prepared view shows a pixel of its photograph.
+Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
+                              const Eigen::Vector2d& pixel) {
+  return view.camera().Project(scene.views[view.scene_index].camera.Unproject(pixel));
+}
+
+/// For each view, its picks as matches.
+std::vector<std::vector<FeatureMatch>> PicksByView(const PosePicks& picks,
+                                                   const std::vector<PreparedView>& views,
+                                                   const Scene& scene) {
+  std::vector<std::vector<FeatureMatch>> by_view(views.size());
+  for (int v = 0; v < SizeOf(views); ++v)
+    for (const PhotoPick& pick : picks.pixels)
+      if (pick.image == views[v].scene_index)
+        by_view[v].push_back({pick.point, PreparedPixel(views[v], scene, pick.pixel), 1, 0});
+  return by_view;
+}
+
+/// The picks in photographs that were placed, and those in space.
+BendMarks MarksOf(StageContext& stage, const PosePicks& picks, const std::vector<BendView>& views,
+                  const Scene& scene) {
+  BendMarks marks;
+  std::vector<std::string> lost;
+  for (const PhotoPick& pick : picks.pixels) {
+    const auto view = std::find_if(views.begin(), views.end(), [&](const BendView& one) {
+      return one.view.scene_index == pick.image;
+    });
+    if (view == views.end())
+      lost.push_back("'" + pick.name + "' in " + scene.views[pick.image].name);
+    else
+      marks.pixels.push_back({pick.name, pick.point, static_cast<int>(view - views.begin()),
+                              PreparedPixel(view->view, scene, pick.pixel)});
+  }
+  if (!lost.empty())
+    stage.Warn("fit: these picks are not used, because their photographs are left out: " +
+               NameList(lost));
+  marks.places = picks.places;
+  return marks;
 }
 
 /// The pose's photographs with the template's lens; their places are not known yet.
@@ -114,8 +170,10 @@ std::vector<BendView> PlacedViews(StageContext& stage, std::vector<PreparedView>
     placed.push_back({std::move(views[v]), cameras[v].matches});
   }
   if (!missing.empty())
-    stage.Warn("fit: these photographs do not show enough of the template's texture to find "
-               "where they were taken from; they are left out: " + NameList(missing));
+    stage.Warn(
+        "fit: these photographs do not show enough of the template's texture to find "
+        "where they were taken from; they are left out: " +
+        NameList(missing));
   if (SizeOf(placed) < 2)
     throw InputError("fit: only " + std::to_string(placed.size()) + " of " +
                      std::to_string(cameras.size()) +
@@ -197,6 +255,62 @@ double ReportViews(StageContext& stage, const std::vector<BendView>& views,
   return overlap;
 }
 
+/// The other photographs in which a mark was picked.
+std::string OtherPicks(const BendMarks& marks, int mark, const std::vector<BendView>& views) {
+  std::vector<std::string> others;
+  for (int i = 0; i < SizeOf(marks.pixels); ++i)
+    if (i != mark && marks.pixels[i].name == marks.pixels[mark].name)
+      others.push_back(views[marks.pixels[i].view].view.name);
+  return others.empty() ? "" : ", and its picks in " + NameList(others);
+}
+
+/// @param off_px  in the photograph
+void WarnOfRefused(StageContext& stage, const BendMarks& marks, int mark, double off_px,
+                   const std::vector<BendView>& views) {
+  const int pixels = SizeOf(marks.pixels);
+  if (mark >= pixels)
+    return stage.Warn(
+        fmt::format("fit: landmark '{}' contradicts what the photographs show; it is "
+                    "left out: check its position",
+                    marks.places[mark - pixels].name));
+  const PixelMark& pick = marks.pixels[mark];
+  stage.Warn(
+      fmt::format("fit: landmark '{}' in photograph {} contradicts what the photographs "
+                  "show{}: it is {:.0f} pixels beside where the pose has it. It is left out; "
+                  "pick it again",
+                  pick.name, views[pick.view].view.name, OtherPicks(marks, mark, views), off_px));
+}
+
+/// @param photographs  the placed ones
+/// @param diagonal     of the template
+void ReportMarks(StageContext& stage, const BendMarks& marks, const BendResult& result,
+                 const std::vector<BendView>& views, const Scene& photographs, double diagonal) {
+  if (result.marks.empty()) return;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  int refused = 0;
+  for (int i = 0; i < SizeOf(result.marks); ++i) {
+    const MarkQuality& quality = result.marks[i];
+    const bool in_picture = i < SizeOf(marks.pixels);
+    double off_px = 0;
+    nlohmann::ordered_json entry = {
+        {"name", in_picture ? marks.pixels[i].name : marks.places[i - SizeOf(marks.pixels)].name}};
+    if (in_picture) {
+      const int view = marks.pixels[i].view;
+      off_px = quality.off_px * photographs.views[view].camera.fx / views[view].view.camera().fx;
+      entry["image"] = views[view].view.name;
+      entry["off_px"] = off_px;
+    }
+    entry["off_over_diag"] = quality.off / diagonal;
+    entry["refused"] = quality.refused;
+    list.push_back(entry);
+    refused += quality.refused;
+    if (quality.refused) WarnOfRefused(stage, marks, i, off_px, views);
+  }
+  stage.Report("landmarks", SizeOf(result.marks) - refused);
+  stage.Report("landmarks_refused", refused);
+  stage.ReportJson("landmarks_off", list.dump());
+}
+
 void ReportShape(StageContext& stage, const BendResult& result) {
   const double count = static_cast<double>(result.views.size());
   stage.Report("unfolded", result.unfolded);
@@ -206,14 +320,15 @@ void ReportShape(StageContext& stage, const BendResult& result) {
 }
 
 void WriteResult(StageContext& stage, Mesh mesh, const Scene& unplaced,
-                 const std::vector<BendView>& views, const BendResult& result) {
+                 const std::vector<BendView>& views, const BendMarks& marks,
+                 const BendResult& result) {
   mesh.points = result.points;
   mesh.normals.resize(0, 3);
   WriteMesh(stage.Output("fitted"), mesh);
   if (const auto path = stage.Output("model"); !path.empty())
     WriteColmapModel(path, SceneOf(unplaced, views, result.cameras));
   if (const auto path = stage.Output("picture"); !path.empty())
-    WriteImage(path, OutlinePicture(mesh, views, result.cameras));
+    WriteImage(path, OutlinePicture(mesh, views, result.cameras, marks.pixels));
 }
 
 void Run(StageContext& stage, const FitStageOptions& options) {
@@ -222,6 +337,7 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   const Eigen::VectorXd stiffness = LoadStiffness(stage, mesh);
   const Image8 texture = ReadImage(stage.Input("texture"), 3);
   const ImageSet set = ReadImageSet(stage.Input("images"));
+  const PosePicks picks = LoadPicks(stage, mesh, set);
   const Scene rig = ReadColmapModel(stage.Input("rig"));
   const Scene unplaced = UnplacedScene(set, rig);
   constexpr int kLevels = 3, kFewest = 2;
@@ -230,17 +346,21 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   SubProgress rendering(stage.progress(), 0.05, 0.15), finding(stage.progress(), 0.15, 0.3),
       bending(stage.progress(), 0.3, 0.97);
   const SurfaceFeatures features(mesh, texture, {}, &rendering);
-  std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, &finding);
+  const auto picked = PicksByView(picks, views, unplaced);
+  std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, picked, &finding);
   ReportCameras(stage, views, cameras);
   BendOptions bend;
   if (PlaceByRig(stage, rig, views, cameras, mesh)) bend.hold_cameras = kHoldRig;
   const std::vector<BendView> placed = PlacedViews(stage, std::move(views), cameras);
   stage.Report("images_total", SizeOf(set.images));
   stage.Report("images_placed", SizeOf(placed));
-  const BendResult result = BendToViews(mesh, texture, stiffness, placed, {}, bend, &bending);
+  const BendMarks marks = MarksOf(stage, picks, placed, unplaced);
+  const BendResult result = BendToViews(mesh, texture, stiffness, placed, marks, bend, &bending);
   const double overlap = ReportViews(stage, placed, result);
+  ReportMarks(stage, marks, result, placed, SceneOf(unplaced, placed, result.cameras),
+              BoundingDiagonal(mesh.points));
   ReportShape(stage, result);
-  WriteResult(stage, mesh, unplaced, placed, result);
+  WriteResult(stage, mesh, unplaced, placed, marks, result);
   if (overlap < options.min_iou)
     throw QualityError(fmt::format(
         "fit: the bent template overlaps with the photographs' masks by {:.2f} only (IoU; "

@@ -9,9 +9,10 @@
 
 namespace keypose::fit {
 
-/// The cropped photographs with the mesh's silhouette in each, in a contact sheet.
+/// The cropped photographs with the mesh's silhouette in each, in a contact sheet. Picks are
+/// crosses, with a line to where the mesh shows their places.
 /// @param cameras  camera from world, one a view
 Image8 OutlinePicture(const Mesh& mesh, const std::vector<BendView>& views,
-                      const std::vector<Rigid3>& cameras);
+                      const std::vector<Rigid3>& cameras, const std::vector<PixelMark>& picks);
 
 }  // namespace keypose::fit

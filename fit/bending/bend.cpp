@@ -16,6 +16,7 @@
 #include "fit/bending/feature_filter.h"
 #include "fit/bending/joint_solve.h"
 #include "fit/bending/nearby_matches.h"
+#include "fit/bending/schedule.h"
 #include "fit/bending/unfold.h"
 #include "views/placement/picture_pose.h"
 
@@ -28,8 +29,9 @@ struct BendTuning {
   KEYPOSE_TUNED(double, kSurfaceWeight, 1700);
   // Matches in one cell of the coarse level from which on they have the cell's whole weight.
   KEYPOSE_TUNED(double, kMatchesForAll, 4);
-  KEYPOSE_TUNED(double, kOutlineWeight, 3);   // of outlines, relative to a vertex held by texture
-  KEYPOSE_TUNED(double, kLandmarkWeight, 50);
+  KEYPOSE_TUNED(double, kOutlineWeight, 3);  // of outlines, relative to a vertex held by texture
+  // A pick farther off than this, after the far rounds, contradicts what the views say.
+  KEYPOSE_TUNED(double, kMostOff, 0.1);
   KEYPOSE_TUNED(double, kLeastFacing, 0.25);  // cosine at which a vertex is compared
 };
 
@@ -38,34 +40,6 @@ constexpr int kSolverSteps = 10, kPhotoFeatures = 4000;
 constexpr Eigen::Index kMostJointly = 800;
 // From this hold on, cameras stay.
 constexpr double kFixedCameras = 1e3;
-
-/// One round: what takes part, and how strongly.
-struct Round {
-  int level;         ///< 0 fine, 1 middle, 2 coarse
-  double stiffness;  ///< of the shape
-  double features, outlines, appearance;  ///< factors of their weights; 0: not used
-  double scale;      ///< robust distance of features and outlines [half diagonals]
-  int pyramid;       ///< level of the views
-  int turns;         ///< of positions and maps
-  int repeats;       ///< of the whole round
-  double rematch = 0;  ///< before it, features are matched within this distance [half diagonals]
-};
-
-// Cameras that are estimates themselves: while the shape is stiff, they find each other. A soft
-// shape would bend to make up for wrong cameras.
-const std::vector<Round> kCameraSchedule = {
-    {2, 100, 1, 0, 0, 0.60, 1, 20, 10}, {2, 30, 1, 0, 0, 0.40, 1, 20, 8},
-    {2, 10, 1, 0, 0, 0.30, 1, 20, 6},
-};
-
-// Far motion by features, then outlines, then texture from coarse to fine.
-const std::vector<Round> kSchedule = {
-    {2, 3.0, 1, 0, 0, 0.60, 1, 30, 4},       {2, 2.0, 1, 0, 0, 0.30, 1, 30, 4},
-    {2, 1.0, 1, 0, 0, 0.15, 1, 30, 4},       {2, 1.0, 1, 1, 0, 0.30, 2, 30, 3},
-    {2, 0.5, 1, 1, 0, 0.20, 2, 30, 4},       {2, 0.5, 1, 1, 1, 0.15, 2, 30, 4, 0.15},
-    {1, 0.3, 1, 1, 1, 0.10, 2, 30, 4, 0.06}, {1, 0.2, 1, 1, 1, 0.08, 1, 20, 4, 0.04},
-    {0, 0.1, 0.5, 0.3, 1, 0.05, 1, 10, 2},   {0, 0.1, 0, 0.1, 1, 0.03, 0, 10, 4},
-};
 
 /// What one view gives in one round.
 struct Evidence {
@@ -80,15 +54,14 @@ struct Evidence {
 class Bending {
  public:
   Bending(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-          const std::vector<BendView>& views, const std::vector<LandmarkGoal>& landmarks,
-          const BendOptions& options, Progress* progress)
+          const std::vector<BendView>& views, const BendMarks& marks, const BendOptions& options,
+          Progress* progress)
       : mesh_(mesh),
         texture_(mesh, texture),
         views_(views),
-        landmarks_(landmarks),
         options_(options),
         progress_(progress) {
-    Prepare(stiffness);
+    Prepare(stiffness, marks);
   }
   BendResult Run();
 
@@ -102,7 +75,8 @@ class Bending {
     double noise = 1;
   };
 
-  void Prepare(const Eigen::VectorXd& stiffness);
+  void Prepare(const Eigen::VectorXd& stiffness, const BendMarks& marks);
+  void MakeLevels();
   void PrepareViews();
   std::vector<FeatureMatch> Consistent(std::int64_t view,
                                        const std::vector<FeatureMatch>& matches) const;
@@ -110,30 +84,37 @@ class Bending {
   PointsX3 FullPoints(int level);
   int LevelOf(int wanted) const { return std::min(wanted, levels_->count() - 1); }
   FitView ViewAt(int view, int pyramid) const;
+  void RunRounds(const std::vector<Round>& rounds);
   void RunRound(const Round& round);
-  Evidence EvidenceOf(int view, const Round& round, const PointsX3& points,
-                      const PointsX3& normals, const RayScene* scene) const;
+  void RunFar();
+  std::vector<FitView> FullViews() const;
+  Evidence EvidenceOf(int view, const Round& round, const PointsX3& points, const PointsX3& normals,
+                      const RayScene* scene) const;
   void AddFeatures(int view, const Round& round, const PointsX3& points, Evidence& evidence) const;
   void AddAppearance(int view, const Round& round, const PointsX3& points, const PointsX3& normals,
                      const RayScene& scene, Evidence& evidence) const;
   void Solve(int level, const std::vector<Constraint>& constraints, int turns);
   void KeepSize(int level);
   const std::vector<int>& CoarseOf(int level);
-  double SurfaceWeight(const Round& round) const { return Tuning::kSurfaceWeight / round.stiffness; }
+  double MarkWeight(const Round& round) const {
+    return round.marks * SurfaceWeight(round) / options_.coarse_vertices;
+  }
+  double SurfaceWeight(const Round& round) const {
+    return Tuning::kSurfaceWeight / round.stiffness;
+  }
   void KeepPlace(PointsX3& points);
   BendResult Finish();
 
   const Mesh& mesh_;
   SurfaceTexture texture_;
   const std::vector<BendView>& views_;
-  const std::vector<LandmarkGoal>& landmarks_;
   const BendOptions& options_;
   Progress* progress_;
 
   Eigen::RowVector3d origin_ = Eigen::RowVector3d::Zero();
   double unit_ = 1;
-  PointsX3 rest_;           // normalised
-  Eigen::VectorXd areas_;   // of the vertices, over the whole area
+  PointsX3 rest_;          // normalised
+  Eigen::VectorXd areas_;  // of the vertices, over the whole area
   double area_ = 0, edge_ = 0;
   FacePairs pairs_;
   std::optional<Levels> levels_;
@@ -141,6 +122,10 @@ class Bending {
   std::vector<Picture> pictures_;
   std::vector<Rigid3> poses_, first_poses_;  // normalised
   std::vector<Evidence> last_;
+  std::optional<Marks> marks_;
+  Eigen::VectorXd stiffness_;
+  int at_ = 0;                 // the level in use
+  int rounds_ = 1, done_ = 0;  // all, and those that were run
 };
 
 double Overlap(const TexturedRender& render, const GreyMask& mask) {
@@ -160,7 +145,7 @@ Eigen::VectorXd AreaShares(const PointsX3& points, const FacesX3& faces) {
   return areas / areas.sum();
 }
 
-void Bending::Prepare(const Eigen::VectorXd& stiffness) {
+void Bending::Prepare(const Eigen::VectorXd& stiffness, const BendMarks& marks) {
   if (views_.empty()) throw InputError("fit: no views");
   unit_ = BoundingDiagonal(mesh_.points) / 2;
   origin_ = mesh_.points.colwise().mean();
@@ -170,22 +155,30 @@ void Bending::Prepare(const Eigen::VectorXd& stiffness) {
   pairs_ = FindFacePairs(mesh_.faces);
   for (const FacePairs::Pair& pair : pairs_.pairs)
     edge_ += (rest_.row(pair.a) - rest_.row(pair.b)).norm() / SizeOf(pairs_.pairs);
+  stiffness_ = stiffness;
+  MakeLevels();
+  PrepareViews();
+  BendMarks placed = marks;
+  for (LandmarkGoal& goal : placed.places)
+    goal.target = (goal.target - origin_.transpose()) / unit_;
+  marks_.emplace(std::move(placed), rest_, CoarseOf(LevelOf(2)));
+}
+
+void Bending::MakeLevels() {
   std::vector<int> counts;
   for (const int count : {options_.middle_vertices, options_.coarse_vertices})
     if (count < 0.7 * mesh_.vertex_count()) counts.push_back(count);
   const double smoothing = 2 * options_.smoothing;
-  std::vector<LandmarkGoal> goals = landmarks_;
-  for (LandmarkGoal& goal : goals) goal.target = (goal.target - origin_.transpose()) / unit_;
-  levels_.emplace(rest_, mesh_.faces, counts, stiffness, smoothing * smoothing, goals);
-  PrepareViews();
+  levels_.emplace(rest_, mesh_.faces, counts, stiffness_, smoothing * smoothing,
+                  std::vector<LandmarkGoal>());
 }
 
 void Bending::PrepareViews() {
   pictures_.resize(views_.size());
   for (const BendView& view : views_) {
     const Rigid3& pose = view.view.camera_from_world;
-    poses_.push_back({pose.rotation,
-                      (pose.rotation * origin_.transpose() + pose.translation) / unit_});
+    poses_.push_back(
+        {pose.rotation, (pose.rotation * origin_.transpose() + pose.translation) / unit_});
   }
   first_poses_ = poses_;
   ParallelFor(SizeOf(views_), [&](std::int64_t v) {
@@ -259,8 +252,8 @@ void Bending::AddFeatures(int view, const Round& round, const PointsX3& points,
   for (const FeatureMatch& match : pictures_[view].matches)
     ++in_cell[cell[match.point.vertices[0]]];
   const double cells = static_cast<double>(std::max<std::size_t>(in_cell.size(), 1));
-  const double weight = round.features * SurfaceWeight(round) /
-                        std::max<double>(options_.coarse_vertices, cells);
+  const double weight =
+      round.features * SurfaceWeight(round) / std::max<double>(options_.coarse_vertices, cells);
   for (const FeatureMatch& match : pictures_[view].matches) {
     int corner = 0;
     match.point.weights.maxCoeff(&corner);
@@ -268,8 +261,8 @@ void Bending::AddFeatures(int view, const Round& round, const PointsX3& points,
     const Eigen::Vector3d arm = PositionOf(match.point, rest_) - rest_.row(vertex).transpose();
     const int others = in_cell[cell[match.point.vertices[0]]];
     const double w = weight / std::max<double>(others, Tuning::kMatchesForAll);
-    evidence.constraints.push_back(PullToPixel(at, vertex, arm, PositionOf(match.point, points),
-                                               match.pixel, w, round.scale));
+    evidence.constraints.push_back(
+        PullToPixel(at, vertex, arm, PositionOf(match.point, points), match.pixel, w, round.scale));
   }
 }
 
@@ -283,8 +276,8 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
       RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
                  at.camera, at.camera_from_world);
   evidence.overlap = Overlap(render, views_[view].view.levels[level].grey);
-  const std::vector<SeenVertex> seen = SeenVertices(points, normals, render, at.camera,
-                                                    at.camera_from_world, Tuning::kLeastFacing);
+  const std::vector<SeenVertex> seen =
+      SeenVertices(points, normals, render, at.camera, at.camera_from_world, Tuning::kLeastFacing);
   std::vector<PatchShift> shifts =
       FindShifts(seen, render, pictures_[view].grey[level], views_[view].view.levels[level].grey,
                  at.camera.fx, pictures_[view].noise, {});
@@ -313,12 +306,12 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
     evidence.pose = at.camera_from_world;
     for (int i = 0; i < SizeOf(seen); ++i)
       if (shifts[i].found)
-        shifts[i].shift += seen[i].pixel - at.camera.Project(at.camera_from_world *
-                                                             points.row(seen[i].vertex).transpose());
+        shifts[i].shift +=
+            seen[i].pixel -
+            at.camera.Project(at.camera_from_world * points.row(seen[i].vertex).transpose());
   }
-  const std::vector<Constraint> found =
-      AppearanceConstraints(points, seen, shifts, areas_, at,
-                            round.appearance * SurfaceWeight(round), 6);
+  const std::vector<Constraint> found = AppearanceConstraints(
+      points, seen, shifts, areas_, at, round.appearance * SurfaceWeight(round), 6);
   evidence.constraints.insert(evidence.constraints.end(), found.begin(), found.end());
 }
 
@@ -327,11 +320,13 @@ Evidence Bending::EvidenceOf(int view, const Round& round, const PointsX3& point
   Evidence evidence;
   evidence.pose = poses_[view];
   if (round.features > 0) AddFeatures(view, round, points, evidence);
+  marks_->AddPixels(ViewAt(view, 0), points, MarkWeight(round), MarkScale(round),
+                    evidence.constraints);
   if (round.outlines > 0) {
     const FitView at = ViewAt(view, round.pyramid);
     const int level = std::min(round.pyramid, SizeOf(views_[view].view.levels) - 1);
-    const std::vector<ContourPoint> contour = FindSilhouette(
-        points, mesh_.faces, pairs_, *scene, at.camera, at.camera_from_world);
+    const std::vector<ContourPoint> contour =
+        FindSilhouette(points, mesh_.faces, pairs_, *scene, at.camera, at.camera_from_world);
     OutlineTerms terms;
     terms.weight = Tuning::kOutlineWeight * round.outlines * SurfaceWeight(round) /
                    static_cast<double>(rest_.rows());
@@ -362,18 +357,16 @@ void Bending::Solve(int at, const std::vector<Constraint>& constraints, int turn
       on_level[i] = {c.view, v, level.fit->maps()[v] * arm, c.q, c.goal};
     }
     Pulls pulls(level.rest.rows());
-    for (const Mark& mark : level.marks)
-      pulls.AddPoint(mark.vertex, Tuning::kLandmarkWeight,
-                     mark.target - level.fit->maps()[mark.vertex] * mark.arm);
+    for (const LevelConstraint& c : on_level) {
+      if (jointly && c.view >= 0) continue;
+      pulls.q[c.vertex] += c.q;
+      pulls.b.row(c.vertex) += (c.q * (c.goal - c.arm)).transpose();
+    }
     PointsX3 next;
     if (jointly) {
       poses_ = before;  // constraints are linear about these
       next = SolveJointly(*level.fit, level.moved, on_level, pulls, 0.01, poses_);
     } else {
-      for (const LevelConstraint& c : on_level) {
-        pulls.q[c.vertex] += c.q;
-        pulls.b.row(c.vertex) += (c.q * (c.goal - c.arm)).transpose();
-      }
       if (turn == 0) level.fit->SetWeights(pulls.MeanWeights());
       next = level.fit->FitPositions(pulls, level.moved, kSolverSteps);
     }
@@ -412,6 +405,7 @@ void Bending::RunRound(const Round& round) {
     poses_[v] = last_[v].pose;
     all.insert(all.end(), last_[v].constraints.begin(), last_[v].constraints.end());
   }
+  marks_->AddPlaces(points, MarkWeight(round), MarkScale(round), all);
   Solve(level, all, round.turns);
   if (options_.hold_cameras == 0) KeepSize(level);
 }
@@ -431,6 +425,8 @@ BendResult Bending::Finish() {
   PointsX3 points = FullPoints(0);
   result.unfolded = Unfold(rest_, mesh_.faces, (*levels_)[0].fit->maps(), points);
   if (options_.hold_cameras == 0) KeepPlace(points);
+  result.marks = marks_->Quality(FullViews(), points);
+  for (MarkQuality& mark : result.marks) mark.off *= unit_;
   result.points = (points * unit_).rowwise() + origin_;
   result.views = Eigen::VectorXi::Zero(points.rows());
   Eigen::VectorXd doubt = Eigen::VectorXd::Ones(points.rows());
@@ -440,8 +436,8 @@ BendResult Bending::Finish() {
         {pose.rotation, pose.translation * unit_ - pose.rotation * origin_.transpose()});
     for (const int i : last_[v].held) ++result.views[i];
     if (last_[v].sure.size() > 0) doubt.array() *= 1 - last_[v].sure.array();
-    result.view_quality.push_back({SizeOf(pictures_[v].matches), last_[v].gap_px,
-                                   last_[v].correlation, last_[v].overlap});
+    result.view_quality.push_back(
+        {SizeOf(pictures_[v].matches), last_[v].gap_px, last_[v].correlation, last_[v].overlap});
   }
   result.confidence = 1 - doubt.array();
   result.volume_ratio =
@@ -449,31 +445,55 @@ BendResult Bending::Finish() {
   return result;
 }
 
-BendResult Bending::Run() {
-  std::vector<Round> schedule = options_.hold_cameras == 0 ? kCameraSchedule : std::vector<Round>();
-  schedule.insert(schedule.end(), kSchedule.begin(), kSchedule.end());
-  int rounds = 0, done = 0;
-  for (const Round& round : schedule) rounds += round.repeats;
-  int at = LevelOf(schedule.front().level);
-  for (const Round& round : schedule) {
-    while (at > LevelOf(round.level)) levels_->Descend(at--);
-    if (round.rematch > 0) MatchAgain(at, round.rematch);
+std::vector<FitView> Bending::FullViews() const {
+  std::vector<FitView> views;
+  for (int v = 0; v < SizeOf(views_); ++v) views.push_back(ViewAt(v, 0));
+  return views;
+}
+
+void Bending::RunRounds(const std::vector<Round>& rounds) {
+  for (const Round& round : rounds) {
+    while (at_ > LevelOf(round.level)) levels_->Descend(at_--);
+    if (round.rematch > 0) MatchAgain(at_, round.rematch);
     for (int k = 0; k < round.repeats; ++k) {
-      ReportProgress(progress_, static_cast<double>(done++) / rounds,
-                     round.appearance > 0 ? "texture" : round.outlines > 0 ? "outlines" : "features");
+      ReportProgress(progress_, std::min(1.0, static_cast<double>(done_++) / rounds_),
+                     round.appearance > 0 ? "texture" : "features and outlines");
       RunRound(round);
     }
   }
+}
+
+/// The far rounds; again from the start without picks that contradict the rest, which would leave
+/// the shape bent.
+void Bending::RunFar() {
+  const std::vector<Round> rounds = FarRounds(options_.hold_cameras > 0);
+  constexpr int kMostTries = 4;
+  for (int attempt = 1;; ++attempt) {
+    at_ = LevelOf(rounds.front().level);
+    RunRounds(rounds);
+    if (!marks_->Refuse(FullViews(), FullPoints(at_), Tuning::kMostOff) || attempt == kMostTries)
+      return;
+    MakeLevels();
+    poses_ = first_poses_;
+  }
+}
+
+BendResult Bending::Run() {
+  const std::vector<Round> near = NearRounds();
+  rounds_ = 0;
+  for (const auto& rounds : {FarRounds(options_.hold_cameras > 0), near})
+    for (const Round& round : rounds) rounds_ += round.repeats;
+  RunFar();
+  RunRounds(near);
   return Finish();
 }
 
 }  // namespace
 
 BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-                       const std::vector<BendView>& views,
-                       const std::vector<LandmarkGoal>& landmarks, const BendOptions& options,
-                       Progress* progress) {
-  return Bending(mesh, texture, stiffness, views, landmarks, options, progress).Run();
+                       const std::vector<BendView>& views, const BendMarks& marks,
+                       const BendOptions& options, Progress* progress) {
+  return Bending(mesh, texture, stiffness, views, marks, options, progress).Run();
 }
 
 }  // namespace keypose::fit

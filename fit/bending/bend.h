@@ -6,9 +6,9 @@
 
 #include "core/camera.h"
 #include "core/image.h"
-#include "core/landmark_goal.h"
 #include "core/mesh.h"
 #include "core/progress.h"
+#include "fit/bending/marks.h"
 #include "views/placement/surface_features.h"
 #include "views/prepared/prepared_view.h"
 
@@ -31,10 +31,10 @@ struct BendOptions {
 
 /// How well one view agrees with the result.
 struct ViewQuality {
-  int matches = 0;         ///< features used
+  int matches = 0;            ///< features used
   double outline_gap_px = 0;  ///< mean distance between silhouette and mask, both ways
-  double correlation = 0;  ///< mean over the patches that were found
-  double overlap = 0;      ///< of silhouette and mask, intersection over union
+  double correlation = 0;     ///< mean over the patches that were found
+  double overlap = 0;         ///< of silhouette and mask, intersection over union
 };
 
 struct BendResult {
@@ -43,26 +43,28 @@ struct BendResult {
   Eigen::VectorXi views;        ///< V: how many views hold the vertex by texture
   Eigen::VectorXd confidence;   ///< V, 0 to 1: how firmly the views hold the vertex
   std::vector<ViewQuality> view_quality;
-  int unfolded = 0;         ///< vertices moved because a face beside them was flipped
-  double volume_ratio = 1;  ///< over the template's
+  std::vector<MarkQuality> marks;  ///< of the marks' pixels, then of their places
+  int unfolded = 0;                ///< vertices moved because a face beside them was flipped
+  double volume_ratio = 1;         ///< over the template's
 };
 
 /// Coarse to fine. First the features alone bend a coarse level with a robust weight, so that
 /// limbs find far places; then outlines join (from the silhouette to the mask and back, which
 /// prevents shrinking), then grey values of patches around every vertex. The shape is as rigid as
-/// possible throughout, so what no view shows follows its neighbours rigidly.
+/// possible throughout, so what no view shows follows its neighbours rigidly. Marks pull strongly
+/// in the far rounds, and weakly beside grey values. A mark that is still far off after the far
+/// rounds is refused, and these begin again without it.
 ///
 /// @param mesh       the template in the world's frame, near the figure; closed, with UVs
 /// @param texture    RGB
 /// @param stiffness  V, or empty
-/// @param landmarks  3D goals, may be empty
+/// @param marks      what a person picked; may be empty
 /// @throws InputError   no views; unusable mesh
 /// @throws SolverError  @throws Cancelled
 /// Same bits for any thread count.
 /// See docs/algorithms/fit.md.
 BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-                       const std::vector<BendView>& views,
-                       const std::vector<LandmarkGoal>& landmarks, const BendOptions& options,
-                       Progress* progress = nullptr);
+                       const std::vector<BendView>& views, const BendMarks& marks,
+                       const BendOptions& options, Progress* progress = nullptr);
 
 }  // namespace keypose::fit

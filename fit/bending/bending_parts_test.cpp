@@ -39,7 +39,8 @@ TEST(PullToPixel, IsZeroOnTheRayAndPullsAcrossItOnly) {
   EXPECT_NEAR(on.q.trace(), 4, 1e-12);  // weight 2 in the two directions across
   const Eigen::Vector3d ray = (x - view.Center()).normalized();
   EXPECT_LT((on.q * ray).norm(), 1e-12);
-  const Constraint off = PullToPixel(view, 0, {0, 0, 0}, x + Eigen::Vector3d(0, 0, 0.5), pixel, 2, 0.1);
+  const Constraint off =
+      PullToPixel(view, 0, {0, 0, 0}, x + Eigen::Vector3d(0, 0, 0.5), pixel, 2, 0.1);
   EXPECT_LT(off.q.trace(), 4.0 / 100);  // robust: five times the scale away
 }
 
@@ -116,8 +117,7 @@ std::vector<FeatureMatch> PlaneMatches(const PointsX3& points, const Rigid3& pos
     FeatureMatch match;
     match.point.vertices = {i, i, i};
     match.pixel = kCamera.Project(pose * points.row(i).transpose());
-    if (i % 5 == 0)
-      match.pixel = Eigen::Vector2d(random() % 800, random() % 800);
+    if (i % 5 == 0) match.pixel = Eigen::Vector2d(random() % 800, random() % 800);
     matches.push_back(match);
   }
   return matches;
@@ -164,7 +164,8 @@ TEST(PlacePicture, FindsTheCameraAmongOutliers) {
   const PicturePose found = PlacePicture(kCamera, points, PlaneMatches(points, pose), 6, 12);
   ASSERT_TRUE(found.found);
   EXPECT_LT(found.camera_from_world.rotation.angularDistance(pose.rotation), 1e-3);
-  EXPECT_LT((found.camera_from_world.Inverse().translation - pose.Inverse().translation).norm(), 5e-3);
+  EXPECT_LT((found.camera_from_world.Inverse().translation - pose.Inverse().translation).norm(),
+            5e-3);
   EXPECT_GE(found.inliers.size(), 320u);
 }
 
@@ -172,8 +173,7 @@ TEST(PlacePicture, FindsNothingInNoise) {
   const PointsX3 points = Patch();
   std::vector<FeatureMatch> matches = PlaneMatches(points, LookAt({1, -3, 5}, {0, 0, 0}));
   std::mt19937 random(3);
-  for (FeatureMatch& match : matches)
-    match.pixel = Eigen::Vector2d(random() % 800, random() % 800);
+  for (FeatureMatch& match : matches) match.pixel = Eigen::Vector2d(random() % 800, random() % 800);
   EXPECT_FALSE(PlacePicture(kCamera, points, matches, 6, 12).found);
 }
 

@@ -20,9 +20,9 @@ Constraint PullToPixel(const FitView& view, int vertex, const Eigen::Vector3d& a
                        const Eigen::Vector3d& now, const Eigen::Vector2d& pixel, double weight,
                        double scale) {
   const Eigen::Vector3d eye = view.Center();
-  const Eigen::Vector3d ray = (view.camera_from_world.rotation.conjugate() *
-                               view.camera.Ray(pixel.x(), pixel.y()))
-                                  .normalized();
+  const Eigen::Vector3d ray =
+      (view.camera_from_world.rotation.conjugate() * view.camera.Ray(pixel.x(), pixel.y()))
+          .normalized();
   const Eigen::Vector3d foot = eye + ray * ray.dot(now - eye);
   const double w = weight * RobustWeight((now - foot).norm(), scale);
   return {view.index, vertex, arm, w * (Eigen::Matrix3d::Identity() - ray * ray.transpose()), foot};
@@ -42,8 +42,8 @@ void AddContourPull(const PointsX3& points, const ContourPoint& at, const Outlin
     const double distance = match.distance_px * footprint;
     const double share = 0.5 * match.length_px * footprint / terms.edge;
     const double w = terms.weight * share * RobustWeight(distance, terms.scale);
-    constraints.push_back(
-        {view.index, v, Eigen::Vector3d::Zero(), w * normal * normal.transpose(), x + distance * normal});
+    constraints.push_back({view.index, v, Eigen::Vector3d::Zero(), w * normal * normal.transpose(),
+                           x + distance * normal});
   }
 }
 

@@ -46,10 +46,10 @@ Constraint PullToPixel(const FitView& view, int vertex, const Eigen::Vector3d& a
                        double scale);
 
 struct OutlineTerms {
-  double weight = 1;    ///< of a constraint for an outline as long as `edge`
-  double edge = 1;      ///< mean length of the mesh's edges [length]
-  double scale = 0.1;   ///< distance at which a pull has a quarter of its weight [length]
-  double reach_px = 50; ///< longest distance
+  double weight = 1;     ///< of a constraint for an outline as long as `edge`
+  double edge = 1;       ///< mean length of the mesh's edges [length]
+  double scale = 0.1;    ///< distance at which a pull has a quarter of its weight [length]
+  double reach_px = 50;  ///< longest distance
 };
 
 /// Constraints between the mesh's silhouette and the outline of the mask, both ways.

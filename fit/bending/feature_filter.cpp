@@ -11,8 +11,8 @@ namespace {
 
 // Chosen on the clay creature's seeds 1 to 4 (synth).
 struct FeatureFilterTuning {
-  KEYPOSE_TUNED(double, kStretch, 1.25);    // of a picture's distance over the surface's
-  KEYPOSE_TUNED(double, kAgreement, 0.5);   // share of the neighbours that must be possible
+  KEYPOSE_TUNED(double, kStretch, 1.25);   // of a picture's distance over the surface's
+  KEYPOSE_TUNED(double, kAgreement, 0.5);  // share of the neighbours that must be possible
   KEYPOSE_TUNED(double, kSlackPx, 3);
   // Largest difference of a match's displacement from the median around it: pixels, and share.
   KEYPOSE_TUNED(double, kUnevenPx, 4);
@@ -35,13 +35,13 @@ std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<Featu
     std::vector<int> next;
     for (int k = 0; k < SizeOf(kept); ++k) {
       int possible = 0, tried = 0;
-      for (const KdTree::Neighbor& near : tree.Nearest(places.row(k).transpose(), kNeighbours + 1)) {
+      for (const KdTree::Neighbor& near :
+           tree.Nearest(places.row(k).transpose(), kNeighbours + 1)) {
         if (near.index == k) continue;
         const double apart = (places.row(near.index) - places.row(k)).norm();
-        const double apart_px =
-            (matches[kept[near.index]].pixel - matches[kept[k]].pixel).norm();
-        const double most =
-            FeatureFilterTuning::kStretch * apart * camera.fx / distance + FeatureFilterTuning::kSlackPx;
+        const double apart_px = (matches[kept[near.index]].pixel - matches[kept[k]].pixel).norm();
+        const double most = FeatureFilterTuning::kStretch * apart * camera.fx / distance +
+                            FeatureFilterTuning::kSlackPx;
         possible += apart_px <= most;
         ++tried;
       }
@@ -79,8 +79,8 @@ std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMa
     if (x.empty()) continue;
     const Eigen::Vector2d median(Median(x), Median(y));
     const double apart = (matches[i].pixel - shown[i] - median).norm();
-    if (apart <= std::max(FeatureFilterTuning::kUnevenPx,
-                          FeatureFilterTuning::kUneven * median.norm()))
+    if (apart <=
+        std::max(FeatureFilterTuning::kUnevenPx, FeatureFilterTuning::kUneven * median.norm()))
       kept.push_back(i);
   }
   return kept;

@@ -12,8 +12,8 @@ namespace keypose::fit {
 
 /// A constraint on a level of the mesh: its vertex, and the arm as it stands now.
 struct LevelConstraint {
-  int view = 0;    ///< of `poses`
-  int vertex = 0;  ///< of the level
+  int view = 0;                                   ///< of `poses`
+  int vertex = 0;                                 ///< of the level
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< from the vertex, turned by its map
   Eigen::Matrix3d q = Eigen::Matrix3d::Zero();
   Eigen::Vector3d goal = Eigen::Vector3d::Zero();

@@ -12,9 +12,9 @@ namespace {
 
 // Chosen on the clay creature's seeds 1 to 4 (synth).
 struct NearbyMatchesTuning {
-  KEYPOSE_TUNED(double, kRatio, 0.8);    // a match must beat other places nearby by this
-  KEYPOSE_TUNED(double, kApart, 6);      // distance between different places [px]
-  KEYPOSE_TUNED(double, kSimilar, 0.88); // least cosine of the descriptors
+  KEYPOSE_TUNED(double, kRatio, 0.8);     // a match must beat other places nearby by this
+  KEYPOSE_TUNED(double, kApart, 6);       // distance between different places [px]
+  KEYPOSE_TUNED(double, kSimilar, 0.88);  // least cosine of the descriptors
   KEYPOSE_TUNED(double, kOrdinary, 0.8);  // cosine that some other place always has
 };
 
@@ -29,8 +29,8 @@ Image8 PictureOf(const TexturedRender& render) {
   const double mean = hit > 0 ? sum / hit : 0;
   Image8 picture(render.grey.width, render.grey.height, 1);
   for (std::size_t i = 0; i < picture.data.size(); ++i)
-    picture.data[i] = static_cast<std::uint8_t>(
-        std::lround(std::clamp<double>(render.face.data[i] >= 0 ? render.grey.data[i] : mean, 0, 255)));
+    picture.data[i] = static_cast<std::uint8_t>(std::lround(
+        std::clamp<double>(render.face.data[i] >= 0 ? render.grey.data[i] : mean, 0, 255)));
   return picture;
 }
 
@@ -65,13 +65,14 @@ std::vector<FeatureMatch> MatchNearby(const FacesX3& faces, const RayScene& scen
   std::map<int, FeatureMatch> of_photo;  // by the photograph's feature, the best
   for (int i = 0; i < SizeOf(own.pixels); ++i) {
     const Eigen::Vector2d& pixel = own.pixels[i];
-    const RayScene::Hit hit = scene.Cast(eye, view.camera_from_world.rotation.conjugate() *
-                                                  view.camera.Ray(pixel.x(), pixel.y()));
+    const RayScene::Hit hit = scene.Cast(
+        eye, view.camera_from_world.rotation.conjugate() * view.camera.Ray(pixel.x(), pixel.y()));
     if (hit.face < 0) continue;
     const Candidate best = BestNear(photo, pixel, own.descriptors.row(i), reach_px);
     if (best.feature < 0 || best.similarity < NearbyMatchesTuning::kSimilar) continue;
     const double ratio =
-        std::sqrt(std::max(0.0, 1 - best.similarity) / std::max(1e-6, 1 - std::max(best.second, NearbyMatchesTuning::kOrdinary)));
+        std::sqrt(std::max(0.0, 1 - best.similarity) /
+                  std::max(1e-6, 1 - std::max(best.second, NearbyMatchesTuning::kOrdinary)));
     if (ratio > NearbyMatchesTuning::kRatio) continue;
     FeatureMatch match{{faces.row(hit.face).transpose(), {1 - hit.u - hit.v, hit.u, hit.v}},
                        photo.pixels[best.feature],

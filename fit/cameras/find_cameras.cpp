@@ -12,20 +12,33 @@ namespace {
 
 // Chosen on the clay creature's seeds 1 to 4 (synth).
 struct FindCamerasTuning {
-  KEYPOSE_TUNED(double, kWithin, 0.008);  // largest error of an inlier, of the picture's longer side
-  KEYPOSE_TUNED(double, kRigWithin, 0.012);     // likewise, under a camera of the rig
-  KEYPOSE_TUNED(double, kAsGood, 0.85);         // share of the most inliers that is as good
-  KEYPOSE_TUNED(double, kLeastAgreeing, 0.6);   // share of the photographs
+  KEYPOSE_TUNED(double, kWithin,
+                0.008);  // largest error of an inlier, of the picture's longer side
+  KEYPOSE_TUNED(double, kRigWithin, 0.012);    // likewise, under a camera of the rig
+  KEYPOSE_TUNED(double, kAsGood, 0.85);        // share of the most inliers that is as good
+  KEYPOSE_TUNED(double, kLeastAgreeing, 0.6);  // share of the photographs
   // Inliers under the rig's cameras, over those under cameras found one by one.
   KEYPOSE_TUNED(double, kLeastInCommon, 0.7);
 };
 
 constexpr int kMostFeatures = 2500, kLeastInliers = 12;
+// A pick is worth so many features: four on what did not move are enough.
+constexpr int kFeaturesAPick = 4;
+
+/// Features and picks of a photograph, the picks as often as they count.
+std::vector<FeatureMatch> AllMatches(const FoundCamera& camera) {
+  std::vector<FeatureMatch> all = camera.matches;
+  for (int k = 0; k < kFeaturesAPick; ++k)
+    all.insert(all.end(), camera.picks.begin(), camera.picks.end());
+  return all;
+}
 
 }  // namespace
 
 std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& features,
-                                     const std::vector<PreparedView>& views, Progress* progress) {
+                                     const std::vector<PreparedView>& views,
+                                     const std::vector<std::vector<FeatureMatch>>& picks,
+                                     Progress* progress) {
   std::vector<PictureFeatures> pictures(views.size());
   ReportProgress(progress, 0, "features of the photographs");
   ParallelFor(SizeOf(views), [&](std::int64_t v) {
@@ -36,10 +49,11 @@ std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& fe
     ReportProgress(progress, 0.3 + 0.7 * v / SizeOf(views), "cameras of the photographs");
     FoundCamera& camera = cameras[v];
     camera.matches = features.Match(pictures[v]);
+    camera.picks = picks[v];
     const Pinhole& pinhole = views[v].camera();
     const double within = FindCamerasTuning::kWithin * std::max(pinhole.width, pinhole.height);
     const PicturePose pose =
-        PlacePicture(pinhole, mesh.points, camera.matches, within, kLeastInliers);
+        PlacePicture(pinhole, mesh.points, AllMatches(camera), within, kLeastInliers);
     camera.found = pose.found;
     camera.camera_from_world = pose.camera_from_world;
     camera.inliers = SizeOf(pose.inliers);
@@ -77,10 +91,11 @@ std::vector<Sightings> SightingsOf(const Mesh& mesh, const std::vector<FoundCame
     Sightings& s = sightings[v];
     s.camera = views[v].camera();
     s.within = FindCamerasTuning::kRigWithin * std::max(s.camera.width, s.camera.height);
-    s.places.resize(SizeOf(cameras[v].matches), 3);
-    for (int i = 0; i < SizeOf(cameras[v].matches); ++i) {
-      s.places.row(i) = PositionOf(cameras[v].matches[i].point, mesh.points);
-      s.pixels.push_back(cameras[v].matches[i].pixel);
+    const std::vector<FeatureMatch> matches = AllMatches(cameras[v]);
+    s.places.resize(SizeOf(matches), 3);
+    for (int i = 0; i < SizeOf(matches); ++i) {
+      s.places.row(i) = PositionOf(matches[i].point, mesh.points);
+      s.pixels.push_back(matches[i].pixel);
     }
   }
   return sightings;
@@ -122,8 +137,8 @@ Rigid3 RefinedMotion(const std::vector<Sightings>& sightings, const std::vector<
       for (const int k : inliers) {
         const Eigen::Vector3d y = motion * s.places.row(k).transpose(), x = camera * y;
         Eigen::Matrix<double, 2, 3> d;
-        d << s.camera.fx / x.z(), 0, -s.camera.fx * x.x() / (x.z() * x.z()), 0,
-            s.camera.fy / x.z(), -s.camera.fy * x.y() / (x.z() * x.z());
+        d << s.camera.fx / x.z(), 0, -s.camera.fx * x.x() / (x.z() * x.z()), 0, s.camera.fy / x.z(),
+            -s.camera.fy * x.y() / (x.z() * x.z());
         Eigen::Matrix<double, 3, 6> move;
         move << 0, y.z(), -y.y(), 1, 0, 0, -y.z(), 0, y.x(), 0, 1, 0, y.y(), -y.x(), 0, 0, 0, 1;
         const Eigen::Matrix<double, 2, 6> j = d * turn * move;
@@ -145,8 +160,7 @@ Rigid3 RefinedMotion(const std::vector<Sightings>& sightings, const std::vector<
 /// Of the trials with nearly the most inliers, the one that moves the figure least: on an even
 /// turntable a figure turned by one step looks like one that stayed, under the next camera.
 int LeastMotion(const std::vector<RigMatch>& trials, const std::vector<int>& sums) {
-  const double enough =
-      FindCamerasTuning::kAsGood * *std::max_element(sums.begin(), sums.end());
+  const double enough = FindCamerasTuning::kAsGood * *std::max_element(sums.begin(), sums.end());
   int best = -1;
   double least = 1e300;
   for (int t = 0; t < SizeOf(trials); ++t) {
@@ -172,8 +186,7 @@ RigMatch MatchRig(const Mesh& mesh, const std::vector<FoundCamera>& cameras,
             Compose(view.camera_from_world.Inverse(), camera.camera_from_world);
       }
   std::vector<int> sums(trials.size());
-  ParallelFor(SizeOf(trials),
-              [&](std::int64_t t) { sums[t] = Assign(sightings, rig, trials[t]); });
+  ParallelFor(SizeOf(trials), [&](std::int64_t t) { sums[t] = Assign(sightings, rig, trials[t]); });
   RigMatch best;
   if (trials.empty()) return best;
   best = trials[LeastMotion(trials, sums)];

@@ -14,10 +14,11 @@ namespace keypose::fit {
 
 struct FoundCamera {
   bool found = false;
-  Rigid3 camera_from_world;  ///< the world is the template's frame
-  int inliers = 0;           ///< matches that agree with it
-  double rms_px = 0;         ///< of these
+  Rigid3 camera_from_world;           ///< the world is the template's frame
+  int inliers = 0;                    ///< matches that agree with it
+  double rms_px = 0;                  ///< of these
   std::vector<FeatureMatch> matches;  ///< all matches of the photograph, also on moved limbs
+  std::vector<FeatureMatch> picks;    ///< what a person picked in it
 };
 
 /// Each photograph by itself: the pose of the camera that agrees with most matches between the
@@ -26,9 +27,11 @@ struct FoundCamera {
 ///
 /// @param mesh   the template
 /// @param views  prepared photographs; their poses are not used
+/// @param picks  of each photograph, what a person picked; each counts as several features
 /// Same bits for any thread count.
 std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& features,
                                      const std::vector<PreparedView>& views,
+                                     const std::vector<std::vector<FeatureMatch>>& picks,
                                      Progress* progress = nullptr);
 
 /// Which of the rig's cameras took each photograph, and how the figure was turned on the rig.

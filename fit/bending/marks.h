@@ -1,0 +1,68 @@
+// Picks of a person, as constraints of a bent template.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/landmark_goal.h"
+#include "fit/bending/constraints.h"
+
+namespace keypose::fit {
+
+/// A pixel of a view that shows a place of the template.
+struct PixelMark {
+  std::string name;
+  SurfacePoint point;
+  int view = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of level 0
+};
+
+struct BendMarks {
+  std::vector<PixelMark> pixels;
+  std::vector<LandmarkGoal> places;  ///< in the world's frame
+};
+
+/// How a pick agrees with the result, in the order of BendMarks: pixels, then places.
+struct MarkQuality {
+  bool refused = false;  ///< the template cannot be bent there without giving up what views say
+  double off = 0;        ///< distance from the pixel's ray, or from the place [length]
+  double off_px = 0;     ///< in the picture; 0 for places
+};
+
+/// The marks of one template. Each moves with all the vertices of a cell around it, so that it
+/// makes no cusp.
+class Marks {
+ public:
+  /// @param rest   V x 3
+  /// @param cells  V: which cell of a coarse level each vertex is in
+  /// Marks, rest and later positions in one frame.
+  Marks(BendMarks marks, const PointsX3& rest, const std::vector<int>& cells);
+
+  /// Pulls of the view's marks towards their rays.
+  /// @param weight  of one mark; @param scale  where it has a quarter of it [length]
+  void AddPixels(const FitView& view, const PointsX3& points, double weight, double scale,
+                 std::vector<Constraint>& constraints) const;
+  /// Pulls towards places in space. They come from no view: Constraint::view is -1.
+  void AddPlaces(const PointsX3& points, double weight, double scale,
+                 std::vector<Constraint>& constraints) const;
+
+  /// @param views  at level 0
+  std::vector<MarkQuality> Quality(const std::vector<FitView>& views, const PointsX3& points) const;
+  /// Refuses, of each name, the mark that is farthest off, if it is farther off than `limit`.
+  /// @return whether any was
+  bool Refuse(const std::vector<FitView>& views, const PointsX3& points, double limit);
+
+ private:
+  void Pull(const Constraint& of_mark, const SurfacePoint& point,
+            std::vector<Constraint>& constraints) const;
+  int count() const { return static_cast<int>(marks_.pixels.size() + marks_.places.size()); }
+  const std::string& NameOf(int mark) const;
+
+  BendMarks marks_;
+  PointsX3 rest_;
+  std::vector<int> cell_of_;               // V
+  std::vector<std::vector<int>> members_;  // of each cell
+  std::vector<char> refused_;
+};
+
+}  // namespace keypose::fit

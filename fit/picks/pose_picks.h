@@ -1,0 +1,41 @@
+// Reads the picks that tell `fit` where places of the template are in a pose: in its photographs,
+// or in space.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/carry_log.h"
+#include "core/io/image_set.h"
+#include "core/landmark_goal.h"
+#include "core/mesh.h"
+
+namespace keypose::fit {
+
+/// A photograph's pixel that shows a place of the template.
+struct PhotoPick {
+  std::string name;
+  SurfacePoint point;                               ///< on the template
+  int image = -1;                                   ///< of the image set
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of the photograph; (0, 0) is its corner
+};
+
+struct PosePicks {
+  std::vector<PhotoPick> pixels;
+  std::vector<LandmarkGoal> places;   ///< in the frame of the pose's cameras
+  std::vector<std::string> unpaired;  ///< names that only one of two files has
+};
+
+/// Reads picks of one pose (docs/file-formats.md). One file: `pixels` and `landmarks` each say
+/// their place on the template. Two files: picks of the template (all kinds that ReadPicks takes),
+/// and those of the pose, joined by name.
+///
+/// @param log  may be null
+/// @throws InputError  malformed; no pick; a photograph that `images` does not have; a pixel
+/// outside of it; a place that the template does not have; the same name twice in one photograph;
+/// two files that share no name. Names file, mark and photograph.
+PosePicks ReadPosePicks(const std::vector<std::filesystem::path>& paths, const Mesh& mesh,
+                        const ImageSet& images, CarryLog* log);
+
+}  // namespace keypose::fit

@@ -1,0 +1,125 @@
+// Picks of a pose, from one file and from two, and what is wrong with files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/landmarks_io.h"
+#include "core/testing_shapes.h"
+#include "fit/picks/pose_picks.h"
+
+namespace keypose::fit {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class PosePicksFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("pose_picks_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    for (const char* name : {"a.jpg", "b.jpg"}) {
+      images_.images.emplace_back();
+      images_.images.back().name = name;
+      images_.images.back().width = 640;
+      images_.images.back().height = 480;
+    }
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path Put(const std::string& name, const std::string& text) const {
+    WriteFileAtomically(folder_ / name, text);
+    return folder_ / name;
+  }
+  PosePicks Read(const std::string& text) const {
+    return ReadPosePicks({Put("p.json", text)}, mesh_, images_, nullptr);
+  }
+  /// The message about a file with this list of pixels.
+  std::string Fault(const std::string& pixels) const {
+    return FaultOf("{\"pixels\": " + pixels + "}");
+  }
+  std::string FaultOf(const std::string& text) const {
+    try {
+      Read(text);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("p.json"));
+      return error.what();
+    }
+    ADD_FAILURE() << text << " was read";
+    return "";
+  }
+
+  fs::path folder_;
+  ImageSet images_;
+  const Mesh mesh_ = MakeIcosphere(1);
+};
+
+TEST_F(PosePicksFile, OneFileSaysWhereItsPicksAreOnTheTemplate) {
+  CarryLog log;
+  const PosePicks picks = ReadPosePicks(
+      {Put("p.json",
+           R"({"pixels": [{"name": "ear", "image": "b.jpg", "pixel": [12.5, 480], "vertex": 7}],
+                         "landmarks": [{"name": "toe", "position": [1, 2, 3], "face": 5, "barycentric": [0.25, 0.25, 0.5]}]})")},
+      mesh_, images_, &log);
+  ASSERT_EQ(picks.pixels.size(), 1u);
+  EXPECT_EQ(picks.pixels[0].name, "ear");
+  EXPECT_EQ(picks.pixels[0].image, 1);
+  EXPECT_EQ(picks.pixels[0].pixel, Eigen::Vector2d(12.5, 480));
+  EXPECT_EQ(PositionOf(picks.pixels[0].point, mesh_.points), mesh_.points.row(7).transpose());
+  ASSERT_EQ(picks.places.size(), 1u);
+  EXPECT_EQ(picks.places[0].target, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(picks.places[0].source.vertices, mesh_.faces.row(5).transpose());
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_THAT(log.warnings[0], HasSubstr("does not say on which mesh"));
+}
+
+TEST_F(PosePicksFile, TwoFilesAreJoinedByName) {
+  WriteLandmarks(folder_ / "rest.json", mesh_,
+                 {{"ear", 3, {0.2, 0.3, 0.5}}, {"nose", 4, {1, 0, 0}}});
+  const fs::path pose = Put("pose.json", R"({"pixels": [
+      {"name": "ear", "image": "a.jpg", "pixel": [1, 2]}, {"name": "ear", "image": "b.jpg", "pixel": [3, 4]},
+      {"name": "tail", "image": "b.jpg", "pixel": [3, 4]}]})");
+  CarryLog log;
+  const PosePicks picks = ReadPosePicks({folder_ / "rest.json", pose}, mesh_, images_, &log);
+  ASSERT_EQ(picks.pixels.size(), 2u);
+  EXPECT_EQ(picks.pixels[1].point.vertices, mesh_.faces.row(3).transpose());
+  EXPECT_EQ(picks.pixels[1].point.weights, Eigen::Vector3d(0.2, 0.3, 0.5));
+  EXPECT_THAT(picks.unpaired, ElementsAre("tail"));
+  EXPECT_TRUE(log.warnings.empty());
+  const fs::path strangers =
+      Put("s.json", R"({"pixels": [{"name": "tail", "image": "b.jpg", "pixel": [3, 4]}]})");
+  EXPECT_THROW(ReadPosePicks({folder_ / "rest.json", strangers}, mesh_, images_, &log), InputError);
+  EXPECT_THROW(ReadPosePicks({pose, pose, pose}, mesh_, images_, &log), InputError);
+}
+
+TEST_F(PosePicksFile, FaultsNameThePickAndThePhotograph) {
+  const std::string ear = R"({"name": "ear", "vertex": 7, "image": )";
+  EXPECT_THAT(Fault("[" + ear + R"("c.jpg", "pixel": [1, 2]}])"),
+              HasSubstr("pick 'ear' is in photograph 'c.jpg', which is not among the pose's 2: "
+                        "a.jpg, b.jpg"));
+  EXPECT_THAT(Fault("[" + ear + R"("a.jpg", "pixel": [641, 2]}])"),
+              HasSubstr("pick 'ear' has pixel [641, 2], but photograph a.jpg has 640 x 480"));
+  EXPECT_THAT(Fault("[" + ear + R"("a.jpg", "pixel": [1]}])"), HasSubstr("a list of 2 numbers"));
+  const std::string good = ear + R"("a.jpg", "pixel": [1, 2]})";
+  EXPECT_THAT(Fault("[" + good + "," + good + "]"), HasSubstr("twice in photograph a.jpg"));
+  EXPECT_THAT(Fault(R"([{"name": "ear", "image": "a.jpg", "pixel": [1, 2], "face": 80,
+                         "barycentric": [1, 0, 0]}])"),
+              HasSubstr("pick 'ear' has face 80, but the template has 80 faces"));
+  EXPECT_THAT(Fault(R"([{"name": "ear", "image": "a.jpg", "pixel": [1, 2], "face": 8,
+                         "barycentric": [1, 1, 0]}])"),
+              HasSubstr("do not lie in its triangle"));
+  EXPECT_THAT(Fault(R"([{"name": "ear", "image": "a.jpg", "pixel": [1, 2]}])"),
+              HasSubstr("needs its place on the template"));
+  EXPECT_THAT(Fault(R"([{"image": "a.jpg"}])"), HasSubstr("pick 1 needs a 'name'"));
+  EXPECT_THAT(Fault("[3]"), HasSubstr("pick 1 is not an object"));
+  EXPECT_THAT(Fault("[]"), HasSubstr("holds no pick"));
+  EXPECT_THAT(Fault("7"), HasSubstr("a list 'pixels'"));
+  EXPECT_THAT(FaultOf("{\"pixels\": ["), HasSubstr("is not JSON"));
+  EXPECT_THAT(FaultOf(R"({"pairs": []})"), HasSubstr("a list 'pixels'"));
+}
+
+}  // namespace
+}  // namespace keypose::fit
