@@ -1,6 +1,8 @@
 // `keypose armature bake`: recorded curves as the frames of an animation.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "armature/commands.h"
 #include "armature/live/joint_timing.h"
 #include "armature/live/pose_text.h"
@@ -32,8 +34,9 @@ struct BakeOptions {
   void Describe(OptionVisitor& visit) {
     visit("between", between,
           {.help = "from one recorded frame to the next: it stands (hard stops), or moves at even "
-                   "pace, or along a smooth curve that passes none of them",
-           .choices = {"hold", "linear", "smooth"}});
+                   "pace, or along a smooth curve that goes beyond none of them; keys: only the "
+                   "recorded poses, for interpolate",
+           .choices = {"hold", "linear", "smooth", "keys"}});
     visit("step", step,
           {"frames of the film for each recorded one: 1 on ones, 2 on twos, more between key "
            "poses; 0: as recorded",
@@ -59,7 +62,7 @@ struct BakeOptions {
 StageSpec BakeSpec() {
   StageSpec spec;
   spec.name = "armature bake";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Makes the frames of an animation from recorded curves of an armature.";
   spec.inputs = {{"description", "file", "the armature's description file", "", false, false},
                  {"chains", "file", "the file of anchors and chains", "", false, false},
@@ -73,7 +76,9 @@ StageSpec BakeSpec() {
       {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
       {"motion", "file", "the computer skeleton's motion (.bvh)", "motion.bvh", true, false},
       {"rest", "file", "the mesh at rest, with the frames' vertices (.ply)", "rest.ply", true,
-       false}};
+       false},
+      {"timeline", "file", "when each key stands, for interpolate (.json); with between keys",
+       "timeline.json", true, false}};
   spec.memory_gib = 1;
   spec.common = {"between", "step"};
   return spec;
@@ -98,18 +103,47 @@ JointCurves BakedCurves(const StageContext& stage, const Armature& armature) {
   return curves;
 }
 
-Eigen::MatrixXd ValuesOf(const JointCurves& curves, const BakeOptions& options) {
-  const Between between = options.between == "hold"     ? Between::kHold
-                          : options.between == "linear" ? Between::kLinear
-                                                        : Between::kSmooth;
+int StepOf(const JointCurves& curves, const BakeOptions& options) {
   const int step = options.step > 0 ? options.step : curves.step;
   if (static_cast<double>(curves.frame_count()) * step > kMostFrames)
     throw InputError(
         fmt::format("armature bake: {} recorded frames of {} film frames each; at "
                     "most {} are possible",
                     curves.frame_count(), step, kMostFrames));
-  return FilmValues(options.smooth > 0 ? Smoothed(curves.values, options.smooth) : curves.values,
-                    step, between);
+  return step;
+}
+
+Eigen::MatrixXd KeyValues(const Eigen::MatrixXd& recorded) {
+  const std::vector<PoseRun> runs = PoseRuns(recorded);
+  Eigen::MatrixXd keys(SizeOf(runs), recorded.cols());
+  for (int k = 0; k < SizeOf(runs); ++k) keys.row(k) = recorded.row(runs[k].first);
+  return keys;
+}
+
+Eigen::MatrixXd ValuesOf(const Eigen::MatrixXd& recorded, int step, const std::string& between) {
+  if (between == "keys") return KeyValues(recorded);
+  return FilmValues(recorded, step,
+                    between == "hold"     ? Between::kHold
+                    : between == "linear" ? Between::kLinear
+                                          : Between::kSmooth);
+}
+
+/// The timeline on which interpolate puts the keys: each where it was recorded, standing as long as
+/// the puppet rested.
+std::string TimelineText(const Eigen::MatrixXd& recorded, int step, double fps) {
+  const std::vector<PoseRun> runs = PoseRuns(recorded);
+  if (runs.size() < 2)
+    throw InputError(
+        "armature bake: all recorded frames are one pose; in-betweens need two at least");
+  nlohmann::ordered_json keys = nlohmann::ordered_json::array();
+  for (const PoseRun& run : runs) {
+    nlohmann::ordered_json key = {{"pose", fmt::format("recorded_{}", run.first)},
+                                  {"time", run.first * step / fps}};
+    if (run.count > 1) key["hold"] = (run.count - 1) * step / fps;
+    keys.push_back(key);
+  }
+  const nlohmann::ordered_json all = {{"schema", 2}, {"fps", fps}, {"keys", keys}};
+  return all.dump(1) + "\n";
 }
 
 /// Writes frames and keeps what is known of them.
@@ -171,18 +205,26 @@ class Baker {
 };
 
 void RunBake(StageContext& stage, const BakeOptions& options) {
+  if (!stage.Output("timeline").empty() && options.between != "keys")
+    throw UsageError("armature bake: a timeline is for keys; choose between keys");
   const LoadedPuppet loaded = LoadPuppet(BakedPaths(stage), options.puppet);
   for (const std::string& note : loaded.notes) stage.Note(note);
   for (const std::string& warning : loaded.warnings) stage.Warn(warning);
   const JointCurves curves = BakedCurves(stage, loaded.parts.armature);
-  const Eigen::MatrixXd values = ValuesOf(curves, options);
+  const double fps = options.fps > 0 ? options.fps : curves.fps;
+  const int step = StepOf(curves, options);
+  const Eigen::MatrixXd recorded =
+      options.smooth > 0 ? Smoothed(curves.values, options.smooth) : curves.values;
+  const Eigen::MatrixXd values = ValuesOf(recorded, step, options.between);
+  if (const fs::path timeline = stage.Output("timeline"); !timeline.empty())
+    WriteFile(timeline, TimelineText(recorded, step, fps));
   const int count = static_cast<int>(values.rows());
   Baker baker(stage, loaded.parts);
   for (int f = 0; f < count; ++f) {
     ReportProgress(stage.progress(), f / static_cast<double>(count), "posing");
     baker.Add(values.row(f), f);
   }
-  baker.Finish(options.fps > 0 ? options.fps : curves.fps);
+  baker.Finish(fps);
 }
 
 }  // namespace

@@ -57,14 +57,15 @@ class LivePrograms : public testing::Test {
   }
   std::string Err() const { return ReadFile(folder_ / "err"); }
 
-  void WriteCurves(int frames, int step) {
+  /// @param rests_at  this frame has the pose of the one before; -1: none
+  void WriteCurves(int frames, int step, int rests_at = -1) {
     const Armature armature = MakeTheropod();
     JointCurves curves;
     curves.step = step;
     for (const int node : armature.joints) curves.joints.push_back(armature.nodes[node].name);
     curves.values.resize(frames, static_cast<Eigen::Index>(armature.joints.size()));
     for (int f = 0; f < frames; ++f) {
-      const auto values = TheropodWalk(armature, f / 12.0);
+      const auto values = TheropodWalk(armature, (f == rests_at ? f - 1 : f) / 12.0);
       curves.values.row(f) =
           Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
     }
@@ -100,6 +101,45 @@ TEST_F(LivePrograms, BakeGoesSmoothlyBetweenKeys) {
       << Err();
   EXPECT_EQ(NumberedFrames(folder_ / "frames", "test").size(), 11u);
   EXPECT_EQ(FrameRateOf(folder_ / "frames"), 30);
+}
+
+TEST_F(LivePrograms, RecordedPosesAreKeysForInterpolate) {
+  // Five recorded frames on fours, of which two are one pose.
+  WriteCurves(5, 4, 2);
+  ASSERT_EQ(Run("bake" + Puppet() + " --mesh " + Path("t/theropod.ply") + " --curves " +
+                Path("curves.json") + " --between keys --frames " + Path("keys") + " --timeline " +
+                Path("timeline.json")),
+            0)
+      << Err();
+  const auto keys = NumberedFrames(folder_ / "keys", "test");
+  ASSERT_EQ(keys.size(), 4u);
+  std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-interpolate";
+  for (const fs::path& key : keys) command += " --keys " + key.string();
+  command += " --timeline " + Path("timeline.json") + " --frames " + Path("frames") + " 2> " +
+             Path("err") + " > " + Path("out");
+  ASSERT_EQ(std::system(command.c_str()), 0) << Err();
+  const auto frames = NumberedFrames(folder_ / "frames", "test");
+  ASSERT_EQ(frames.size(), 17u);  // from recorded frame 0 to 4, four film frames each
+  const std::size_t at[] = {0, 4, 12, 16};
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(ReadMesh(frames[at[k]]).points, ReadMesh(keys[k]).points) << k;
+  // The puppet rested from recorded frame 1 to 2: a hard stop, to the bit.
+  for (std::size_t f = 5; f <= 8; ++f)
+    EXPECT_EQ(ReadMesh(frames[f]).points, ReadMesh(keys[1]).points) << f;
+  EXPECT_NE(ReadMesh(frames[9]).points, ReadMesh(keys[1]).points);
+  EXPECT_EQ(FrameRateOf(folder_ / "frames"), 24);
+}
+
+TEST_F(LivePrograms, BakeRefusesTimelinesWithoutKeys) {
+  const std::string ends = Puppet() + " --curves " + Path("curves.json") + " --frames " +
+                           Path("keys") + " --timeline " + Path("timeline.json");
+  WriteCurves(2, 1);
+  EXPECT_EQ(Run("bake" + ends), 2);
+  EXPECT_NE(Err().find("between keys"), std::string::npos);
+  WriteCurves(1, 1);
+  EXPECT_EQ(Run("bake" + ends + " --between keys"), 3);
+  EXPECT_NE(Err().find("one pose"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "timeline.json"));
 }
 
 TEST_F(LivePrograms, BakeSaysWhatIsWrong) {

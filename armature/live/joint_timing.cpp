@@ -71,6 +71,17 @@ MatrixXd FilmValues(const MatrixXd& recorded, int step, Between between) {
   return film;
 }
 
+std::vector<PoseRun> PoseRuns(const MatrixXd& recorded) {
+  std::vector<PoseRun> runs;
+  for (int f = 0; f < recorded.rows(); ++f) {
+    if (f > 0 && recorded.row(f) == recorded.row(f - 1))
+      ++runs.back().count;
+    else
+      runs.push_back({f, 1});
+  }
+  return runs;
+}
+
 MatrixXd Smoothed(const MatrixXd& recorded, double sigma) {
   MatrixXd smooth = recorded;
   for (Index j = 0; j < recorded.cols(); ++j) {

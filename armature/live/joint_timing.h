@@ -25,6 +25,16 @@ enum class Between {
 /// stays still.
 Eigen::MatrixXd FilmValues(const Eigen::MatrixXd& recorded, int step, Between between);
 
+/// Recorded frames one after another that are one pose.
+struct PoseRun {
+  int first = 0, count = 1;
+};
+
+/// The poses of a recording, as keys for other in-betweens: a puppet that rests for several frames
+/// is one key that stands.
+/// @param recorded  recorded frames x joints, at least one; equal to the last bit is one pose
+std::vector<PoseRun> PoseRuns(const Eigen::MatrixXd& recorded);
+
 /// Each joint's curve under a Gaussian of that width. A joint that stands still for two frames or
 /// more is a stop: its value there stays, and what comes before and after is not mixed across it.
 /// @param sigma  in recorded frames, > 0

@@ -63,8 +63,9 @@ std::vector<std::string> BakeWords(const ArmatureSetup& setup, const fs::path& t
   add("weights", setup.weights);
   add("curves", (take / "curves.json").string());
   add("between", between);
-  add("frames", (take / "frames").string());
-  add("motion", (take / "motion.bvh").string());
+  const bool keys = between == "keys";
+  add("frames", (take / (keys ? "keys" : "frames")).string());
+  add(keys ? "timeline" : "motion", (take / (keys ? "timeline.json" : "motion.bvh")).string());
   return words;
 }
 

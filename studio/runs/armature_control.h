@@ -61,7 +61,7 @@ class ArmatureControl {
   /// for at most a second, and then gives "". At once "" when no session runs.
   std::string Pose(std::uint64_t after);
 
-  /// Makes frames of a take's curves. @param between  hold, linear or smooth
+  /// Makes frames of a take's curves. @param between  hold, linear, smooth, or keys for interpolate
   /// @throws LockedError  it bakes already @throws DiskError
   void Bake(const ArmatureSetup& setup, const std::string& between);
 

@@ -252,8 +252,8 @@ void Routes::AddArmature() {
   });
   Add("POST", "/api/armature/bake", [this, last](const Question& question) {
     const std::string between = question.Json().at("between");
-    if (between != "hold" && between != "linear" && between != "smooth")
-      throw UsageError("between frames it can hold, go linear or smooth");
+    if (between != "hold" && between != "linear" && between != "smooth" && between != "keys")
+      throw UsageError("between frames it can hold, go linear or smooth; or make keys");
     const ArmatureSetup setup = ArmatureSetupFrom(SavedJson(last), folder_);
     FileOfProject(folder_, fmt::format("armature/{}/curves.json", setup.take), false);
     armature_->Bake(setup, between);

@@ -77,6 +77,15 @@ TEST_F(ArmatureRoutes, SessionIsStartedFollowedAndEnded) {
   ASSERT_TRUE(Until([&] { return !Story()["baking"]; }));
   EXPECT_TRUE(fs::exists(folder_ / "armature/take1/frames/frame_0001.ply"));
   EXPECT_FALSE(fs::exists(folder_ / "armature/take1/frames/frame_0002.ply"));
+  // One pose is not enough for in-betweens, and the page is told so.
+  std::string told;
+  EventHub::Tab tab(routes_->hub());
+  ASSERT_EQ(Post("bake", {{"between", "keys"}}).status, 200);
+  ASSERT_TRUE(Until([&] {
+    told += tab.Next();
+    return told.find("armature_baked") != std::string::npos;
+  }));
+  EXPECT_NE(told.find("one pose"), std::string::npos) << told;
 }
 
 TEST_F(ArmatureRoutes, BoardThatIsNotThereIsSaidInWords) {

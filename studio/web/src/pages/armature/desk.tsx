@@ -165,13 +165,15 @@ function ReadyDesk({ at, sitting, setup, loaded }: DeskProps & { loaded: Loaded 
               <option value="hold">hard stops</option>
               <option value="linear">even pace</option>
               <option value="smooth">smooth curves</option>
+              <option value="keys">keys only</option>
             </select>
             <Act disabled={at.baking || sitting.frames === 0} act={acts.bake}>
               {at.baking ? 'Bakes …' : 'Bake'}
             </Act>
           </div>
           <p class="small soft">
-            Frames and motion.bvh in <span class="mono">armature/{setup.take}</span>
+            {between === 'keys' ? 'Keys and timeline.json, for interpolate' : 'Frames and motion.bvh'}
+            , in <span class="mono">armature/{setup.take}</span>
           </p>
         </div>
         <Act act={() => tell('end')}>End</Act>
