@@ -80,7 +80,8 @@ TEST_F(ArmatureRoutes, SessionIsStartedFollowedAndEnded) {
   // One pose is not enough for in-betweens, and the page is told so.
   std::string told;
   EventHub::Tab tab(routes_->hub());
-  ASSERT_EQ(Post("bake", {{"between", "keys"}}).status, 200);
+  const Answer keys = Post("bake", {{"between", "keys"}});
+  ASSERT_EQ(keys.status, 200) << keys.bytes;
   ASSERT_TRUE(Until([&] {
     told += tab.Next();
     return told.find("armature_baked") != std::string::npos;
