@@ -15,6 +15,8 @@ by itself, in several cases:
     bare         mesh and texture, no matte
     no-exif      as textured, but the focal length is not told
     clicks       six exact places, without matte and texture
+    quick        likewise, with --quick
+    quick-matte  likewise, and the exact matte
     empty        the set without the character: must end with exit code 3
 
 Errors are those of camera from character. --work keeps the files: what is there is not made again. Needs only Python.
@@ -29,7 +31,7 @@ import subprocess
 import sys
 import tempfile
 
-CASES = ('textured', 'captured', 'outline', 'bare', 'no-exif', 'clicks', 'empty')
+CASES = ('textured', 'captured', 'outline', 'bare', 'no-exif', 'clicks', 'quick', 'quick-matte', 'empty')
 
 
 def call(command, check=True):
@@ -191,11 +193,11 @@ class Seed:
             words += ['--textures', f / 'texture.png']
         if case == 'captured':
             words += ['--matte', f / 'film_images/masks' / (name + '.png')]
-        if case in ('textured', 'no-exif', 'outline'):
+        if case in ('textured', 'no-exif', 'outline', 'quick-matte'):
             words += ['--matte', film / 'truth/limbs/masks' / (name + '.png')]
-        if case == 'clicks':
+        if case in ('clicks', 'quick', 'quick-matte'):
             (f / 'clicks.json').write_text(json.dumps(self.clicks(view)))
-            words += ['--clicks', f / 'clicks.json']
+            words += ['--clicks', f / 'clicks.json'] + (['--quick', 'true'] if case != 'clicks' else [])
         if case == 'empty':
             words[words.index('--plate') + 1] = film / 'background/limbs.jpg'
         if case == 'no-exif':
@@ -262,7 +264,7 @@ def show(rows):
         if case == 'empty':
             print(f"| {case} | {len(these)} | refused {sum(row['exit'] == 3 for row in these)} | | | | | {spread([row['cpu_s'] for row in these], '')} |")
             continue
-        found = [row for row in these if row['exit'] == 0 and row['turn_deg'] < 1 and (row['iou'] > 0.98 or case in ('bare', 'clicks'))]
+        found = [row for row in these if row['exit'] == 0 and row['turn_deg'] < 1 and (row['iou'] > 0.98 or case in ('bare', 'clicks', 'quick'))]
         cells = [case, len(these), f'{len(found)} ({100 * len(found) / len(these):.0f} %)', spread([row['turn_deg'] for row in found], ''),
                  spread([row['contour_px'] for row in found], ''), f"{min([row['iou'] for row in found], default=0):.4f}",
                  spread([100 * row['center'] for row in found], ''), spread([row['cpu_s'] for row in these], '')]

@@ -223,7 +223,7 @@ void AddFrame(StageContext& stage, const FilmPicture& picture, int pose,
     const Image8 matte = ReadImage(path, 1);
     RequireSize(matte, path, input.camera, frame.name);
     frame.matte = Reduced(matte, input.shot.camera);
-  } else if (stage.Has("background")) {
+  } else if (stage.Has("background") && !input.shot.quick) {
     RequireSize(plate, stage.Input("background"), input.camera, frame.name);
     frame.matte = Reduced(MatteFromPlate(whole, plate), input.shot.camera);
     frame.matte_deviation_px = 1;
@@ -264,6 +264,15 @@ void AddClicks(StageContext& stage, LocateInput& input) {
     reduced.pixel *= static_cast<double>(input.shot.camera.width) / input.camera.width;
     input.shot.frames[at].clicks.push_back(reduced);
   }
+}
+
+void RequireClicksEverywhere(const LocateInput& input) {
+  for (const LocateFrame& frame : input.shot.frames)
+    if (frame.clicks.size() < 4)
+      throw InputError(fmt::format(
+          "locate: --quick goes by clicks alone, but {} has {}; click four places in it, or leave "
+          "it out of --shows",
+          frame.name, frame.clicks.size()));
 }
 
 }  // namespace
@@ -308,6 +317,9 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
          0,
          1,
          {}});
+  visit("quick", quick,
+        {.help = "only by the clicks, of which each frame needs four, and roughly by a matte: an "
+                 "answer at once, to be looked at before the whole work"});
 }
 
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
@@ -329,11 +341,15 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   if (single && chosen.size() > 1)
     throw InputError("locate: one matte for " + std::to_string(chosen.size()) +
                      " pictures; pass a folder with a matte for each");
-  const Image8 plate = stage.Has("background") ? ReadImage(stage.Input("background"), 3) : Image8{};
+  input.shot.quick = options.quick;
+  const Image8 plate = stage.Has("background") && !options.quick
+                           ? ReadImage(stage.Input("background"), 3)
+                           : Image8{};
   for (const auto& [picture, pose] : chosen)
     AddFrame(stage, picture, pose, mattes, single, plate, input);
   AddClicks(stage, input);
-  if (stage.Has("textures"))
+  if (options.quick) RequireClicksEverywhere(input);
+  if (stage.Has("textures") && !options.quick)
     input.texture = ReadImage(FilmPictures(stage.Input("textures"))[0].path, 3);
   input.shot.mesh = &input.mesh;
   if (!input.texture.empty()) input.shot.texture = &input.texture;

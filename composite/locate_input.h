@@ -21,6 +21,7 @@ struct LocateStageOptions {
   double fps = 0;
   int max_size = 1920;
   double min_iou = 0.8;
+  bool quick = false;
 
   void Describe(OptionVisitor& visit);
 };

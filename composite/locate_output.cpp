@@ -102,8 +102,10 @@ FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
     const Rigid3 place = Compose(frame.camera_from_world.Inverse(), found.at.camera_from_mesh);
     frame.world_from_character = {1, place.rotation.toRotationMatrix(), place.translation};
     frame.method = found.method;
-    frame.contour_px = found.contour_px / input.scale;
-    frame.iou = found.iou;
+    if (!found.matte.empty()) {
+      frame.contour_px = found.contour_px / input.scale;
+      frame.iou = found.iou;
+    }
     if (found.inliers > 0) frame.inliers = found.inliers;
     shot.frames.push_back(frame);
   }

@@ -45,7 +45,7 @@ StageSpec Spec() {
 void RequireCharacter(const LocateInput& input, const LocatedShot& located, double min_iou) {
   for (int i = 0; i < SizeOf(located.frames); ++i) {
     const LocatedFrame& frame = located.frames[i];
-    if (frame.iou >= min_iou) continue;
+    if (frame.iou >= min_iou || frame.matte.empty()) continue;
     throw InputError(fmt::format(
         "locate: no character found in {}: the best place of the mesh overlaps with the matte by "
         "{:.2f} only (IoU; --min_iou is {:.2f}); check that the picture shows this character in "

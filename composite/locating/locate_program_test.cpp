@@ -165,6 +165,21 @@ TEST_F(LocateProgram, ClicksPlaceItWithoutMatte) {
   const Similarity3 found = CameraFromCharacter(shot.frames[0]);
   const Eigen::Vector3d top(-0.03, 0.03, 0.218);
   EXPECT_LT((shot.camera.Project(found * top) - truth.Project(top)).norm(), 2);
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --focal_35mm 50 --clicks %/clicks.json "
+                "--quick true --picture %/located.png"),
+            0)
+      << Log();
+  const FilmedShot quick = ReadShot(folder / "shot.json");
+  EXPECT_FALSE(quick.frames[0].iou.has_value()) << "nothing to overlap with";
+  EXPECT_LT((quick.camera.Project(CameraFromCharacter(quick.frames[0]) * top) - truth.Project(top))
+                .norm(),
+            2);
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --focal_35mm 50 --clicks %/clicks.json "
+                "--quick true --matte %/mattes/0000.png"),
+            0);
+  EXPECT_GT(ReadShot(folder / "shot.json").frames[0].iou.value(), 0.97);
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --clicks %/clicks.json --quick true"), 3);
+  EXPECT_THAT(Log(), HasSubstr("0002.png has 0"));
   clicks["clicks"][2]["vertex"] = 99999;
   WriteFile(folder / "clicks.json", clicks.dump());
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --clicks %/clicks.json"), 3);

@@ -93,10 +93,11 @@ std::vector<Trial> Different(std::vector<Trial> trials, int most) {
 void RefineRoughly(std::vector<Trial>& trials, const PosedFigure& figure,
                    const Evidence& evidence) {
   const double side = std::max(evidence.matte.width, evidence.matte.height);
+  const Figure& rough = figure.rough();
   ParallelFor(SizeOf(trials), [&](std::int64_t i) {
     const RefineStep step{SearchTuning::kReach * side, kRoughReach, 12};
-    trials[i].at = Refined(figure.rough, evidence, trials[i].at, step, {});
-    Score(trials[i], figure.rough, evidence, {});
+    trials[i].at = Refined(rough, evidence, trials[i].at, step, {});
+    Score(trials[i], rough, evidence, {});
   });
 }
 
@@ -132,7 +133,7 @@ FoundPlace PlaceByOutlines(const PosedFigure& figure, const LocateFrame& frame, 
                            const Camera& camera, bool focal_known) {
   const Image8 small = ShrunkTo(frame.matte, kShapeSide);
   const Camera small_camera = CameraFor(camera, small);
-  const ShapeSearch search(figure.rough, AngularRadius(small_camera, small));
+  const ShapeSearch search(figure.rough(), AngularRadius(small_camera, small));
   std::vector<Trial> trials;
   for (const ShapeCandidate& candidate :
        search.Find(small_camera, small, SearchTuning::kRoughCandidates))
@@ -181,8 +182,11 @@ std::string Advice(const LocateFrame& frame) {
 
 }  // namespace
 
-PosedFigure::PosedFigure(const PointsX3& points, const FacesX3& faces)
-    : fine(points, faces), rough(Simplified(points, faces, kRoughVertices)) {}
+const Figure& PosedFigure::rough() const {
+  if (!rough_)
+    rough_ = std::make_unique<Figure>(Simplified(fine.points, fine.faces, kRoughVertices));
+  return *rough_;
+}
 
 std::vector<double> SearchScales(int width, int height) {
   std::vector<double> scales;

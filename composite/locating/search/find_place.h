@@ -2,6 +2,7 @@
 // else by the outlines of a matte.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,13 @@ struct Look {
 
 /// The mesh in one pose, fine and rough.
 struct PosedFigure {
-  Figure fine, rough;
-  PosedFigure(const PointsX3& points, const FacesX3& faces);
+  Figure fine;
+  PosedFigure(const PointsX3& points, const FacesX3& faces) : fine(points, faces) {}
+  /// Made at the first call, which must not be made in several threads at a time.
+  const Figure& rough() const;
+
+ private:
+  mutable std::unique_ptr<Figure> rough_;
 };
 
 struct FoundPlace {

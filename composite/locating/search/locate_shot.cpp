@@ -26,7 +26,8 @@ struct ShotTuning {
 constexpr double kMostUncertain = 0.1;     // of the focal length
 constexpr double kRollFree = 1e-4;         // ratio of eigenvalues
 constexpr double kReach = 6, kFine = 2.5;  // px
-constexpr int kLensFrames = 8;
+constexpr int kLensFrames = 8, kClicksForFocal = 6;
+constexpr double kQuickReach = 20;   // px, of the smallest size
 constexpr double kWithin = 0.006;    // of the longer side: how well features place outlines
 constexpr double kFarWithin = 0.03;  // likewise, the frame before
 
@@ -34,7 +35,7 @@ class Locator {
  public:
   Locator(const ShotInput& input, Progress* progress) : input_(input), progress_(progress) {
     scales_ = SearchScales(input.camera.width, input.camera.height);
-    if (!input.texture) return;
+    if (!input.texture || input.quick) return;
     texture_ = std::make_unique<GreyTexture>(*input.mesh, *input.texture);
     Mesh first = *input.mesh;
     first.points = input.poses[input.frames[0].pose];
@@ -45,6 +46,7 @@ class Locator {
   }
 
   LocatedShot Locate() {
+    if (input_.quick) return LocateQuickly();
     for (int i = 0; i < count(); ++i) FindFrame(i);
     MakeEvidences();
     SolveLens();
@@ -252,6 +254,50 @@ class Locator {
     RequireTurnSeen(i, frame.turn_ratio);
     frame.matte = state.frame.matte;
     return frame;
+  }
+
+  LocatedShot LocateQuickly() {
+    LocatedShot shot;
+    for (int i = 0; i < count(); ++i) {
+      Tell(static_cast<double>(i) / count(), "clicks of " + input_.frames[i].name);
+      const bool known = focal_known() || i > 0;
+      const Camera& camera = i > 0 ? shot.camera : input_.camera;
+      shot.frames.push_back(ByClicks(i, camera, known));
+      shot.camera = shot.frames[0].at.camera;
+    }
+    const bool solved = SizeOf(input_.frames[0].clicks) >= kClicksForFocal;
+    shot.focal = input_.focal_fixed           ? "given"
+                 : input_.focal_deviation > 0 ? "exif"
+                 : solved                     ? "solved"
+                                              : "kept";
+    shot.focal_deviation = input_.focal_fixed ? 0 : focal_known() ? input_.focal_deviation : 1;
+    return shot;
+  }
+
+  LocatedFrame ByClicks(int i, const Camera& camera, bool focal_is_known) {
+    const LocateFrame& frame = input_.frames[i];
+    const Figure& figure = FigureOf(i).fine;
+    LocatedFrame found;
+    found.method = "clicks";
+    found.at = PlaceByClicks(camera, figure.points, frame.clicks, !focal_is_known);
+    found.matte = frame.matte;
+    if (frame.matte.empty()) {
+      for (const SilhouettePoint& point : FindSilhouette(figure, found.at, 2))
+        found.outlines.push_back({point.position, point.pixel, point.normal, 0, point.length_px});
+      return found;
+    }
+    Evidence rough = MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, scales_[0]);
+    SetClicks(rough, frame.clicks);
+    found.at = Refined(figure, rough, found.at, {kQuickReach, kFine, 4}, {});
+    const Placement scaled = found.at.Scaled(rough.scale);
+    const OutlineMatches outlines =
+        MatchOutlines(FindSilhouette(figure, scaled, 2), rough.outline, 4 * kReach);
+    found.outlines = outlines.matches;
+    for (OutlineMatch& match : found.outlines)
+      match.pixel /= rough.scale, match.distance_px /= rough.scale;
+    found.contour_px = outlines.Mean(kReach) / rough.scale;
+    found.iou = Overlap(Covered(figure, scaled), rough.matte);
+    return found;
   }
 
   LocatedShot Result() {

@@ -20,6 +20,9 @@ struct ShotInput {
   bool focal_fixed = false;         ///< it is given, and not improved
   bool solve_k1 = true;
   bool still = true;  ///< the camera does not move
+  /// Only by the clicks that each frame has, and where there is a matte by a few rounds of outlines
+  /// at the smallest size.
+  bool quick = false;
 };
 
 struct LocatedFrame {
