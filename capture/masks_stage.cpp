@@ -225,7 +225,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "13",
+    .version = "14",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

@@ -355,33 +355,69 @@ cv::Mat NextToCorners(const cv::Size& size, const std::vector<BoardCorner>& corn
   return near;
 }
 
-/// Colour distance of each pixel to paper and ink under the light estimated from its neighbourhood.
-cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
-                        const cv::Vec3f& black) {
-  const cv::Size window(7, 7);
-  cv::Mat expected(rgb.size(), CV_32FC3, cv::Scalar(0, 0, 0)),
-      product(rgb.size(), CV_32F, cv::Scalar(0)), square = product.clone();
+/// The light on each pixel's neighbourhood, relative to that of `paper` and `ink`: the factor by
+/// which the print explains a window around it best. Negative outside of the board.
+cv::Mat LightOf(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
+                const cv::Vec3f& black, int window) {
+  cv::Mat product(rgb.size(), CV_32F, cv::Scalar(0)), square = product.clone();
   for (int y = 0; y < rgb.rows; ++y)
     for (int x = 0; x < rgb.cols; ++x) {
       const float share = ink.at<float>(y, x);
       if (share < 0) continue;
       const cv::Vec3f e = (1 - share) * paper + share * black;
-      expected.at<cv::Vec3f>(y, x) = e;
       product.at<float>(y, x) = e.dot(rgb.at<cv::Vec3f>(y, x));
       square.at<float>(y, x) = e.dot(e);
     }
-  cv::boxFilter(product, product, CV_32F, window);
-  cv::boxFilter(square, square, CV_32F, window);
+  cv::boxFilter(product, product, CV_32F, {window, window}, {-1, -1}, false);
+  cv::boxFilter(square, square, CV_32F, {window, window}, {-1, -1}, false);
+  cv::Mat light(rgb.size(), CV_32F, cv::Scalar(-1));
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x)
+      if (square.at<float>(y, x) > 1)
+        light.at<float>(y, x) =
+            std::clamp(product.at<float>(y, x) / square.at<float>(y, x), 0.35F, 1.15F);
+  return light;
+}
+
+/// Distance of a colour to those between two others.
+float DistanceToSegment(const cv::Vec3f& color, const cv::Vec3f& a, const cv::Vec3f& b) {
+  const cv::Vec3f along = b - a;
+  const float square = along.dot(along);
+  const float t = square > 0 ? std::clamp((color - a).dot(along) / square, 0.0F, 1.0F) : 0.0F;
+  return static_cast<float>(cv::norm(color - a - t * along));
+}
+
+/// Colour distance of each pixel to the print under the light of its neighbourhood.
+///
+/// At the edges of squares and of their markers blur and the tenths of a pixel by which the print
+/// is misplaced make any colour between paper and ink, so that all that lies between the lightest
+/// and the darkest print next to the pixel is allowed. The light is also taken from windows to its
+/// sides: next to the figure one of them has nothing of it.
+cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
+                        const cv::Vec3f& black) {
+  constexpr int kWindow = 7, kAside = 4;
+  const cv::Mat light = LightOf(rgb, ink, paper, black, kWindow);
+  cv::Mat least, most;
+  cv::erode(cv::max(ink, 0.0F), least, {});
+  cv::dilate(cv::max(ink, 0.0F), most, {});
   cv::Mat distance(rgb.size(), CV_32F, cv::Scalar(0));
   for (int y = 0; y < rgb.rows; ++y)
     for (int x = 0; x < rgb.cols; ++x) {
       if (ink.at<float>(y, x) < 0) continue;
-      const float light = std::clamp(
-          product.at<float>(y, x) / std::max(square.at<float>(y, x), 1.0F), 0.35F, 1.15F);
-      distance.at<float>(y, x) = static_cast<float>(
-          cv::norm(rgb.at<cv::Vec3f>(y, x) - light * expected.at<cv::Vec3f>(y, x)));
+      const float lightest = least.at<float>(y, x), darkest = most.at<float>(y, x);
+      const cv::Vec3f a = (1 - lightest) * paper + lightest * black,
+                      b = (1 - darkest) * paper + darkest * black;
+      float nearest = 1e9F;
+      for (const auto& [dx, dy] :
+           {std::pair{0, 0}, {-kAside, 0}, {kAside, 0}, {0, -kAside}, {0, kAside}}) {
+        const int u = x + dx, v = y + dy;
+        if (u < 0 || v < 0 || u >= rgb.cols || v >= rgb.rows || ink.at<float>(v, u) < 0) continue;
+        const float l = light.at<float>(v, u);
+        nearest = std::min(nearest, DistanceToSegment(rgb.at<cv::Vec3f>(y, x), l * a, l * b));
+      }
+      distance.at<float>(y, x) = nearest;
     }
-  cv::boxFilter(distance, distance, CV_32F, {3, 3});
+  cv::medianBlur(distance, distance, 3);
   return distance;
 }
 
