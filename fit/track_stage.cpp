@@ -79,7 +79,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",

@@ -96,12 +96,17 @@ bool Possible(const LimbNumbers& numbers, int first_dof) {
   return true;
 }
 
+/// Along the limb in the rest pose.
+Vector3d AxisOf(Limb limb) {
+  if (!IsArm(limb)) return -Vector3d::UnitZ();
+  return limb == Limb::kLeftArm ? Vector3d::UnitX() : Vector3d(-Vector3d::UnitX());
+}
+
 /// A regular set of poses of a limb within its joints' limits.
 std::vector<LimbNumbers> Candidates(Limb limb) {
   const bool arm = IsArm(limb);
   const int first = FirstDof(limb);
-  const Vector3d rest = arm ? Vector3d((limb == Limb::kLeftArm ? 1 : -1) * Vector3d::UnitX())
-                            : Vector3d(-Vector3d::UnitZ());
+  const Vector3d rest = AxisOf(limb);
   const std::vector<double> bends =
       arm ? std::vector<double>{0.1, 0.7, 1.4, 2.1} : std::vector<double>{0.1, 0.7, 1.4};
   const std::vector<double> twists =
@@ -196,6 +201,20 @@ std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, con
     if (SizeOf(best) == keep) break;
   }
   return best;
+}
+
+double BentBackwards(const BodyPose& pose, Limb limb) {
+  const int hinge = FirstDof(limb) + 3;
+  return std::max(0.0, Dofs()[hinge].low - pose.q[hinge]);
+}
+
+BodyPose TurnedAround(const BodyPose& pose, Limb limb) {
+  LimbNumbers numbers = pose.q.segment<6>(FirstDof(limb));
+  const Eigen::Quaterniond ball = QuaternionOf(numbers.head<3>());
+  numbers.head<3>() = LogOf(Eigen::Quaterniond(ball * Eigen::AngleAxisd(kPi, AxisOf(limb))));
+  numbers[3] = -numbers[3];
+  numbers.tail<2>().setZero();
+  return WithLimb(pose, limb, numbers);
 }
 
 namespace {

@@ -37,6 +37,13 @@ std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, con
                                  const LocalSurface& surface, const BodyPose& pose, Limb limb,
                                  int keep);
 
+/// How far the elbow or knee of a limb is bent beyond straight, the way that it cannot [rad].
+double BentBackwards(const BodyPose& pose, Limb limb);
+/// The same limb, turned half around its own axis with its hinge bent the other way: of a straight
+/// limb outlines do not tell the two apart, so that one that was followed through straight may be
+/// bent backwards.
+BodyPose TurnedAround(const BodyPose& pose, Limb limb);
+
 /// What the masks alone tell of the actor: the voxels that no view rules out.
 struct CoarseHull {
   Eigen::Vector3d low, high, middle;  ///< [m], in a frame with z up

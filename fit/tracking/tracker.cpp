@@ -65,6 +65,25 @@ void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOpt
   }
 }
 
+/// Limbs that are bent the way that they cannot, turned around.
+void Tracker::TurnBentBackwards(const std::vector<Silhouette>& silhouettes,
+                                const PoseOptions& options, PoseFit* fit, TrackedFrame* frame) {
+  for (const Limb limb : kLimbs) {
+    const double bent = BentBackwards(fit->pose, limb);
+    if (bent < TrackerTuning::kBackwards) continue;
+    PoseOptions free = options;
+    free.priors = {RestPrior()};
+    const PoseFit solved =
+        SolvePose(silhouettes, shape_, surface_, TurnedAround(fit->pose, limb), free);
+    const Coverage coverage = CoverageOf(silhouettes, surface_, Posed(solved.pose, shape_));
+    if (coverage.Difference() > TrackerTuning::kAsGood * frame->coverage.Difference() ||
+        BentBackwards(solved.pose, limb) > 0.5 * bent)
+      continue;
+    *fit = solved, frame->coverage = coverage;
+    frame->found.push_back(limb);
+  }
+}
+
 TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   const BodyPose predicted = Predicted();
   PoseOptions options;
@@ -75,6 +94,7 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   TrackedFrame frame;
   frame.coverage = CoverageOf(silhouettes, surface_, Posed(fit.pose, shape_));
   FindLost(silhouettes, options, &fit, &frame);
+  TurnBentBackwards(silhouettes, options, &fit, &frame);
   const double difference = RelativeDifference(frame.coverage);
   const double follow = difference < usual_ ? kFall : kRise;
   usual_ = usual_ == 0 ? difference : usual_ + follow * (std::min(difference, 2 * usual_) - usual_);

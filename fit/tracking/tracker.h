@@ -15,6 +15,8 @@ struct TrackerTuning {
   KEYPOSE_TUNED(double, kLostOutside, 0.3);  ///< share of a limb outside of the masks
   KEYPOSE_TUNED(double, kLostChange, 1.2);   ///< factor on the usual difference to the masks
   KEYPOSE_TUNED(double, kFound, 0.98);       ///< least gain of a search: factor on the difference
+  KEYPOSE_TUNED(double, kBackwards, 0.15);   ///< [rad] of an elbow or knee: surely the wrong way
+  KEYPOSE_TUNED(double, kAsGood, 1.03);      ///< factor on the difference of a limb turned around
 };
 
 struct TrackedFrame {
@@ -38,6 +40,8 @@ class Tracker {
   std::vector<Limb> Suspects(const Coverage& coverage) const;
   void FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
                 PoseFit* fit, TrackedFrame* frame);
+  void TurnBentBackwards(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
+                         PoseFit* fit, TrackedFrame* frame);
 
   BodyShape shape_;
   LocalSurface surface_;

@@ -266,6 +266,34 @@ TEST(SearchLimb, FindsAnArmThatWasLost) {
       0.03);
 }
 
+TEST(TurnedAround, JointsStayWhereTheyWereAndTheHingeBendsTheOtherWay) {
+  const BodyShape shape = AverageShape();
+  BodyPose pose = Standing();
+  pose.q[Joints()[kElbowL].first_dof] = -0.7;
+  pose.q[Joints()[kKneeR].first_dof] = -0.4;
+  EXPECT_DOUBLE_EQ(BentBackwards(pose, Limb::kLeftArm), 0.7);
+  EXPECT_DOUBLE_EQ(BentBackwards(pose, Limb::kRightArm), 0);
+  for (const Limb limb : {Limb::kLeftArm, Limb::kRightLeg}) {
+    const BodyPose around = TurnedAround(pose, limb);
+    EXPECT_EQ(BentBackwards(around, limb), 0);
+    EXPECT_LT(WorstJoint(around, pose, shape), 1e-12);
+  }
+}
+
+TEST(Tracker, AnElbowThatWasFollowedTheWrongWayIsTurnedAround) {
+  const BodyShape shape = AverageShape();
+  const std::vector<View> views = Ring(6);
+  BodyPose truth = Standing();
+  truth.q[Joints()[kElbowL].first_dof] = 0.9;
+  const std::vector<Silhouette> silhouettes = Filmed(views, shape, truth);
+  const BodyPose wrong = TurnedAround(truth, Limb::kLeftArm);
+  ASSERT_NEAR(BentBackwards(wrong, Limb::kLeftArm), 0.9, 1e-12);
+  Tracker tracker(shape, wrong);
+  const TrackedFrame frame = tracker.Next(silhouettes);
+  EXPECT_EQ(frame.found, std::vector<Limb>{Limb::kLeftArm});
+  EXPECT_NEAR(frame.pose.q[Joints()[kElbowL].first_dof], 0.9, 0.15);  // pixels are 8 mm
+}
+
 TEST(FitActor, FindsLengthsAndGirthsOfAnotherBody) {
   BodyShape truth = Scaled(AverageShape(), 1.06);
   truth.lengths[kThigh] *= 1.05, truth.lengths[kThigh + kRight] *= 1.05;
