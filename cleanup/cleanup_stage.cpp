@@ -74,8 +74,9 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
 std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
                              const keypose::Mesh& surface, const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
-  const keypose::cleanup::Standing standing =
-      keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks);
+  const keypose::cleanup::Standing standing = keypose::cleanup::StandsOnGround(
+      surface, sight.views, sight.masks,
+      keypose::ReadImageSet(stage.Input("images")).board.has_value());
   stage.Report("stands_on_ground", standing.stands);
   stage.Report("outlines_end_at", standing.contact);
   if (standing.stands) return 0.0;
@@ -167,7 +168,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "7",
+    .version = "8",
     .summary =
         "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
         "wanted size.",

@@ -87,6 +87,20 @@ TEST(StandsOnGround, FigureOnItsFeetDoesAndWhatIsSeenBelowOrFarAwayDoesNot) {
   EXPECT_FALSE(StandsOnGround(WithCap(), {}, {}).stands);
 }
 
+TEST(StandsOnGround, NothingIsBelowABoard) {
+  // Masks that are too large at the soles: the outlines end below z = 0 by 2 % of the height.
+  Mesh mesh = WithCap(), seen = TruePawn();
+  const double tall = seen.points.col(2).maxCoeff();
+  mesh.points.col(2).array() -= 0.02 * tall, seen.points.col(2).array() -= 0.02 * tall;
+  const MaskShot low = Photograph(seen, {12, 40});
+  EXPECT_FALSE(StandsOnGround(mesh, low.views, low.masks).stands);
+  EXPECT_TRUE(StandsOnGround(mesh, low.views, low.masks, true).stands);
+  // A board does not make it stand that is held above it.
+  mesh.points.col(2).array() += 0.04 * tall, seen.points.col(2).array() += 0.04 * tall;
+  const MaskShot high = Photograph(seen, {12, 40});
+  EXPECT_FALSE(StandsOnGround(mesh, high.views, high.masks, true).stands);
+}
+
 TEST(MakeClosedManifold, SolesAreFlatAtTheGroundAndNothingLiesBelow) {
   CleanupOptions options;
   options.faces = 4000;

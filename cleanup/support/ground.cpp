@@ -25,6 +25,9 @@ struct StandingTuning {
   KEYPOSE_TUNED(double, kDeepestBelow, 1.0 / 6);
   // of the figure's height: surface that is visible below this depth is not a rounded edge
   KEYPOSE_TUNED(double, kBelow, 0.0075);
+  // of the figure's height, below a board: nothing can be there, so it is an error of the masks.
+  // The largest on the rendered boards of 800 px is 0.016
+  KEYPOSE_TUNED(double, kBelowBoard, 0.03);
   KEYPOSE_TUNED(double, kFromBelow, 0.09);  // slope from which on a camera looks up: 5 degrees
   KEYPOSE_TUNED(int, kSeen_px, 12);         // px of a photograph: fewer below the ground are noise
 };
@@ -71,7 +74,7 @@ int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::ve
 }  // namespace
 
 Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
-                        const std::vector<Image8>& masks) {
+                        const std::vector<Image8>& masks, bool on_board) {
   using Tuning = StandingTuning;
   Standing standing;
   const Vector3d low = surface.points.colwise().minCoeff().transpose(),
@@ -85,12 +88,14 @@ Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
       high);
   if (!contact) return {false, 0, "the photographs do not show where it stands"};
   standing.contact = contact->height;
-  if (std::abs(contact->height) > Tuning::kNear * tall)
+  const double below = on_board ? Tuning::kBelowBoard : Tuning::kBelow;
+  if (contact->height > Tuning::kNear * tall ||
+      -contact->height > (on_board ? Tuning::kBelowBoard : Tuning::kNear) * tall)
     standing.why = "its outlines do not end at z = 0";
   else if (-low.z() > Tuning::kDeepestBelow * tall)
     standing.why = "the surface reaches far below z = 0";
-  else if (low.z() < -Tuning::kBelow * tall &&
-           SeenBelow(surface, views, masks, -Tuning::kBelow * tall) > Tuning::kSeen_px)
+  else if (low.z() < -below * tall &&
+           SeenBelow(surface, views, masks, -below * tall) > Tuning::kSeen_px)
     standing.why = "photographs show a part of it below z = 0";
   standing.stands = standing.why.empty();
   return standing;

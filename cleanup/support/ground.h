@@ -26,7 +26,9 @@ struct Standing {
 /// @param surface  in the cameras' frame, z up
 /// @param masks  one for each view: 1 channel, above 127 where the figure is, of any size with the
 /// view's aspect ratio; empty: the view is ignored
+/// @param on_board  z = 0 is the printed calibration board, below which nothing can be: outlines
+/// that end up to 3 % of the height below it are too large there, as in a dark contact shadow
 Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
-                        const std::vector<Image8>& masks);
+                        const std::vector<Image8>& masks, bool on_board = false);
 
 }  // namespace keypose::cleanup
