@@ -225,7 +225,7 @@ class Seed:
                    center=distance(center(rotation, translation), center(*view[:2])) / away,
                    contour_px=measured['contour_px'], iou=measured['iou_least'], method=measured['frames'][0]['method'],
                    inliers=measured['frames'][0]['inliers'], correlation=measured['frames'][0]['correlation'], rival=measured['frames'][0]['rival_ratio'],
-                   focal=measured['focal'], focal_error=shot['camera']['fx'] / view[2][3][0] - 1, focal_seen=measured['focal_seen'], k1=shot['camera']['k1'])
+                   focal=measured['focal'], focal_error=shot['camera']['fx'] / view[2][3][0] - 1, focal_seen=measured['focal_seen'], center_seen_px=measured.get('center_seen_px'), k1=shot['camera']['k1'])
         return row
 
 

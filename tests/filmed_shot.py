@@ -25,6 +25,8 @@ def arguments():
     parser.add_argument("--few", type=int, default=8, help="photographs of each other pose")
     parser.add_argument("--seed", type=int, default=1, help="character")
     parser.add_argument("--plate", action="store_true", help="give the clean plate instead of making it from the film")
+    parser.add_argument("--no-follow", action="store_true",
+                        help="leave the animation as it is, also where it passes beside what was filmed")
     parser.add_argument("--keep", action="store_true", help="keep and use existing film, photographs and results")
     return parser.parse_args()
 
@@ -58,7 +60,8 @@ class Shot:
         if not os.path.exists(self.project):
             self.run("keypose", "init", self.project, *poses, "--film", os.path.join(self.world, "film"),
                      "--shows", SHOWS, "--film-fps", "12", *plate)
-        self.run("keypose", "run", "-C", self.project)
+        follow = [] if self.args.no_follow else ["--set", "composite.follow=true"]
+        self.run("keypose", "run", "-C", self.project, *follow)
 
     def score(self):
         pictures = os.path.join(self.project, "out/shot/pictures")

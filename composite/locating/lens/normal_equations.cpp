@@ -59,6 +59,7 @@ void NormalEquations::Add(const Eigen::Vector3d& x_in_mesh, const Eigen::Vector2
   j.segment<3>(3) = radius_ * pull.transpose();
   j[kLogFocal] = direction.dot(d.by_log_focal);
   j[kK1] = direction.dot(d.by_k1);
+  j.segment<2>(kCenterX) = direction;
   h_.noalias() += weight * j * j.transpose();
   g_ += weight * distance_px * j;
   cost_ += weight * distance_px * distance_px;
@@ -126,7 +127,7 @@ double NormalEquations::TurnEigenvalueRatio(Eigen::Vector3d* axis) const {
 }
 
 std::array<bool, kUnknowns> FreeUnknowns(bool focal, bool k1) {
-  return {true, true, true, true, true, true, focal, k1};
+  return {true, true, true, true, true, true, focal, k1, false, false};
 }
 
 }  // namespace keypose::composite

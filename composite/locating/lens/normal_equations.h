@@ -30,8 +30,9 @@ struct PixelDerivatives {
 PixelDerivatives DerivativesAt(const Camera& camera, const Eigen::Vector3d& x_in_camera);
 
 /// Unknowns: a turn about the mesh's centre [rad, in the camera's frame], its shift in units of the
-/// mesh's radius, log of the focal length, k1.
-constexpr int kUnknowns = 8, kLogFocal = 6, kK1 = 7;
+/// mesh's radius, log of the focal length, k1, the lens's centre [px]. The centre is never solved:
+/// it is there so that Deviation can say how well pictures would show it.
+constexpr int kUnknowns = 10, kLogFocal = 6, kK1 = 7, kCenterX = 8, kCenterY = 9;
 using Step = Eigen::Matrix<double, kUnknowns, 1>;
 using StepMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -77,7 +78,7 @@ class NormalEquations {
   double cost_ = 0;
 };
 
-/// All unknowns, or only the place.
+/// The place, and what is said of the lens.
 std::array<bool, kUnknowns> FreeUnknowns(bool focal, bool k1);
 
 }  // namespace keypose::composite

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/size_of.h"
 
@@ -52,12 +53,12 @@ LensPart Eliminated(const NormalEquations& equations) {
   p.diagonal() *= 1 + kDamping;
   p.diagonal().array() += 1e-12 * p.trace();
   const auto solver = p.ldlt();
-  const Eigen::Matrix<double, 6, 2> cross = m.topRightCorner<6, 2>();
+  const Eigen::Matrix<double, 6, 2> cross = m.block<6, 2>(0, kLogFocal);
   LensPart part;
   part.place_by_lens = solver.solve(cross);
   part.place = solver.solve(g.head<6>());
-  part.h = m.bottomRightCorner<2, 2>() - cross.transpose() * part.place_by_lens;
-  part.g = g.tail<2>() - cross.transpose() * part.place;
+  part.h = m.block<2, 2>(kLogFocal, kLogFocal) - cross.transpose() * part.place_by_lens;
+  part.g = g.segment<2>(kLogFocal) - cross.transpose() * part.place;
   return part;
 }
 
@@ -132,7 +133,9 @@ void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, cons
     std::vector<Step> moves(frames.size());
     double factor = std::min(1.0, kLongestLensStep / std::max(lens_step.norm(), 1e-300));
     for (int i = 0; i < SizeOf(frames); ++i) {
-      moves[i] << parts[i].place - parts[i].place_by_lens * lens_step, lens_step;
+      moves[i].setZero();
+      moves[i].head<6>() = parts[i].place - parts[i].place_by_lens * lens_step;
+      moves[i].segment<2>(kLogFocal) = lens_step;
       factor = std::min(factor, kLongestTurn / std::max(moves[i].head<6>().norm(), 1e-300));
     }
     // One factor for all, or the frames would end with different lenses.
@@ -160,6 +163,36 @@ Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& 
     if (move.norm() < 1e-8) break;
   }
   return result;
+}
+
+double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                       const LensPrior& lens) {
+  // The lens's four unknowns, with each frame's place solved for them.
+  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+  for (const SharedFrame& frame : frames) {
+    NormalEquations equations =
+        EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(frame.evidence->scale),
+                    TermsOf(step, step.rounds - 1));
+    if (&frame == &frames.front()) AddLensPrior(equations, lens, frame.evidence->scale);
+    const StepMatrix& m = equations.matrix();
+    const Eigen::Matrix<double, 6, 4> cross = m.block<6, 4>(0, kLogFocal);
+    const Eigen::Matrix<double, 6, 6> place = m.topLeftCorner<6, 6>();
+    sum += m.block<4, 4>(kLogFocal, kLogFocal) -
+           cross.transpose() * place.completeOrthogonalDecomposition().solve(cross);
+  }
+  std::vector<int> free{2, 3};
+  if (lens.focal_free) free.push_back(0);
+  if (lens.k1_free) free.push_back(1);
+  Eigen::MatrixXd known = sum(free, free);
+  // Columns are scaled to one: a focal length's logarithm moves pixels a thousand times as much.
+  const Eigen::VectorXd scale = known.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  known = (scale.asDiagonal() * known * scale.asDiagonal()).eval();
+  const Eigen::MatrixXd covariance =
+      known.ldlt().solve(Eigen::MatrixXd::Identity(known.rows(), known.cols()));
+  const double x = scale[0] * scale[0] * covariance(0, 0),
+               y = scale[1] * scale[1] * covariance(1, 1);
+  if (!(x > 0 && y > 0)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(x, y)) / frames.front().evidence->scale;
 }
 
 FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px) {

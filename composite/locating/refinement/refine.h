@@ -32,6 +32,12 @@ void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, cons
 Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
                        const RefineStep& step, const LensPrior& lens);
 
+/// How well the pictures would show the lens's centre if it were solved: its standard deviation [px
+/// of the whole picture] in the worse direction, by the equations' weights (the bound of Cramer and
+/// Rao for the noise that they stand for). Infinite when they do not show it at all.
+double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                       const LensPrior& lens);
+
 /// How well the focal length is known from the pictures alone.
 struct FocalProfile {
   double best_px = 0;

@@ -314,6 +314,8 @@ class Locator {
       shot.focal_deviation = prior * own / std::hypot(prior, own);
     else if (focal_ != "given")
       shot.focal_deviation = own;
+    shot.center_deviation_px = CenterDeviation(LensFrames(SizeOf(scales_) - 1),
+                                               {kFine, kFine, 1, texture_.get(), true}, Prior());
     shot.one_place = one_place_;
     return shot;
   }

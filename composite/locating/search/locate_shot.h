@@ -41,10 +41,11 @@ struct LocatedFrame {
 struct LocatedShot {
   std::vector<LocatedFrame> frames;
   Camera camera;
-  std::string focal;             ///< "exif", "solved", "given" or "kept"
-  double focal_deviation = 0;    ///< relative
-  double profile_deviation = 1;  ///< of the pictures alone
-  bool one_place = false;        ///< one place serves all frames, since the meshes move as filmed
+  std::string focal;               ///< "exif", "solved", "given" or "kept"
+  double focal_deviation = 0;      ///< relative
+  double profile_deviation = 1;    ///< of the pictures alone
+  double center_deviation_px = 0;  ///< of the lens's centre if it were solved; 0: not measured
+  bool one_place = false;          ///< one place serves all frames, since the meshes move as filmed
 };
 
 /// @throws InputError  a frame without character; a body that can be turned unseen; see FindPlace
