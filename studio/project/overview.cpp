@@ -52,6 +52,7 @@ json NameAndFolder(const fs::path& folder) {
           {"problem", ""},
           {"has_frames", false},
           {"has_report", false},
+          {"has_shot", false},
           {"empty", false}};
 }
 
@@ -131,6 +132,7 @@ json ProjectJson(Snapshot& snapshot) {
   project["fps"] = snapshot.file().fps;
   project["revision"] = RevisionOf(snapshot.project() / "pipeline.yaml");
   project["has_frames"] = snapshot.ResultPath("interpolate", "", "frames").has_value();
+  project["has_shot"] = snapshot.file().shot.has_value();
   project["has_report"] = fs::exists(snapshot.project() / "out/report/index.html");
   for (const std::string& pose : snapshot.graph().poses)
     project["poses"].push_back(PoseJson(snapshot, pose));

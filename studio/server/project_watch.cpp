@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <set>
 
 #include "core/sha256.h"
 #include "pipeline/real_disk.h"
@@ -38,6 +39,33 @@ void AddBelow(const fs::path& folder, int depth, Sha256& all) {
   }
 }
 
+/// Whether the project keeps its own results, or what is looked at closer, in a folder of this
+/// name.
+bool IsKnownFolder(const std::string& name) {
+  static const std::set<std::string> kKnown = {"out", "photos", "masks", "landmarks"};
+  return name.starts_with(".") || kKnown.contains(name);
+}
+
+/// The stamps of folders alone, which tell of new and deleted files: a film may have thousands.
+void AddFolders(const fs::path& folder, int depth, Sha256& all) {
+  std::error_code error;
+  all.Add(StampOf(folder));
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (depth > 0 && entry.is_directory(error) && !entry.is_symlink(error))
+      AddFolders(entry.path(), depth - 1, all);
+}
+
+/// Films, and JSON files such as clicks, wherever the project has them.
+void AddOthers(const fs::path& project, Sha256& all) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(project, error)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory(error) && !entry.is_symlink(error) && !IsKnownFolder(name))
+      AddFolders(entry.path(), kDepth - 1, all);
+    if (entry.path().extension() == ".json") all.Add(name + StampOf(entry.path()));
+  }
+}
+
 }  // namespace
 
 ProjectWatch::ProjectWatch(fs::path project, std::function<void()> changed)
@@ -66,6 +94,7 @@ std::string ProjectWatch::Look() const {
     all.Add(StampOf(project_ / file));
   for (const char* folder : {"photos", "masks", "landmarks", ".keypose/steps"})
     AddBelow(project_ / folder, kDepth, all);
+  AddOthers(project_, all);
   return all.Hex();
 }
 

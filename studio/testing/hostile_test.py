@@ -120,6 +120,8 @@ CHANGES = [
     ('PUT', '/api/regions'),
     ('POST', '/api/shoot/start'),
     ('POST', '/api/shoot/command'),
+    ('PUT', '/api/shot'),
+    ('PUT', '/api/shot/clicks'),
     ('POST', '/api/armature/start'),
     ('POST', '/api/armature/command'),
     ('POST', '/api/armature/bake'),
@@ -149,6 +151,9 @@ def path_tricks(studio, pick):
         ('GET', f'/api/log?step={path}'),
         ('GET', f'/api/shoot/picture?path={path}'),
         ('GET', f'/api/shoot/picture?path=photos/rest/{path}'),
+        ('GET', f'/api/shot/frame?frame={path}'),
+        ('GET', f'/api/shot/picture?what={path}'),
+        ('GET', f'/api/shot/picture?what=result&number={path}'),
         ('GET', f'/api/armature/plate?index={path}'),
         ('GET', f'/api/armature/mesh?what={path}'),
         ('GET', f'/api/armature/frames?from={path}'),
@@ -172,6 +177,12 @@ def puppet(**changed):
     } | changed
 
 
+def shot(**changed):
+    """What the page Shot would write, with other values for some fields."""
+    shows = [{'frame': 0, 'pose': 'rest'}, {'frame': 4, 'pose': 'rest'}]
+    return {'film': 'films', 'fps': 12, 'shows': shows, 'revision': '', 'clicks': [], **changed}
+
+
 def writing_outside(studio, pick):
     path = pick.choice(OUTSIDE)
     ways = [
@@ -180,6 +191,8 @@ def writing_outside(studio, pick):
         ('PUT', f'/api/mask?pose=rest&name={path}', b'\x89PNG'),
         ('PUT', f'/api/landmarks?pose={path}', b'{"picks": [], "revision": ""}'),
         ('POST', '/api/reveal', json.dumps({'path': path}).encode()),
+        ('PUT', '/api/shot', json.dumps(shot(film=path)).encode()),
+        ('PUT', '/api/shot/clicks', json.dumps(shot(clicks=[{'frame': path}])).encode()),
         ('POST', '/api/run', json.dumps({'until': ['--set', path]}).encode()),
         ('POST', '/api/armature/start', json.dumps(puppet(description=path)).encode()),
         ('POST', '/api/armature/start', json.dumps(puppet(take=path)).encode()),

@@ -1,0 +1,236 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "studio/project/snapshot.h"
+#include "studio/server/routes.h"
+
+namespace keypose::studio {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr char kProject[] =
+    "# by hand\nname: dance\nposes: {rest: photos/rest, wave: photos/wave}\ntemplate: rest\n";
+constexpr char kShot[] =
+    "shot:\n  film: films/take1  # on twos\n  fps: 12\n  shows: {0: rest, 4: wave}\n";
+
+class ShotRoutes : public testing::Test {
+ protected:
+  ShotRoutes() : place_(fs::temp_directory_path() / ("keypose_shot_" + std::to_string(getpid()))) {
+    fs::remove_all(place_);
+    for (const char* folder : {"photos/rest", "photos/wave", "films/take1"})
+      fs::create_directories(folder_ / folder);
+    for (const char* name : {"a_0000.png", "a_0002.png", "a_0004.png"})
+      WriteImage(folder_ / "films/take1" / name, Image8(64, 36, 3, 90));
+    fs::create_directories(place_ / "outside");
+    WriteImage(place_ / "outside/0000.png", Image8(8, 8, 3, 200));
+    WriteImage(place_ / "outside/0001.png", Image8(8, 8, 3, 200));
+  }
+  ~ShotRoutes() override {
+    routes_.reset();
+    fs::remove_all(place_);
+  }
+
+  /// Asked anew: the watch would see the change only a moment later.
+  void Project(const std::string& shot) {
+    routes_.reset();
+    WriteFile(folder_ / "pipeline.yaml", kProject + shot);
+  }
+  Answer Ask(const Question& question) {
+    if (!routes_) routes_ = std::make_unique<Routes>(folder_);
+    return routes_->Handle(question);
+  }
+  std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
+  std::string Revision() const { return RevisionOf(folder_ / "pipeline.yaml"); }
+  Answer Get(const std::string& path, const std::map<std::string, std::string>& query = {}) {
+    return Ask({"GET", path, query, ""});
+  }
+  Answer Put(const std::string& path, const json& body) {
+    return Ask({"PUT", path, {}, body.dump()});
+  }
+  json Shot() { return json::parse(Get("/api/shot").bytes); }
+  json NewShot(const std::string& film) const {
+    return {{"film", film},
+            {"fps", 12},
+            {"shows", {{{"frame", 0}, {"pose", "rest"}}, {{"frame", 4}, {"pose", "wave"}}}},
+            {"revision", Revision()}};
+  }
+  static json Click(double x) {
+    return {{"name", "1"},
+            {"frame", 4},
+            {"pixel", {x, 7.5}},
+            {"face", 3},
+            {"barycentric", {0.2, 0.3, 0.5}}};
+  }
+  json Clicks(const json& clicks) const {
+    return {{"clicks", clicks}, {"revision", RevisionOf(folder_ / "clicks.json")}};
+  }
+
+  const fs::path place_, folder_ = place_ / "dance";
+  std::unique_ptr<Routes> routes_;
+};
+
+TEST_F(ShotRoutes, WithoutAShotFoldersOfNumberedPicturesAreOffered) {
+  Project("");
+  fs::create_directory_symlink(place_ / "outside", folder_ / "films/link");
+  const json shot = Shot();
+  EXPECT_TRUE(shot.at("shot").is_null());
+  EXPECT_EQ(shot.at("folders"), json::parse(R"([{"path": "films/take1", "pictures": 3}])"));
+}
+
+TEST_F(ShotRoutes, ANewShotIsAddedBelowWhatIsThere) {
+  Project("");
+  const Answer answer = Put("/api/shot", NewShot("films/take1"));
+  ASSERT_EQ(answer.status, 200) << answer.bytes;
+  EXPECT_EQ(Text(), std::string(kProject) +
+                        "shot:\n  film: films/take1\n  fps: 12\n  shows: {0: rest, 4: wave}\n");
+  const json shot = json::parse(answer.bytes).at("shot");
+  EXPECT_EQ(shot.at("width"), 64);
+  EXPECT_EQ(shot.at("frames").at(1), json::parse(R"({"frame": 2, "name": "a_0002.png"})"));
+}
+
+TEST_F(ShotRoutes, AChangeKeepsCommentsAndOrder) {
+  Project(kShot);
+  json change = NewShot("films/take1");
+  change["shows"].push_back({{"frame", 2}, {"pose", "wave"}});
+  ASSERT_EQ(Put("/api/shot", change).status, 200);
+  EXPECT_EQ(Text(), std::string(kProject) +
+                        "shot:\n  film: films/take1  # on twos\n  fps: 12\n"
+                        "  shows: {0: rest, 2: wave, 4: wave}\n");
+}
+
+TEST_F(ShotRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
+  Project(kShot);
+  json change = NewShot("films/take1");
+  Project(std::string(kShot) + "# more\n");
+  EXPECT_EQ(Put("/api/shot", change).status, 409);
+  EXPECT_THAT(Text(), HasSubstr("# more"));
+}
+
+TEST_F(ShotRoutes, AFilmOutsideOfTheProjectIsRefused) {
+  Project("");
+  fs::create_directory_symlink(place_ / "outside", folder_ / "films/link");
+  for (const std::string& film :
+       {(place_ / "outside").string(), std::string("../outside"), std::string("films/link"),
+        std::string("films"), std::string("none"), std::string("films/take1/../../../outside")}) {
+    const Answer answer = Put("/api/shot", NewShot(film));
+    EXPECT_EQ(answer.status, 400) << film;
+  }
+  EXPECT_EQ(Text(), kProject);
+}
+
+TEST_F(ShotRoutes, NonsenseIsRefusedAndNothingIsWritten) {
+  Project(kShot);
+  const std::string before = Text();
+  std::vector<json> changes;
+  for (const json& shows :
+       {json::parse(R"([])"), json::parse(R"([{"frame": 0, "pose": "rest"}])"),
+        json::parse(R"([{"frame": 0, "pose": "x"}, {"frame": 1, "pose": "rest"}])"),
+        json::parse(R"([{"frame": -1, "pose": "rest"}, {"frame": 1, "pose": "rest"}])"),
+        json::parse(R"([{"frame": 0, "pose": "rest"}, {"frame": 0, "pose": "wave"}])")}) {
+    changes.push_back(NewShot("films/take1"));
+    changes.back()["shows"] = shows;
+  }
+  for (const json& fps : {json(0), json(-3), json("12"), json(7)}) {
+    changes.push_back(NewShot("films/take1"));
+    changes.back()["fps"] = fps;
+  }
+  for (const json& change : changes) EXPECT_EQ(Put("/api/shot", change).status, 400) << change;
+  EXPECT_EQ(Text(), before);
+}
+
+TEST_F(ShotRoutes, TheFirstClickMakesTheFileAndTheLastTakesItAway) {
+  Project(kShot);
+  Answer answer = Put("/api/shot/clicks", Clicks(json::array({Click(12)})));
+  ASSERT_EQ(answer.status, 200) << answer.bytes;
+  EXPECT_THAT(Text(), HasSubstr("clicks: clicks.json"));
+  EXPECT_THAT(Text(), HasSubstr("# on twos"));
+  EXPECT_EQ(json::parse(ReadFile(folder_ / "clicks.json")).at("clicks"), json::array({Click(12)}));
+  EXPECT_EQ(json::parse(answer.bytes).at("clicks").at("clicks"), json::array({Click(12)}));
+  ASSERT_EQ(Put("/api/shot/clicks", Clicks(json::array())).status, 200);
+  EXPECT_FALSE(fs::exists(folder_ / "clicks.json"));
+  EXPECT_EQ(Text(), std::string(kProject) + kShot);
+}
+
+TEST_F(ShotRoutes, ClicksOfAnEditorAreReadAndNotWrittenOver) {
+  Project(std::string(kShot) + "  clicks: notes/mine.json\n");
+  fs::create_directories(folder_ / "notes");
+  WriteFile(folder_ / "notes/mine.json",
+            R"({"clicks": [{"pixel": [3, 4], "vertex": 9, "remark": "nose"}]})");
+  const json clicks = Shot().at("clicks");
+  EXPECT_EQ(clicks.at("clicks"), json::parse(R"([{"frame": 0, "pixel": [3, 4], "vertex": 9}])"));
+  EXPECT_EQ(Put("/api/shot/clicks", {{"clicks", json::array({Click(1)})}, {"revision", ""}}).status,
+            409);
+  EXPECT_THAT(ReadFile(folder_ / "notes/mine.json"), HasSubstr("nose"));
+  ASSERT_EQ(Put("/api/shot/clicks",
+                {{"clicks", json::array({Click(1)})}, {"revision", clicks.at("revision")}})
+                .status,
+            200);
+  EXPECT_THAT(ReadFile(folder_ / "notes/mine.json"), HasSubstr("barycentric"));
+  EXPECT_FALSE(fs::exists(folder_ / "clicks.json"));
+}
+
+TEST_F(ShotRoutes, ClicksOutsideOfTheProjectAreNeitherReadNorWritten) {
+  WriteFile(place_ / "outside/clicks.json", R"({"clicks": []})");
+  for (const char* file : {"../outside/clicks.json", "link/clicks.json"}) {
+    Project(std::string(kShot) + "  clicks: " + file + "\n");
+    std::error_code ignored;
+    fs::create_directory_symlink(place_ / "outside", folder_ / "link", ignored);
+    EXPECT_THAT(Shot().at("clicks").at("problem").get<std::string>(), HasSubstr("outside"));
+    const json body = {{"clicks", json::array({Click(1)})},
+                       {"revision", RevisionOf(place_ / "outside/clicks.json")}};
+    EXPECT_EQ(Put("/api/shot/clicks", body).status, 400);
+  }
+  EXPECT_EQ(ReadFile(place_ / "outside/clicks.json"), R"({"clicks": []})");
+}
+
+TEST_F(ShotRoutes, AWrongClickIsRefused) {
+  Project(kShot);
+  std::vector<json> wrong(6, Click(3));
+  wrong[0].erase("pixel");
+  wrong[1]["pixel"] = {1, 2, 3};
+  wrong[2]["face"] = -1;
+  wrong[3]["barycentric"] = {1, 0};
+  wrong[4]["frame"] = 0.5;
+  wrong[5] = "click";
+  for (const json& click : wrong)
+    EXPECT_EQ(Put("/api/shot/clicks", Clicks(json::array({click}))).status, 400) << click;
+  EXPECT_FALSE(fs::exists(folder_ / "clicks.json"));
+  EXPECT_THAT(Text(), Not(HasSubstr("clicks")));
+}
+
+TEST_F(ShotRoutes, FramesAreGivenByTheirNumbersOnly) {
+  Project(kShot);
+  fs::create_symlink(place_ / "outside/0000.png", folder_ / "films/take1/a_0006.png");
+  const Answer answer = Get("/api/shot/frame", {{"frame", "2"}});
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.file.filename(), "a_0002.png");
+  EXPECT_EQ(Get("/api/shot/frame", {{"frame", "3"}}).status, 404);
+  // A link that leads out of the film.
+  EXPECT_EQ(Get("/api/shot/frame", {{"frame", "6"}}).status, 404);
+  for (const char* frame : {"../../pipeline.yaml", "-1", "1e3", "", "0x2", "99999999999999999999"})
+    EXPECT_EQ(Get("/api/shot/frame", {{"frame", frame}}).status, 400) << frame;
+  for (const char* what : {"located", "plate", "result", "compare", "../../pipeline.yaml", ""})
+    EXPECT_EQ(Get("/api/shot/picture", {{"what", what}}).status, 404) << what;
+}
+
+TEST_F(ShotRoutes, AFilmThatIsGoneIsSaidInWords) {
+  Project(kShot);
+  const json there = Shot();
+  EXPECT_EQ(there.at("shot").at("problem"), "");
+  EXPECT_TRUE(there.at("located").is_null());
+  EXPECT_TRUE(there.at("finished").is_null());
+  for (const char* name : {"a_0000.png", "a_0002.png", "a_0004.png"})
+    fs::rename(folder_ / "films/take1" / name, folder_ / "films" / (std::string(name) + ".txt"));
+  WriteFile(folder_ / "films/take1/readme.txt", "gone");
+  EXPECT_NE(Shot().at("shot").at("problem"), "");
+}
+
+}  // namespace
+}  // namespace keypose::studio

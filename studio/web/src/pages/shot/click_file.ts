@@ -1,0 +1,126 @@
+// The clicks of a shot: what may be done to them, undo, and saving at once. Knows nothing of the
+// page.
+import type { Click } from './shot_api'
+
+interface Entry {
+  clicks: readonly Click[]
+  what: string
+}
+
+export interface ClickStore {
+  /** Writes them; the file's new revision. */
+  save(clicks: readonly Click[], revision: string): Promise<string>
+  /** The file as it is now. */
+  read(): Promise<{ clicks: readonly Click[]; revision: string }>
+}
+
+export class ClickFile {
+  clicks: readonly Click[] = []
+  saving = false
+  /** why the last change is not in the file, or '' */
+  failed = ''
+  private past: Entry[] = []
+  private future: Entry[] = []
+  private revision = ''
+  private dirty = false
+
+  constructor(
+    private readonly store: ClickStore,
+    private readonly changed: () => void,
+    private readonly tell: (words: string) => void,
+  ) {}
+
+  get canUndo(): boolean {
+    return this.past.length > 0
+  }
+  get canRedo(): boolean {
+    return this.future.length > 0
+  }
+
+  /** The file as the server has it. Undo ends here if somebody else has written it. */
+  take(clicks: readonly Click[], revision: string): void {
+    if (this.saving || this.dirty || revision === this.revision) return
+    if (this.past.length > 0) this.tell('The clicks were changed elsewhere; undo begins anew.')
+    this.clicks = clicks
+    this.revision = revision
+    this.past = []
+    this.future = []
+    this.changed()
+  }
+
+  change(what: string, clicks: readonly Click[]): void {
+    this.past = [...this.past, { clicks: this.clicks, what }].slice(-200)
+    this.future = []
+    this.put(clicks)
+  }
+
+  /** What was undone, in words; '' if there was nothing. */
+  undo(): string {
+    return this.step(this.past, this.future)
+  }
+  redo(): string {
+    return this.step(this.future, this.past)
+  }
+
+  private step(from: Entry[], to: Entry[]): string {
+    const last = from.pop()
+    if (!last) return ''
+    to.push({ clicks: this.clicks, what: last.what })
+    this.put(last.clicks)
+    return last.what
+  }
+
+  private put(clicks: readonly Click[]): void {
+    this.clicks = clicks
+    this.dirty = true
+    this.changed()
+    void this.save()
+  }
+
+  /** Settles when the file has all changes, or one has failed. */
+  async save(): Promise<void> {
+    if (this.saving) return
+    this.saving = true
+    try {
+      while (this.dirty) {
+        this.dirty = false
+        this.revision = await this.store.save(this.clicks, this.revision)
+      }
+      this.failed = ''
+    } catch (error) {
+      await this.refused(error)
+    } finally {
+      this.saving = false
+      this.changed()
+    }
+  }
+
+  private async refused(error: unknown): Promise<void> {
+    const status = (error as { status?: number }).status
+    this.dirty = status !== 409
+    this.failed = error instanceof Error ? error.message : String(error)
+    if (status !== 409) return
+    const now = await this.store.read()
+    this.clicks = now.clicks
+    this.revision = now.revision
+    this.past = []
+    this.future = []
+    this.tell('The clicks were changed elsewhere; they were read again.')
+    this.failed = ''
+  }
+}
+
+/** The first number that no click has as its name. */
+export function nextName(clicks: readonly Click[]): string {
+  const taken = new Set(clicks.map((click) => click.name))
+  for (let number = 1; ; ++number) if (!taken.has(String(number))) return String(number)
+}
+
+/** Names of clicks that have none, by their place in the file. */
+export const nameOf = (click: Click, index: number): string => click.name || `#${index + 1}`
+
+export const without = (clicks: readonly Click[], index: number): Click[] =>
+  clicks.filter((_, i) => i !== index)
+
+export const replaced = (clicks: readonly Click[], index: number, click: Click): Click[] =>
+  clicks.map((old, i) => (i === index ? click : old))

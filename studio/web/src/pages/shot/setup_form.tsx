@@ -1,0 +1,78 @@
+// A project without a film: which folder it is in, and which frames show which pose.
+import { useState } from 'preact/hooks'
+
+import { useStudio } from '../../state'
+import { count } from '../../words'
+import type { Shot, Show } from './shot_api'
+import type { ShotDesk } from './use_shot'
+
+/** The first poses, evenly over the film: a start that is easily corrected on the strip. */
+export function firstShows(poses: string[], pictures: number): Show[] {
+  const shown = poses.length > 1 ? poses.slice(0, Math.max(2, pictures)) : [poses[0], poses[0]]
+  const last = Math.max(1, pictures - 1)
+  return shown.map((pose, i) => ({ frame: Math.round((i * last) / (shown.length - 1)), pose }))
+}
+
+export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
+  const { project } = useStudio()
+  const poses = project.poses.map((pose) => pose.name)
+  const [chosen, setChosen] = useState('')
+  const [fps, setFps] = useState('12')
+  const folder = shot.folders.find((one) => one.path === chosen) ?? shot.folders[0]
+  const number = Number(fps)
+  const fits = number > 0 && Number.isInteger(Math.round((1e6 * project.fps) / number) / 1e6)
+  return (
+    <main class="empty">
+      <h1>Put the character into a filmed shot</h1>
+      <p>
+        Film the animated figure, photograph some of its poses on the turntable, and Keypose makes
+        the pictures between.
+      </p>
+      {!folder ? (
+        <p>
+          Copy the film’s numbered pictures into a folder of this project, such as{' '}
+          <code>films/take1</code>; this page notices.
+        </p>
+      ) : (
+        <form
+          class="card shot-form"
+          onSubmit={(event) => {
+            event.preventDefault()
+            const shows = firstShows(poses, folder.pictures)
+            desk.save(() => ({ film: folder.path, fps: number, shows }))
+          }}
+        >
+          <label>
+            Folder of the film
+            <select
+              value={folder.path}
+              onChange={(event) => setChosen(event.currentTarget.value)}
+            >
+              {shot.folders.map((one) => (
+                <option key={one.path} value={one.path}>
+                  {one.path} · {count(one.pictures, 'picture')}
+                </option>
+              ))}
+            </select>
+          </label>
+          <label>
+            Filmed pictures a second
+            <input
+              inputMode="decimal"
+              value={fps}
+              onInput={(event) => setFps(event.currentTarget.value)}
+            />
+          </label>
+          <p class="small">
+            {fits
+              ? 'Next you say which frames show which pose.'
+              : `The project has ${project.fps} pictures a second, which must be a multiple.`}
+          </p>
+          <button class="main" disabled={!fits || desk.saving}>
+            Add the film
+          </button>
+        </form>
+      )}
+    </main>
+  )
+}

@@ -1,0 +1,70 @@
+// Loads the shot whenever the project changes, and keeps its clicks.
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
+
+import { useStudio } from '../../state'
+import { ClickFile } from './click_file'
+import { shotApi } from './shot_api'
+import type { Shot, Show } from './shot_api'
+
+/** What to write, from what the file then has. */
+type Change = (now: Shot) => { film: string; fps: number; shows: Show[] }
+
+export interface ShotDesk {
+  /** null: not read yet */
+  shot: Shot | null
+  clicks: ClickFile
+  /** Writes film, fps and shown poses to pipeline.yaml. */
+  save: (change: Change) => void
+  saving: boolean
+}
+
+export function useShot(): ShotDesk {
+  const { version, tell, complain } = useStudio()
+  const [shot, setShot] = useState<Shot | null>(null)
+  const [saving, setSaving] = useState(false)
+  const [, drawAgain] = useState(0)
+  const latest = useRef<Shot | null>(null)
+  const chain = useRef<Promise<unknown>>(Promise.resolve())
+  const clicks = useMemo(() => {
+    const store = {
+      save: async (list: ClickFile['clicks'], revision: string) => {
+        const now = await shotApi.saveClicks(list, revision)
+        latest.current = now
+        setShot(now)
+        return now.clicks?.revision ?? ''
+      },
+      read: async () => (await shotApi.shot()).clicks ?? { clicks: [], revision: '' },
+    }
+    return new ClickFile(store, () => drawAgain((old) => old + 1), tell)
+  }, [tell])
+  const take = (now: Shot) => {
+    latest.current = now
+    setShot(now)
+    if (now.clicks) clicks.take(now.clicks.clicks, now.clicks.revision)
+  }
+  useEffect(() => {
+    let current = true
+    shotApi.shot().then(
+      (now) => current && take(now),
+      (error: unknown) => current && complain(error),
+    )
+    return () => {
+      current = false
+    }
+  }, [version, clicks, complain])
+  // One after the other: each begins with the file that the one before has made.
+  const save = (change: Change) => {
+    setSaving(true)
+    const next = chain.current
+      .then(() => shotApi.save({ ...change(latest.current!), revision: latest.current!.revision }))
+      .then(take)
+      .catch(async (error: unknown) => {
+        complain(error)
+        take(await shotApi.shot())
+      })
+      .catch(complain)
+      .finally(() => chain.current === next && setSaving(false))
+    chain.current = next
+  }
+  return { shot, clicks, save, saving }
+}
