@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -160,6 +161,78 @@ TEST(BoardDetection, PictureWithoutABoardGivesNone) {
   for (std::size_t i = 0; i < image.data.size(); ++i)
     image.data[i] = static_cast<std::uint8_t>((i * 2654435761u) >> 24);
   EXPECT_TRUE(FindBoard(image, {}).empty());
+}
+
+/// In colour: the object is teal, and the board beside it lies in its shadow.
+Image8 InColor(const Image8& grey, const Image8& object) {
+  Image8 rgb(grey.width, grey.height, 3);
+  cv::Mat shadow;
+  cv::GaussianBlur(View(object), shadow, {0, 0}, 8);
+  for (std::size_t p = 0; p < grey.data.size(); ++p) {
+    const double light = 1 - 0.45 * shadow.data[p] / 255.0, own = object.data[p] / 255.0;
+    for (int c = 0; c < 3; ++c) {
+      const double teal[] = {40, 125, 130};
+      rgb.data[3 * p + static_cast<std::size_t>(c)] =
+          static_cast<std::uint8_t>(std::lround((1 - own) * light * grey.data[p] + own * teal[c]));
+    }
+  }
+  return rgb;
+}
+
+struct Judged {
+  double board = 0, object = 0;  ///< shares that are judged rightly
+};
+
+/// The odds for a smaller copy of a photograph, against where the object is.
+Judged JudgeReduced(const Image8& rgb, const Image8& object,
+                    const std::vector<BoardCorner>& corners, double width_px) {
+  const double factor = width_px / rgb.width;
+  const cv::Size size(static_cast<int>(width_px),
+                      static_cast<int>(std::lround(factor * rgb.height)));
+  Image8 small(size.width, size.height, 3), truth(size.width, size.height, 1);
+  cv::Mat small_view(size, CV_8UC3, small.data.data()), truth_view = View(truth);
+  cv::resize(cv::Mat(rgb.height, rgb.width, CV_8UC3, const_cast<std::uint8_t*>(rgb.data.data())),
+             small_view, size, 0, 0, cv::INTER_AREA);
+  cv::resize(View(object), truth_view, size, 0, 0, cv::INTER_AREA);
+  const BoardOdds odds = OddsOfBoard(small, corners, factor, {}, 6);
+  std::array<double, 2> right = {0, 0}, all = {0, 0};
+  for (std::size_t p = 0; p < truth.data.size(); ++p) {
+    const bool hidden = truth.data[p] == 255;
+    if (!odds.on_board.data[p] || (truth.data[p] != 0 && !hidden)) continue;
+    ++all[hidden];
+    right[hidden] += (odds.odds.data[p] > 0) == hidden;
+  }
+  return {right[0] / all[0], right[1] / all[1]};
+}
+
+std::vector<Judged> JudgeBoard(double elevation, const std::vector<double>& widths_px) {
+  const BoardLayout board;
+  const auto in_disc = [](double x, double y) { return std::hypot(x - 0.01, y) < 0.04; };
+  const keypose::View view = ViewFrom(elevation);
+  const Image8 grey = Photograph(board, view, [](double, double) { return false; });
+  Image8 object(grey.width, grey.height, 1, 0);
+  const Rigid3 world_from_camera = view.camera_from_world.Inverse();
+  for (int y = 0; y < grey.height; ++y)
+    for (int x = 0; x < grey.width; ++x) {
+      const Eigen::Vector3d ray = world_from_camera.rotation *
+                                  view.camera.Unproject({x + .5, y + .5}),
+                            eye = world_from_camera.translation,
+                            at = eye - ray * (eye.z() / ray.z());
+      if (ray.z() < 0 && in_disc(at.x(), at.y())) *object.at(x, y) = 255;
+    }
+  const Image8 rgb = InColor(grey, object);
+  const std::vector<BoardCorner> corners = FindBoard(rgb, board);
+  std::vector<Judged> judged;
+  for (const double width : widths_px) judged.push_back(JudgeReduced(rgb, object, corners, width));
+  return judged;
+}
+
+TEST(BoardOdds, KnowThePrintFromWhatStandsOnItAlsoWhereSquaresAreSmall) {
+  for (const double elevation : {15.0, 45.0})
+    for (const Judged& judged : JudgeBoard(elevation, {1000, 512, 400})) {
+      EXPECT_GT(judged.board, 0.99) << elevation << " deg";
+      EXPECT_GT(judged.object, 0.98) << elevation << " deg";
+    }
 }
 
 }  // namespace
