@@ -187,6 +187,8 @@ export class Viewer {
     const loaded = await Promise.all([...urls].map(load))
     for (const texture of this.blends.values()) texture.dispose()
     this.blends = new Map(loaded)
+    // Now, and not with the first picture that shows them: that would come late.
+    for (const texture of this.blends.values()) this.renderer.initTexture(texture)
   }
 
   /** Shows a share of the second texture over the first; one that is not loaded is left out. */

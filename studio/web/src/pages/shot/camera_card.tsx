@@ -21,7 +21,13 @@ function useStepWords(name: string): string {
 }
 
 /** Runs one step and what it needs. */
-export function RunStep(props: { step: (typeof kSteps)[number]; name: string; again: string }) {
+export function RunStep(props: {
+  step: (typeof kSteps)[number]
+  name: string
+  again: string
+  /** a result is shown, which may be an earlier one */
+  there: boolean
+}) {
   const { steps, running, complain, reload } = useStudio()
   const step = steps.steps.find((one) => one.step === props.step)
   const words = useStepWords(props.step)
@@ -41,6 +47,9 @@ export function RunStep(props: { step: (typeof kSteps)[number]; name: string; ag
       >
         {done ? props.again : props.name}
       </button>
+      {props.there && step && !done && !running && (
+        <p class="small warn">This is an earlier result: something has changed since.</p>
+      )}
       {words && <p class={failed ? 'small bad shot-error' : 'small soft'}>{words}</p>}
     </div>
   )
@@ -113,7 +122,12 @@ export function CameraCard(props: {
         <p class="small soft">Not found yet.</p>
       )}
       <Warnings step="locate" />
-      <RunStep step="locate" name="Find the camera" again="Find the camera again" />
+      <RunStep
+        step="locate"
+        name="Find the camera"
+        again="Find the camera again"
+        there={located !== null}
+      />
     </section>
   )
 }

@@ -193,7 +193,12 @@ export function ResultCard({ finished }: { finished: Finished | null }) {
       )}
       <Warnings step="composite" />
       <div class="row">
-        <RunStep step="composite" name="Make the pictures" again="Make them again" />
+        <RunStep
+          step="composite"
+          name="Make the pictures"
+          again="Make them again"
+          there={finished !== null}
+        />
         {finished?.video && (
           <a class="button" href={linkTo(finished.video)} download="shot.mp4">
             MP4
