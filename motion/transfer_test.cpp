@@ -322,6 +322,42 @@ TEST(Transfer, PinnedMarkIsHeldExactly) {
   EXPECT_THROW(Transferred(bar, bar.points, bar.faces, marks, poses, options), InputError);
 }
 
+TEST(Transfer, PinsAndVolumeAreKeptTogether) {
+  const Mesh bar = MakeBar();
+  const std::vector<Mark> marks = MarksAlong(bar, {0.2, 0.8, 1.4, 1.9});
+  TransferOptions options;
+  options.feet = false;
+  options.pins = {{marks[3].name, 0, 2, Eigen::RowVector3d(0.25, 0.1, 1.7)}};
+  const std::vector<PointsX3> poses(3, Twisted(bar.points, 0, 0.4));
+  const auto result = Transferred(bar, bar.points, bar.faces, marks, poses, options);
+  EXPECT_LT((PositionOf(marks[3].on_target, result[1], bar.faces) - *options.pins[0].at).norm(),
+            1e-12);
+  const double rest = SignedVolume(bar.points, bar.faces);
+  EXPECT_NEAR(SignedVolume(result[1], bar.faces) / rest, 1, 1e-5);
+  options.volume = false;
+  const auto without = Transferred(bar, bar.points, bar.faces, marks, poses, options);
+  EXPECT_GT(std::abs(SignedVolume(without[1], bar.faces) / rest - 1), 1e-3);
+}
+
+TEST(Transfer, OneFrameByItselfIsThatOfTheBatch) {
+  const Mesh bar = MakeBar(60);
+  const std::vector<Mark> marks = MarksAlong(bar, {0.2, 0.7, 1.4, 1.9});
+  std::vector<PointsX3> poses;
+  for (int t = 0; t < 6; ++t) poses.push_back(Twisted(bar.points, 0.1 * t, 0.5 * t));
+  for (const auto method :
+       {TransferMethod::kAuto, TransferMethod::kPaper, TransferMethod::kLiteral})
+    for (const double stretch : {0.0, 0.5}) {
+      TransferOptions options;
+      options.method = method;
+      options.stretch = stretch;
+      const auto batch = Transferred(bar, bar.points, bar.faces, marks, poses, options);
+      Transfer transfer(bar, bar.points, bar.faces, marks, options);
+      for (const PointsX3& pose : poses) transfer.Add(pose, "frame");
+      for (const int t : {4, 1})
+        EXPECT_LT(Furthest(transfer.Frame(t), batch[t]), 1e-11 * BoundingDiagonal(bar.points));
+    }
+}
+
 TEST(Transfer, SeparatePartsRideOnTheBody) {
   // A body with a button that has no mark of its own.
   Mesh mesh = MakeBar();

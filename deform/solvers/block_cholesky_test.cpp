@@ -79,13 +79,40 @@ TEST(BlockCholesky, AColumnHasItsBitsWhateverLiesBesideItAndOnAnyThreads) {
   EXPECT_EQ(together, on_three);
 }
 
+TEST(BlockCholesky, SubtreesSideBySideGiveTheSameSolutionAndTheSameBitsOnAnyThreads) {
+  for (const bool dissected : {false, true})
+    for (const int side : {1, 3, 40}) {
+      const int n = side * side;
+      BlockCholesky solver;
+      solver.Analyze(Grid(side, 0.2), dissected);
+      solver.Factor(Grid(side, 0.2));
+      const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, 4);
+      Eigen::MatrixXd expected = b;
+      solver.SolveInPlace(expected);
+      const auto solved = [&](int threads) {
+        Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows(n, 4), x(n, 4);
+        for (int i = 0; i < n; ++i) rows.row(solver.rows()[i]) = b.row(i);
+        SetThreadCount(threads);
+        solver.SolveFour(rows.data());
+        SetThreadCount(0);
+        for (int i = 0; i < n; ++i) x.row(i) = rows.row(solver.rows()[i]);
+        return x;
+      };
+      EXPECT_LT((solved(1) - expected).norm(), 1e-13 * expected.norm()) << side;
+      EXPECT_EQ(solved(1), solved(3));
+    }
+}
+
 TEST(BlockCholesky, WhatCannotBeSolvedThrows) {
   BlockCholesky solver;
   Eigen::MatrixXd b = Eigen::MatrixXd::Ones(81, 1);
   EXPECT_THROW(solver.SolveInPlace(b), SolverError);
+  std::vector<double> four(4 * 81, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW(solver.SolveFour(four.data()), SolverError);
   solver.Analyze(Grid(9, 1));
   EXPECT_THROW(solver.Factor(Grid(9, -1)), SolverError);
   solver.Factor(Grid(9, 1));
+  EXPECT_THROW(solver.SolveFour(four.data()), SolverError);
   b(40, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(solver.SolveInPlace(b), SolverError);
 }
