@@ -2,11 +2,11 @@
 """Poses from few photographs, on real ones.
 
     few_real.py run --set NAME=PHOTOS ... [--bin DIR] [--work DIR] [--views 0] [--max-size 1600]
-                    [--angles 20,40,60] [--json FILE]
+                    [--fit-size 1600] [--angles 20,40,60] [--json FILE]
     few_real.py show FILE.json ...
 
 For each set of photographs: the cameras of --views of them (0: all) by `sfm`; a template from all but six, spread
-evenly, by the stages masks to bake, with --max-size for dense and refine. The template is bent by a known map, of
+evenly, by the stages masks to bake, with --max-size for dense and refine (and --fit-size for fit). The template is bent by a known map, of
 each angle: its upper half about a horizontal axis, evenly over the middle half of its height (Barr's bend). The stage
 `fit` bends it back to the six photographs, which capture masks by themselves; with the template's cameras as the rig
 (`rig`), and with the lens alone (`alone`: the cameras are found by texture). The error is the distance of the vertices
@@ -173,7 +173,7 @@ class Real:
         if not (folder / 'fit.json').exists():
             done = call(self.args.bin / 'keypose-fit', '--template', folder / 'bent.obj', '--texture', w / 'texture.png', '--images', w / 'few_images',
                         '--rig', rig, '--fitted', folder / 'fitted.obj', '--model', folder / 'model', '--picture', folder / 'fitted.png', '--overwrite',
-                        '--report', folder / 'fit.json', check=False)
+                        '--max_size', self.args.fit_size, '--report', folder / 'fit.json', check=False)
             if done.returncode != 0:
                 return {'failed': done.stdout.strip().splitlines()[-1]}
         report = json.loads((folder / 'fit.json').read_text())
@@ -230,6 +230,7 @@ def main():
     run.add_argument('--work', type=pathlib.Path)
     run.add_argument('--views', type=int, default=0)
     run.add_argument('--max-size', type=int, default=1600)
+    run.add_argument('--fit-size', type=int, default=1600)
     run.add_argument('--angles', default='20,40,60')
     run.add_argument('--json')
     commands.add_parser('show').add_argument('files', nargs='+')

@@ -18,6 +18,7 @@
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
+#include "fit/cameras/late_cameras.h"
 #include "fit/outline_picture.h"
 #include "fit/picks/pose_picks.h"
 #include "views/load/prepared_views.h"
@@ -115,24 +116,31 @@ std::vector<std::vector<FeatureMatch>> PicksByView(const PosePicks& picks,
 }
 
 /// The picks in photographs that were placed, and those in space.
-BendMarks MarksOf(StageContext& stage, const PosePicks& picks, const std::vector<BendView>& views,
-                  const Scene& scene) {
+/// @param lost  if given: receives those in other photographs
+BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
+                  std::vector<std::string>* lost) {
   BendMarks marks;
-  std::vector<std::string> lost;
   for (const PhotoPick& pick : picks.pixels) {
     const auto view = std::find_if(views.begin(), views.end(), [&](const BendView& one) {
       return one.view.scene_index == pick.image;
     });
-    if (view == views.end())
-      lost.push_back("'" + pick.name + "' in " + scene.views[pick.image].name);
-    else
+    if (view != views.end())
       marks.pixels.push_back({pick.name, pick.point, static_cast<int>(view - views.begin()),
                               PreparedPixel(view->view, scene, pick.pixel)});
+    else if (lost)
+      lost->push_back("'" + pick.name + "' in " + scene.views[pick.image].name);
   }
+  marks.places = picks.places;
+  return marks;
+}
+
+BendMarks UsedMarks(StageContext& stage, const PosePicks& picks, const std::vector<BendView>& views,
+                    const Scene& scene) {
+  std::vector<std::string> lost;
+  BendMarks marks = MarksOf(picks, views, scene, &lost);
   if (!lost.empty())
     stage.Warn("fit: these picks are not used, because their photographs are left out: " +
                NameList(lost));
-  marks.places = picks.places;
   return marks;
 }
 
@@ -157,18 +165,45 @@ void ReportCameras(StageContext& stage, const std::vector<PreparedView>& views,
   stage.ReportJson("cameras", list.dump());
 }
 
-std::vector<BendView> PlacedViews(StageContext& stage, std::vector<PreparedView> views,
+std::vector<BendView> WithCameras(const std::vector<PreparedView>& views,
                                   const std::vector<FoundCamera>& cameras) {
   std::vector<BendView> placed;
-  std::vector<std::string> missing;
   for (int v = 0; v < SizeOf(views); ++v) {
-    if (!cameras[v].found) {
-      missing.push_back(views[v].name);
-      continue;
-    }
-    views[v].camera_from_world = cameras[v].camera_from_world;
-    placed.push_back({std::move(views[v]), cameras[v].matches});
+    if (!cameras[v].found) continue;
+    placed.push_back({views[v], cameras[v].matches});
+    placed.back().view.camera_from_world = cameras[v].camera_from_world;
   }
+  return placed;
+}
+
+/// Where photographs have no camera: bends the template to nearly the pose by the others, and looks
+/// again.
+void PlaceLate(StageContext& stage, const Mesh& mesh, const Image8& texture,
+               const Eigen::VectorXd& stiffness, const std::vector<PreparedView>& views,
+               const std::vector<View>& rig, const PosePicks& picks, const Scene& scene,
+               std::vector<FoundCamera>& cameras, Progress* progress) {
+  const std::vector<BendView> placed = WithCameras(views, cameras);
+  constexpr int kFewest = 2;
+  if (SizeOf(placed) == SizeOf(views) || SizeOf(placed) < kFewest) return;
+  BendOptions options;
+  options.only_far = true;
+  if (!rig.empty()) options.hold_cameras = kHoldRig;
+  SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
+  const BendMarks marks = MarksOf(picks, placed, scene, nullptr);
+  const BendResult nearly = BendToViews(mesh, texture, stiffness, placed, marks, options, &bending);
+  Mesh bent = mesh;
+  bent.points = nearly.points;
+  for (int v = 0, p = 0; v < SizeOf(views); ++v)
+    if (cameras[v].found) cameras[v].camera_from_world = nearly.cameras[p++];
+  stage.Report("images_placed_late", FindLateCameras(bent, texture, views, rig, cameras, &finding));
+}
+
+std::vector<BendView> PlacedViews(StageContext& stage, const std::vector<PreparedView>& views,
+                                  const std::vector<FoundCamera>& cameras) {
+  std::vector<BendView> placed = WithCameras(views, cameras);
+  std::vector<std::string> missing;
+  for (int v = 0; v < SizeOf(views); ++v)
+    if (!cameras[v].found) missing.push_back(views[v].name);
   if (!missing.empty())
     stage.Warn(
         "fit: these photographs do not show enough of the template's texture to find "
@@ -344,17 +379,20 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   std::vector<PreparedView> views =
       LoadPreparedViews(stage, "fit", unplaced, options.max_size, kLevels, kFewest);
   SubProgress rendering(stage.progress(), 0.05, 0.15), finding(stage.progress(), 0.15, 0.3),
-      bending(stage.progress(), 0.3, 0.97);
+      placing(stage.progress(), 0.3, 0.35), bending(stage.progress(), 0.35, 0.97);
   const SurfaceFeatures features(mesh, texture, {}, &rendering);
   const auto picked = PicksByView(picks, views, unplaced);
   std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, picked, &finding);
   ReportCameras(stage, views, cameras);
   BendOptions bend;
-  if (PlaceByRig(stage, rig, views, cameras, mesh)) bend.hold_cameras = kHoldRig;
-  const std::vector<BendView> placed = PlacedViews(stage, std::move(views), cameras);
+  const bool by_rig = PlaceByRig(stage, rig, views, cameras, mesh);
+  if (by_rig) bend.hold_cameras = kHoldRig;
+  PlaceLate(stage, mesh, texture, stiffness, views, by_rig ? rig.views : std::vector<View>(), picks,
+            unplaced, cameras, &placing);
+  const std::vector<BendView> placed = PlacedViews(stage, views, cameras);
   stage.Report("images_total", SizeOf(set.images));
   stage.Report("images_placed", SizeOf(placed));
-  const BendMarks marks = MarksOf(stage, picks, placed, unplaced);
+  const BendMarks marks = UsedMarks(stage, picks, placed, unplaced);
   const BendResult result = BendToViews(mesh, texture, stiffness, placed, marks, bend, &bending);
   const double overlap = ReportViews(stage, placed, result);
   ReportMarks(stage, marks, result, placed, SceneOf(unplaced, placed, result.cameras),

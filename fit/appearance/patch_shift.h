@@ -18,8 +18,8 @@ struct PatchShift {
 };
 
 struct PatchOptions {
-  int radius = 6;         ///< half the patch's side [px]
-  double reach_px = 4;    ///< largest shift
+  int radius = 6;       ///< half the patch's side [px]
+  double reach_px = 4;  ///< largest shift
   double least_correlation = 0.6;
 };
 
@@ -36,8 +36,8 @@ std::vector<SeenVertex> SeenVertices(const PointsX3& points, const PointsX3& nor
                                      const Rigid3& camera_from_world, double least_facing);
 
 /// The shift of the patch around each seen vertex, by Lucas and Kanade's method with a factor, an
-/// offset and a slope of brightness. Pixels beside the vertex's own surface and outside of the mask have no
-/// weight.
+/// offset and a slope of brightness. Pixels beside the vertex's own surface and outside of the mask
+/// have no weight.
 ///
 /// @param photo  brightness of the photograph, of the render's size
 /// @param mask   of the same size; the lowest bit is set inside

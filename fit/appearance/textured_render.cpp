@@ -62,10 +62,10 @@ float SurfaceTexture::At(int face, double u, double v, int level) const {
 TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
                           const SurfaceTexture& texture, int texture_level, const RayScene& scene,
                           const Pinhole& camera, const Rigid3& camera_from_world) {
-  TexturedRender render{ImageT<int>(camera.width, camera.height, 1, -1),
-                        ImageF(camera.width, camera.height, 1,
-                               std::numeric_limits<float>::infinity()),
-                        ImageF(camera.width, camera.height, 1)};
+  TexturedRender render{
+      ImageT<int>(camera.width, camera.height, 1, -1),
+      ImageF(camera.width, camera.height, 1, std::numeric_limits<float>::infinity()),
+      ImageF(camera.width, camera.height, 1)};
   if (faces.rows() == 0) return render;
   const Eigen::Matrix3d turn = camera_from_world.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d eye = camera_from_world.Inverse().translation;
@@ -80,6 +80,15 @@ TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
       *render.grey.at(x, y) = texture.At(hit.face, hit.u, hit.v, texture_level);
     }
   return render;
+}
+
+double Overlap(const TexturedRender& render, const GreyMask& mask) {
+  std::int64_t both = 0, either = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    const bool hit = render.face.data[i] >= 0, inside = InMask(mask.data[i]);
+    both += hit && inside, either += hit || inside;
+  }
+  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }
 
 }  // namespace keypose::fit

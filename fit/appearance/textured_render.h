@@ -20,7 +20,8 @@ struct TexturedRender {
 /// The texture of a mesh, as brightness at several resolutions.
 class SurfaceTexture {
  public:
-  /// @param mesh  with UVs in [0,1], which must outlive this object; only its faces and UVs are used
+  /// @param mesh  with UVs in [0,1], which must outlive this object; only its faces and UVs are
+  /// used
   SurfaceTexture(const Mesh& mesh, const Image8& texture);
   /// The pyramid level whose texels are nearest to `footprint` in size, for a surface of this area.
   /// @param footprint  size of a pixel on the surface, in the same unit as the area's root
@@ -37,5 +38,8 @@ class SurfaceTexture {
 TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
                           const SurfaceTexture& texture, int texture_level, const RayScene& scene,
                           const Pinhole& camera, const Rigid3& camera_from_world);
+
+/// Intersection over union of the render's silhouette and a mask of its size.
+double Overlap(const TexturedRender& render, const GreyMask& mask);
 
 }  // namespace keypose::fit

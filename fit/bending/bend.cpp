@@ -128,15 +128,6 @@ class Bending {
   int rounds_ = 1, done_ = 0;  // all, and those that were run
 };
 
-double Overlap(const TexturedRender& render, const GreyMask& mask) {
-  std::int64_t both = 0, either = 0;
-  for (std::size_t i = 0; i < mask.data.size(); ++i) {
-    const bool hit = render.face.data[i] >= 0, inside = InMask(mask.data[i]);
-    both += hit && inside, either += hit || inside;
-  }
-  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
-}
-
 Eigen::VectorXd AreaShares(const PointsX3& points, const FacesX3& faces) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
   const Eigen::VectorXd face_areas = FaceAreas(points, faces);
@@ -471,8 +462,8 @@ void Bending::RunFar() {
   for (int attempt = 1;; ++attempt) {
     at_ = LevelOf(rounds.front().level);
     RunRounds(rounds);
-    if (!marks_->Refuse(FullViews(), FullPoints(at_), Tuning::kMostOff) || attempt == kMostTries)
-      return;
+    if (marks_->count() == 0 || attempt == kMostTries) return;
+    if (!marks_->Refuse(FullViews(), FullPoints(at_), Tuning::kMostOff)) return;
     MakeLevels();
     poses_ = first_poses_;
   }
@@ -484,7 +475,7 @@ BendResult Bending::Run() {
   for (const auto& rounds : {FarRounds(options_.hold_cameras > 0), near})
     for (const Round& round : rounds) rounds_ += round.repeats;
   RunFar();
-  RunRounds(near);
+  if (!options_.only_far) RunRounds(near);
   return Finish();
 }
 

@@ -27,6 +27,7 @@ struct BendOptions {
   /// estimates of single photographs, which are improved with the shape from the beginning; 0.2
   /// for those of a rig, which are improved by texture; 1000 and more: fixed
   double hold_cameras = 0;
+  bool only_far = false;  ///< stop when limbs are near their places, before grey values
 };
 
 /// How well one view agrees with the result.

@@ -51,11 +51,11 @@ class Marks {
   /// Refuses, of each name, the mark that is farthest off, if it is farther off than `limit`.
   /// @return whether any was
   bool Refuse(const std::vector<FitView>& views, const PointsX3& points, double limit);
+  int count() const { return static_cast<int>(marks_.pixels.size() + marks_.places.size()); }
 
  private:
   void Pull(const Constraint& of_mark, const SurfacePoint& point,
             std::vector<Constraint>& constraints) const;
-  int count() const { return static_cast<int>(marks_.pixels.size() + marks_.places.size()); }
   const std::string& NameOf(int mark) const;
 
   BendMarks marks_;

@@ -14,11 +14,12 @@ namespace keypose::fit {
 
 struct FoundCamera {
   bool found = false;
-  Rigid3 camera_from_world;           ///< the world is the template's frame
-  int inliers = 0;                    ///< matches that agree with it
-  double rms_px = 0;                  ///< of these
-  std::vector<FeatureMatch> matches;  ///< all matches of the photograph, also on moved limbs
-  std::vector<FeatureMatch> picks;    ///< what a person picked in it
+  Rigid3 camera_from_world;            ///< the world is the template's frame
+  int inliers = 0;                     ///< matches that agree with it
+  double rms_px = 0;                   ///< of these
+  std::vector<FeatureMatch> matches;   ///< all matches of the photograph, also on moved limbs
+  std::vector<FeatureMatch> agreeing;  ///< of these, those that one rigid part can explain
+  std::vector<FeatureMatch> picks;     ///< what a person picked in it
 };
 
 /// Each photograph by itself: the pose of the camera that agrees with most matches between the
