@@ -46,7 +46,7 @@ class FrameSolver {
   };
   /// The same; the poses are in `space`.
   void Solve(const std::vector<FrameFields>& frames, Space& space) const;
-  /// One frame by itself: as Solve to 1e-12 of the diagonal, in a fraction of the time.
+  /// One frame by itself: as Solve to 1e-11 of the diagonal, in a fraction of the time.
   PointsX3 SolveOne(const FrameFields& frame) const;
   /// The rotation of one vertex, as the fields ask it.
   Eigen::Matrix3d RotationAt(int vertex, const FrameFields& frame) const;
