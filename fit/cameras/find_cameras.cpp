@@ -57,12 +57,14 @@ std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& fe
     const double within = FindCamerasTuning::kWithin * std::max(pinhole.width, pinhole.height);
     const PicturePose pose =
         PlacePicture(pinhole, mesh.points, AllMatches(camera), within, kLeastInliers);
-    camera.found = pose.found && SizeOf(pose.inliers) >=
-                                     FindCamerasTuning::kLeastShare * SizeOf(AllMatches(camera));
     camera.camera_from_world = pose.camera_from_world;
     camera.inliers = SizeOf(pose.inliers);
     for (const int i : pose.inliers)
       if (i < SizeOf(camera.matches)) camera.agreeing.push_back(camera.matches[i]);
+    const int by_picks = camera.inliers - SizeOf(camera.agreeing);
+    camera.found = pose.found && (by_picks >= kLeastInliers ||
+                                  SizeOf(camera.agreeing) >=
+                                      FindCamerasTuning::kLeastShare * SizeOf(camera.matches));
     camera.rms_px = pose.rms_px;
   }
   return cameras;

@@ -1,4 +1,4 @@
-// A photograph without a camera finds it among those of a rig.
+// A photograph without a camera finds it among those of a rig, or by picks.
 #include "fit/cameras/late_cameras.h"
 
 #include <gtest/gtest.h>
@@ -99,6 +99,35 @@ TEST_F(LateCameras, NoneIsTakenWhereTheRigHasNoSuchCamera) {
 TEST_F(LateCameras, WithoutARigAndWithoutFeaturesNothingIsFound) {
   std::vector<FoundCamera> cameras(1);
   EXPECT_EQ(FindLateCameras(mesh_, texture_, {Photograph(0)}, {}, cameras), 0);
+}
+
+/// Picks of vertices that the view shows, without an error.
+std::vector<FeatureMatch> PicksIn(const Mesh& mesh, const PreparedView& view, int count) {
+  const RayScene scene(mesh.points, mesh.faces);
+  std::vector<FeatureMatch> picks;
+  for (int v = 0; v < mesh.vertex_count() && static_cast<int>(picks.size()) < count; v += 97) {
+    const Eigen::Vector3d x = mesh.points.row(v);
+    constexpr double kBefore = 0.99;
+    if (scene.Occluded(view.Center(), x - view.Center(), 0, kBefore)) continue;
+    FeatureMatch pick;
+    pick.point.vertices.setConstant(v);
+    pick.pixel = view.camera().Project(view.camera_from_world * x);
+    picks.push_back(pick);
+  }
+  return picks;
+}
+
+TEST_F(LateCameras, SixPicksFindTheCameraOfAFigureWithoutTexture) {
+  for (std::uint8_t& value : texture_.data) value = 128;
+  const SurfaceFeatures features(mesh_, texture_);
+  const PreparedView view = Photograph(3);
+  const std::vector<FeatureMatch> picks = PicksIn(mesh_, view, 6);
+  ASSERT_EQ(picks.size(), 6u);
+  EXPECT_FALSE(FindCameras(mesh_, features, {view}, {{}})[0].found);
+  const FoundCamera camera = FindCameras(mesh_, features, {view}, {picks})[0];
+  ASSERT_TRUE(camera.found);
+  EXPECT_LT((camera.camera_from_world.translation - view.camera_from_world.translation).norm(),
+            1e-3 * view.camera_from_world.translation.norm());
 }
 
 }  // namespace
