@@ -451,6 +451,7 @@ def film_cases():
         init('init of no folder', INPUT, ('there is no',), '--film', 'nowhere', '--shows', '0=rest,4=bent'),
         init('init that shows no pose', USAGE, ('no pose of that name',), '--film', 'photos/rest', '--shows', '0=rest,4=wave'),
         init('init of a pose as frame', USAGE, ('FRAME=POSE',), '--film', 'photos/rest', '--shows', 'rest=0,4=bent'),
+        init('init of a frame beyond the film', INPUT, ('999=bent', 'last frame'), '--film', 'photos/rest', '--shows', '0=rest,999=bent'),
         init('init of no plate', INPUT, ('--plate', 'there is no'), '--film', 'photos/rest', '--shows', '0=rest,4=bent', '--plate', 'plate.png'),
     ]
 
