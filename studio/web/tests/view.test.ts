@@ -6,6 +6,7 @@ import { scaleColor } from '../src/view/colors'
 import { anchorOf } from '../src/view/markers'
 import type { MeshData } from '../src/view/mesh_data'
 import { areaByLevel, inScaleColors } from '../src/view/scale_picture'
+import { turnedByKey } from '../src/view/turn'
 
 /** Two triangles: one of area 0.5 in the picture's lower left, one of 1.5 in its upper right. */
 const kTwo: MeshData = {
@@ -70,4 +71,15 @@ test('no name is cut at the view’s edge, wherever its marker is', () => {
       }
   // One that is wider than the view begins at its left edge.
   assert.equal(anchorOf({ x: 100, y: 100 }, { width: 500, height: 20 }, view).x, 0.2)
+})
+
+test('arrow keys turn the view about the upright axis, and never over the top', () => {
+  const front = { direction: [0, -1, 0] as [number, number, number], distance: 2 }
+  const right = turnedByKey(front, 'ArrowRight')!
+  assert.ok(right.direction[0] > 0.1 && Math.abs(right.direction[2]) < 1e-12)
+  let above = front
+  for (let i = 0; i < 50; ++i) above = turnedByKey(above, 'ArrowUp') as typeof front
+  assert.ok(above.direction[2] < 1 && above.direction[2] > 0.99)
+  assert.equal(turnedByKey(front, '+')!.distance, 1.8)
+  assert.equal(turnedByKey(front, 'a'), null)
 })

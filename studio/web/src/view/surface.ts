@@ -11,6 +11,7 @@ import {
   Points,
   PointsMaterial,
   SRGBColorSpace,
+  TextureLoader,
   Vector3,
 } from 'three'
 import type { Material, Raycaster, Texture } from 'three'
@@ -19,6 +20,7 @@ import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh'
 import { scaleColor } from './colors'
 import { joinedCorners, smoothNormals, spread } from './corners'
 import type { Corners } from './corners'
+import { drawnByProcessor } from './detail'
 import type { MeshData } from './mesh_data'
 
 Mesh.prototype.raycast = acceleratedRaycast
@@ -38,6 +40,14 @@ export interface Hit {
 export interface Pictures {
   texture: Texture | null
   confidence: Texture | null
+}
+
+/** A picture from an address, as a texture in sRGB. */
+export async function loadedTexture(url: string): Promise<Texture> {
+  const texture = await new TextureLoader().loadAsync(url)
+  texture.colorSpace = SRGBColorSpace
+  texture.anisotropy = drawnByProcessor() ? 1 : 4
+  return texture
 }
 
 const kMapChunk = '#include <map_fragment>'

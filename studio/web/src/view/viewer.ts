@@ -8,7 +8,6 @@ import {
   Raycaster,
   Scene,
   SRGBColorSpace,
-  TextureLoader,
   Vector2,
   Vector3,
   WebGLRenderer,
@@ -25,20 +24,12 @@ import { boxOf } from './mesh_data'
 import type { MeshData } from './mesh_data'
 import { scalePicture } from './scale_picture'
 import type { GreyPicture } from './scale_picture'
-import { Surface } from './surface'
+import { loadedTexture, Surface } from './surface'
 import type { Hit, Look, Pictures } from './surface'
+import { turnedByKey } from './turn'
+import type { Turn } from './turn'
 
-export type { Hit, Look, Marker }
-
-/**
- * The camera's place relative to the shown thing, in its sizes: the same for meshes of any size.
- */
-export interface Turn {
-  direction: [number, number, number]
-  distance: number
-  /** where the camera looks, from the middle of the thing; none: at the middle */
-  offset?: [number, number, number]
-}
+export type { Hit, Look, Marker, Turn }
 
 /** Pictures that follow each other faster than this are a movement; it ends after a rest [ms]. */
 const kMoving_ms = 120
@@ -49,13 +40,6 @@ const kTurning_ms = 1000 / 24
 const kStill = 1.5
 /** Pictures before a clock begins: buffers of another size are made with the first. */
 const kRunUpPictures = 3
-
-async function loadedTexture(url: string): Promise<Texture> {
-  const texture = await new TextureLoader().loadAsync(url)
-  texture.colorSpace = SRGBColorSpace
-  texture.anisotropy = drawnByProcessor() ? 1 : 4
-  return texture
-}
 
 export class Viewer {
   private readonly renderer: WebGLRenderer
@@ -492,20 +476,9 @@ export class Viewer {
   }
 
   private readonly key = (event: KeyboardEvent) => {
-    const turn = this.turn()
-    const around = { ArrowLeft: -0.12, ArrowRight: 0.12 }[event.key] ?? 0
-    const over = { ArrowUp: 0.12, ArrowDown: -0.12 }[event.key] ?? 0
-    const closer = { '+': 0.9, '=': 0.9, '-': 1.1 }[event.key] ?? 1
-    if (!around && !over && closer === 1) return
+    const next = turnedByKey(this.turn(), event.key)
+    if (!next) return
     event.preventDefault()
-    const [x, y, z] = turn.direction
-    const level = Math.hypot(x, y) || 1e-6
-    const tilt = Math.min(1.5, Math.max(-1.5, Math.atan2(z, level) + over))
-    const yaw = Math.atan2(y, x) + around
-    const next: Turn = {
-      direction: [Math.cos(yaw) * Math.cos(tilt), Math.sin(yaw) * Math.cos(tilt), Math.sin(tilt)],
-      distance: turn.distance * closer,
-    }
     this.setTurn(next)
     this.onTurn?.(next)
   }
