@@ -1,6 +1,7 @@
 // The exported file in other programs: the Khronos validator and Blender.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -47,9 +48,12 @@ class ExportedGlb : public ::testing::Test {
     WriteImage(texture_, texture);
   }
 
+  /// With a small film: drawing a large one takes most of the time.
   RunResult Export(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> command{"keypose-export", "--frames", frames_, "--animation",
-                                     animation_};
+    std::vector<std::string> command{"keypose-export", "--frames",       frames_, "--animation",
+                                     animation_,       "--video_height", "108"};
+    if (std::find(more.begin(), more.end(), "--video_width") == more.end())
+      command.insert(command.end(), {"--video_width", "192"});
     command.insert(command.end(), more.begin(), more.end());
     return RunProgram(command, folder_.path());
   }
