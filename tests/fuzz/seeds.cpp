@@ -172,16 +172,47 @@ void Projects() {
 }
 
 void Armatures() {
-  WriteFile(In("armature", "leg.txt"),
-            "dunits mm\nnode {\nname rightKneeBend\n# joint name\naxis\n1 0 0\nsensor 5\nscale "
-            "25\nnode { name rightCalve length 4 node { name swivel axis 0 0 1 sensor 6 scale -10 } } "
-            "}\n");
-  WriteFile(In("armature", "rig.txt"),
-            "dcounts 4096 rodaxis 0 0 -1 scale_is joint_per_encoder node { name r slide 1 0 0 sensor "
-            "0 scale .2 node { name b length 3 rodaxis 1 0 0 } }");
+  WriteFile(
+      In("armature", "leg.txt"),
+      "dunits mm\nnode {\nname rightKneeBend\n# joint name\naxis\n1 0 0\nsensor 5\nscale "
+      "25\nnode { name rightCalve length 4 node { name swivel axis 0 0 1 sensor 6 scale -10 } } "
+      "}\n");
+  WriteFile(
+      In("armature", "rig.txt"),
+      "dcounts 4096 rodaxis 0 0 -1 scale_is joint_per_encoder node { name r slide 1 0 0 sensor "
+      "0 scale .2 node { name b length 3 rodaxis 1 0 0 } }");
   WriteFile(In("armature", "chains.txt"),
             "canchor x physical a computer A\nanchor y physical c computer C\nchain n from x to y "
             "physical { b } computer { B } mode exact # c\n");
+}
+
+std::string BigEndian(std::uint64_t number, int bytes) {
+  std::string text;
+  for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(number >> (8 * i) & 255);
+  return text;
+}
+
+std::string Box(const std::string& kind, const std::string& content) {
+  return BigEndian(content.size() + 8, 4) + kind + content;
+}
+
+/// The index of a film of 48 pictures, 640 x 360, 24 a second, and a track of sound before it.
+void Movies() {
+  const std::string kinds = BigEndian(1, 8) + BigEndian(86, 4) + "avc1" + std::string(24, 0) +
+                            BigEndian(640, 2) + BigEndian(360, 2) + std::string(50, 0);
+  const std::string times = BigEndian(1, 8) + BigEndian(48, 4) + BigEndian(1000, 4);
+  const auto track = [&](const std::string& handler) {
+    return Box("trak",
+               Box("mdia", Box("mdhd", std::string(12, 0) + BigEndian(24000, 4) +
+                                           BigEndian(48000, 4) + std::string(4, 0)) +
+                               Box("hdlr", std::string(8, 0) + handler) +
+                               Box("minf", Box("stbl", Box("stsd", kinds) + Box("stts", times)))));
+  };
+  const std::string index = Box("moov", track("soun") + track("vide"));
+  WriteFile(In("movie", "film.mp4"),
+            Box("ftyp", "isom" + BigEndian(0, 4)) + Box("mdat", "pictures") + index);
+  WriteFile(In("movie", "wide.mov"),
+            BigEndian(1, 4) + "mdat" + BigEndian(24, 8) + "pictures" + index);
 }
 
 }  // namespace
@@ -199,4 +230,5 @@ int main(int argc, char** argv) {
   Sets();
   Projects();
   Armatures();
+  Movies();
 }
