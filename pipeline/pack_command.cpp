@@ -76,8 +76,8 @@ std::set<std::string> PathsOutside(const Session& session) {
 
 ExitCode PackCommand(const std::string& folder, const std::string& output, bool with_cache) {
   const fs::path project = fs::canonical(FindProject(folder));
-  const ProjectLock lock(project / ".keypose", "keypose pack");
   Session session(project, {});
+  const ProjectLock lock(session.state(), "keypose pack");
   const std::string name = project.filename().string();
   const fs::path archive =
       fs::absolute(output.empty() ? fs::path(name + ".zip") : fs::path(output)).lexically_normal();

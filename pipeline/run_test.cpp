@@ -442,7 +442,6 @@ TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {
   EXPECT_EQ(Keypose({"rnu"}).code, 2);
   EXPECT_THAT(Keypose({"rnu"}).text, HasSubstr("did you mean 'run'?"));
   EXPECT_EQ(Keypose({"studio"}).code, 2);
-  EXPECT_EQ(Keypose({"pack"}).code, 2);
   EXPECT_EQ(Run({"--executor", "slurm"}).code, 2);
   EXPECT_EQ(Run({"-j", "0"}).code, 2);
   EXPECT_EQ(Keypose({"run", "-C", root_.string()}).code, 2) << "not a project";
