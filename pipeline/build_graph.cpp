@@ -104,7 +104,7 @@ class GraphBuilder {
       SetResults(*rule_of_[i], &graph_.steps[i]);
       SetShown(*rule_of_[i], &graph_.steps[i]);
     }
-    CheckUnusedOptions();
+    CheckGivenOptions();
     SortByNeeds();
     CheckResults();
     CheckOverrides();
@@ -176,7 +176,12 @@ class GraphBuilder {
     catalog_.Load(programs);
   }
 
-  bool IsGivenOptions(const StepRule& rule) const { return file_.options.count(rule.name) > 0; }
+  bool IsGivenOptions(const StepRule& rule) const {
+    const auto names = [&](const StepOptionSettings& given) { return given.count(rule.name) > 0; };
+    return names(file_.options) ||
+           std::any_of(file_.poses.begin(), file_.poses.end(),
+                       [&](const PoseRule& pose) { return names(pose.options); });
+  }
 
   /// Whether the project gives what the step exists for, at least for some pose or shot.
   bool MayExist(const StepRule& rule) const {
@@ -272,18 +277,22 @@ class GraphBuilder {
     }
   }
 
-  /// Options of steps that this project has no instance of are checked too: who gives them expects
-  /// an answer now, not on the day when a pose of few photographs or a film is added.
-  void CheckUnusedOptions() const {
-    const std::set<const StepRule*> used(rule_of_.begin(), rule_of_.end());
-    for (const StepRule& rule : file_.steps) {
-      if (!rule.enabled || used.count(&rule) || !IsGivenOptions(rule)) continue;
-      Step step;
-      step.rule = rule.name;
-      step.info = &catalog_.Get(program_of_.at(rule.name));
-      for (const auto& [name, value] : file_.options.at(rule.name).options)
-        SetOption(&step, name, value.text, value.where);
-    }
+  /// All options in the project are checked, also those of steps that it has no instance of: who
+  /// gives them expects an answer now, not on the day when a pose of few photographs or a film is
+  /// added.
+  void CheckGivenOptions() const {
+    std::vector<const StepOptionSettings*> all = {&file_.options};
+    for (const PoseRule& pose : file_.poses) all.push_back(&pose.options);
+    for (const StepOptionSettings* given : all)
+      for (const auto& [name, settings] : *given)
+        if (file_.FindStep(name)->enabled) CheckOptionsOf(name, settings.options);
+  }
+
+  void CheckOptionsOf(const std::string& rule, const OptionSettings& settings) const {
+    Step step;
+    step.rule = rule;
+    step.info = &catalog_.Get(program_of_.at(rule));
+    for (const auto& [option, value] : settings) SetOption(&step, option, value.text, value.where);
   }
 
   void SetOptions(const StepRule& rule, Step* step) const {

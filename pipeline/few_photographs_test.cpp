@@ -138,6 +138,15 @@ TEST(FewPhotographs, OptionsOfAStepThatNoPoseHasYetAreChecked) {
   EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }), HasSubstr("'depth' is 'no'"));
 }
 
+TEST(FewPhotographs, OptionsOfAScannedPoseForTheFitAreChecked) {
+  FewHouse house;
+  house.WriteProject(
+      "poses:\n  rest: photos/rest\n  bent: {photos: photos/bent, options: {bend: {depht: 4}}}\n"
+      "  wave: {photos: photos/wave, method: fit}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }),
+              AllOf(HasSubstr("pipeline.yaml:3"), HasSubstr("no option 'depht'")));
+}
+
 TEST(FewPhotographs, OptionsMayBeForOneMethodOnly) {
   FewHouse house;
   const std::string shoot = "  shoot: {stage: shoot, for: pose, inputs: {photos: $photos}";

@@ -1,7 +1,6 @@
 // `keypose pack`: a project in one file, for another machine or for the shelf.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,31 +22,32 @@ struct Packed {
   std::uint64_t bytes = 0;
 };
 
-bool StartsWithAny(const std::string& name, const std::vector<std::string>& beginnings) {
-  return std::any_of(beginnings.begin(), beginnings.end(),
-                     [&](const std::string& one) { return name.starts_with(one); });
+/// Whether a file is, or lies below, one of these; none of them lies within another.
+bool IsAmong(const std::string& name, const std::set<std::string>& kept) {
+  auto after = kept.upper_bound(name);
+  return after != kept.begin() && name.starts_with(*--after);
 }
 
 /// Of .keypose only the history, and results that are up to date, as paths below the project. What
 /// describes this machine (hashes by inode, the lock, unfinished work) stays here.
-std::vector<std::string> KeptState(Session& session, bool with_cache) {
+std::set<std::string> KeptState(Session& session, bool with_cache) {
   if (!with_cache) return {};
-  std::vector<std::string> kept = {".keypose/steps/", ".keypose/runs/", ".keypose/out.json"};
+  std::set<std::string> kept = {".keypose/steps/", ".keypose/runs/", ".keypose/out.json"};
   const Plan plan(session.graph(), session.workshop(), {});
   session.workshop().hasher.Save();
   for (int i = 0; i < plan.size(); ++i) {
     if (plan[i].artifact)
-      kept.push_back(
+      kept.insert(
           session.store().FolderOf(plan[i].fingerprint).lexically_relative(session.project()) / "");
   }
   return kept;
 }
 
 Packed FilesOf(Session& session, bool with_cache, const fs::path& archive) {
-  const std::vector<std::string> kept = KeptState(session, with_cache);
+  const std::set<std::string> kept = KeptState(session, with_cache);
   Packed packed;
   for (const std::string& name : session.disk().FilesBelow(session.project())) {
-    if (name.starts_with(".keypose/") && !StartsWithAny(name, kept)) continue;
+    if (name.starts_with(".keypose/") && !IsAmong(name, kept)) continue;
     const fs::path file = session.project() / name;
     if (file == archive) continue;
     packed.names.push_back(name);

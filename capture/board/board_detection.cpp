@@ -356,7 +356,8 @@ cv::Mat NextToCorners(const cv::Size& size, const std::vector<BoardCorner>& corn
 }
 
 /// The light on each pixel's neighbourhood, relative to that of `paper` and `ink`: the factor by
-/// which the print explains a window around it best. Negative outside of the board.
+/// which the print explains a window around it best. Negative where the print is not in the window,
+/// or black.
 cv::Mat LightOf(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
                 const cv::Vec3f& black, int window) {
   cv::Mat product(rgb.size(), CV_32F, cv::Scalar(0)), square = product.clone();
