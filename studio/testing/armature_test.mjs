@@ -3,12 +3,21 @@
 //
 //   node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 
-import { Browser, check, record, StudioProgram, until as untilWithin } from './studio_driver.mjs';
+import {
+  Browser,
+  check,
+  checkFaults,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until as untilWithin,
+} from './studio_driver.mjs';
 
 const { values: options, positionals } = parseArgs({
   allowPositionals: true,
@@ -185,37 +194,16 @@ async function walk() {
     bake,
     end,
   };
-  for (const [name, act] of Object.entries(parts)) {
-    const began = Date.now();
-    await act();
-    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
-  }
-  check(
-    browser.faults.length === 0,
-    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
-  );
+  await runParts(Object.entries(parts));
+  checkFaults(browser);
 }
 
-try {
-  await walk();
-  console.log('all of it went well');
-} catch (error) {
-  console.error(
-    `FAILED: ${error.message}\n${error.stack
-      ?.split('\n')
-      .filter((line) => line.includes('testing/'))
-      .join('\n')}`,
-  );
-  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const picture = join(tmpdir(), 'keypose_armature_failed.png');
-  await page?.screenshot({ path: picture }).then(
-    () => console.error(`what the page showed: ${picture}`),
-    () => undefined,
-  );
-  process.exitCode = 1;
-} finally {
-  await browser.end();
-  studio.program?.kill('SIGKILL');
-  if (options.keep) console.log(`kept: ${folder}`);
-  else rmSync(scratch, { recursive: true, force: true });
-}
+await runTest({
+  name: 'armature',
+  walk,
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});

@@ -23,7 +23,16 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { Browser, check, record, StudioProgram, until } from './studio_driver.mjs';
+import {
+  Browser,
+  check,
+  checkFaults,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until,
+} from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 import { Landmarks } from './walk_landmarks.mjs';
 
@@ -343,41 +352,20 @@ async function turn() {
 
 async function walk() {
   const parts = { prepare, landmarks, play, load, pickMany };
-  for (const [name, act] of Object.entries(parts).filter(([part]) => wanted.has(part))) {
-    const began = Date.now();
-    await act();
-    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
-  }
-  check(
-    browser.faults.length === 0,
-    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
-  );
+  await runParts(Object.entries(parts).filter(([part]) => wanted.has(part)));
+  checkFaults(browser);
 }
 
 if (!existsSync(join(scans, scanNames.rest))) {
   console.log(`skipped: ${scans} has no Hellidropter`);
   process.exit(77);
 }
-try {
-  await walk();
-  console.log('all of it went well');
-} catch (error) {
-  console.error(
-    `FAILED: ${error.message}\n${error.stack
-      ?.split('\n')
-      .filter((line) => line.includes('testing/'))
-      .join('\n')}`,
-  );
-  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const shown = join(tmpdir(), 'keypose_scans_failed.png');
-  await page?.screenshot({ path: shown }).then(
-    () => console.error(`what the page showed: ${shown}`),
-    () => undefined,
-  );
-  process.exitCode = 1;
-} finally {
-  await browser.end();
-  studio.program?.kill('SIGKILL');
-  if (options.keep) console.log(`kept: ${folder}`);
-  else rmSync(scratch, { recursive: true, force: true });
-}
+await runTest({
+  name: 'scans',
+  walk,
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});

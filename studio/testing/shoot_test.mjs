@@ -11,14 +11,22 @@ import {
   mkdtempSync,
   readdirSync,
   readFileSync,
-  rmSync,
   statSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 
-import { Browser, check, record, StudioProgram, until } from './studio_driver.mjs';
+import {
+  Browser,
+  check,
+  checkFaults,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until,
+} from './studio_driver.mjs';
 
 const { values: options, positionals } = parseArgs({
   allowPositionals: true,
@@ -294,15 +302,8 @@ async function walk() {
     'comes late': comesLate,
     stop,
   };
-  for (const [name, act] of Object.entries(parts)) {
-    const began = Date.now();
-    await act();
-    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
-  }
-  check(
-    browser.faults.length === 0,
-    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
-  );
+  await runParts(Object.entries(parts));
+  checkFaults(browser);
   const side = JSON.parse(readFileSync(join(folder, 'photos/rest/shoot.json'), 'utf8'));
   check(
     Object.keys(side.photographs).length === kAll,
@@ -310,26 +311,12 @@ async function walk() {
   );
 }
 
-try {
-  await walk();
-  console.log('all of it went well');
-} catch (error) {
-  console.error(
-    `FAILED: ${error.message}\n${error.stack
-      ?.split('\n')
-      .filter((line) => line.includes('testing/'))
-      .join('\n')}`,
-  );
-  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const shown = join(tmpdir(), 'keypose_shoot_failed.png');
-  await page?.screenshot({ path: shown }).then(
-    () => console.error(`what the page showed: ${shown}`),
-    () => undefined,
-  );
-  process.exitCode = 1;
-} finally {
-  await browser.end();
-  studio.program?.kill('SIGKILL');
-  if (options.keep) console.log(`kept: ${folder}`);
-  else rmSync(scratch, { recursive: true, force: true });
-}
+await runTest({
+  name: 'shoot',
+  walk,
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});

@@ -10,7 +10,6 @@ import {
   mkdirSync,
   mkdtempSync,
   readFileSync,
-  rmSync,
   writeFileSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -18,7 +17,16 @@ import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 import { crc32, deflateSync } from 'node:zlib';
 
-import { Browser, check, record, StudioProgram, until } from './studio_driver.mjs';
+import {
+  Browser,
+  check,
+  checkFaults,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until,
+} from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 
 const { values: options, positionals } = parseArgs({
@@ -357,33 +365,18 @@ async function walk() {
     makePictures,
     deleteAll,
   };
-  for (const [name, act] of Object.entries(parts)) {
-    const began = Date.now();
-    await act();
-    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
-  }
-  const faults = new Set(browser.faults);
-  check(faults.size === 0, `faults in the page:\n${[...faults].join('\n')}`);
+  await runParts(Object.entries(parts));
+  checkFaults(browser);
 }
 
-try {
-  // One frame alone is refused, as it should be.
-  browser.expected = /\/api\/shot$/;
-  await walk();
-  console.log('all of it went well');
-} catch (error) {
-  const lines = error.stack?.split('\n').filter((line) => line.includes('testing/'));
-  console.error(`FAILED: ${error.message}\n${lines?.join('\n')}`);
-  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const shown = join(tmpdir(), 'keypose_shot_failed.png');
-  await page?.screenshot({ path: shown }).then(
-    () => console.error(`what the page showed: ${shown}`),
-    () => undefined,
-  );
-  process.exitCode = 1;
-} finally {
-  await browser.end();
-  studio.program?.kill('SIGKILL');
-  if (options.keep) console.log(`kept: ${folder}`);
-  else rmSync(scratch, { recursive: true, force: true });
-}
+// One frame alone is refused, as it should be.
+browser.expected = /\/api\/shot$/;
+await runTest({
+  name: 'shot',
+  walk,
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});

@@ -1,7 +1,8 @@
-// Starts a studio and a browser for walk_test.mjs, and the checks that all its parts share.
+// Starts a studio and a browser for the tests of the page; what all of these share.
 import { spawn } from 'node:child_process';
-import { mkdirSync, readFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { chromium } from 'playwright-core';
@@ -181,4 +182,52 @@ export async function record(page, name, pictures) {
   await page.setViewportSize({ width: 1280, height: 800 });
   await page.emulateMedia({ colorScheme: 'light' });
   await page.waitForTimeout(200);
+}
+
+/** @param parts pairs of a name and what to do, in order */
+export async function runParts(parts) {
+  for (const [name, act] of parts) {
+    const began = Date.now();
+    await act();
+    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
+  }
+}
+
+/** @throws Error with all that went wrong in the browser's pages */
+export function checkFaults(browser) {
+  const faults = new Set(browser.faults);
+  check(faults.size === 0, `faults in the page:\n${[...faults].join('\n')}`);
+}
+
+async function tellFailure(error, name, browser, page) {
+  const lines = error.stack?.split('\n').filter((line) => line.includes('testing/'));
+  console.error(`FAILED: ${error.message}\n${lines?.join('\n')}`);
+  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
+  const shown = join(tmpdir(), `keypose_${name}_failed.png`);
+  await page?.screenshot({ path: shown }).then(
+    () => console.error(`what the page showed: ${shown}`),
+    () => undefined,
+  );
+}
+
+/**
+ * Runs a test to its end, whatever happens: the exit code, what went wrong and a picture of it, and
+ * nothing left over.
+ * @param test.walk   the test @param test.done words when it went well
+ * @param test.page   a function: the page that is shown
+ * @param test.keep   if given: this folder is named, and `scratch` stays
+ */
+export async function runTest({ name, walk, done, browser, studio, page, scratch, keep }) {
+  try {
+    await walk();
+    console.log(done ?? 'all of it went well');
+  } catch (error) {
+    await tellFailure(error, name, browser, page());
+    process.exitCode = 1;
+  } finally {
+    await browser.end();
+    studio.program?.kill('SIGKILL');
+    if (keep) console.log(`kept: ${keep}`);
+    else rmSync(scratch, { recursive: true, force: true });
+  }
 }

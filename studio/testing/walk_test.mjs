@@ -23,7 +23,16 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 
-import { Browser, check, record, StudioProgram, until } from './studio_driver.mjs';
+import {
+  Browser,
+  check,
+  checkFaults,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until,
+} from './studio_driver.mjs';
 import { walkLandmarks, walkPaint } from './walk_landmarks.mjs';
 import { picturesStand, walkTimeline } from './walk_timeline.mjs';
 
@@ -448,40 +457,20 @@ async function walk() {
     ? parts.findIndex(([name]) => name === (options.from ?? 'poses'))
     : 0;
   check(first >= 0, `--from is one of ${parts.map(([name]) => name).join(', ')}`);
-  for (const [name, act] of [['enter', enter], ...parts.slice(first)]) {
-    const began = Date.now();
-    await act();
-    console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
-  }
+  await runParts([['enter', enter], ...parts.slice(first)]);
   browser.away = true;
   const code = await studio.end('SIGTERM');
   check(code === 0, `SIGTERM ends the studio with ${code}`);
-  check(
-    browser.faults.length === 0,
-    `faults in the page:\n${[...new Set(browser.faults)].join('\n')}`,
-  );
+  checkFaults(browser);
 }
 
-try {
-  await walk();
-  console.log('the whole walk went well');
-} catch (error) {
-  console.error(
-    `FAILED: ${error.message}\n${error.stack
-      ?.split('\n')
-      .filter((line) => line.includes('testing/'))
-      .join('\n')}`,
-  );
-  for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const shown = join(tmpdir(), 'keypose_walk_failed.png');
-  await page?.screenshot({ path: shown }).then(
-    () => console.error(`what the page showed: ${shown}`),
-    () => undefined,
-  );
-  process.exitCode = 1;
-} finally {
-  await browser.end();
-  studio.program?.kill('SIGKILL');
-  if (options.keep) console.log(`kept: ${folder}`);
-  else rmSync(scratch, { recursive: true, force: true });
-}
+await runTest({
+  name: 'walk',
+  walk,
+  done: 'the whole walk went well',
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});
