@@ -368,7 +368,7 @@ TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
 }
 
 TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(KEYPOSE_SANITIZED)
   GTEST_SKIP() << "a sanitizer's shadow needs all of the address space";
 #endif
   WritePhotos(8);

@@ -4,20 +4,20 @@ find_package(Threads REQUIRED)
 
 add_library(keypose_flags INTERFACE)
 target_include_directories(keypose_flags INTERFACE ${CMAKE_SOURCE_DIR})
-# Fuzz programs, made by clang, which has warnings of its own that are not kept clean here.
 option(KEYPOSE_FUZZ "libFuzzer programs for the readers; see tests/fuzz" OFF)
 # Constants of core/tuned.h can be set from outside; only for bench/sensitivity.py.
 option(KEYPOSE_SENSITIVITY "tuned constants can be replaced by an environment variable" OFF)
 if(KEYPOSE_SENSITIVITY)
   target_compile_definitions(keypose_flags INTERFACE KEYPOSE_SENSITIVITY)
 endif()
+# Clang, which makes the sanitizers' and fuzz programs, has warnings of its own that are not kept clean here.
 # Contraction off: a fused multiply-add would give other bits on other processors.
-target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor $<IF:$<BOOL:${KEYPOSE_FUZZ}>,-w,-Werror> -ffp-contract=off)
+target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor $<IF:$<CXX_COMPILER_ID:Clang>,-w,-Werror> -ffp-contract=off)
 target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)
 # Libraries that a program does not call are not loaded: a mesh stage starts in a tenth of the time without the image libraries.
 target_link_options(keypose_flags INTERFACE -Wl,--as-needed)
 find_program(KEYPOSE_GOLD ld.gold)
-if(KEYPOSE_GOLD AND NOT KEYPOSE_FUZZ)  # it warns of each of address sanitizer's symbols
+if(KEYPOSE_GOLD AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")  # it warns of each of address sanitizer's symbols
   # A quarter of bfd's time. mold 1.10 is as fast but cannot be trusted: programs that fail to load with relro, links that never end without.
   target_link_options(keypose_flags INTERFACE -fuse-ld=gold)
 endif()

@@ -93,7 +93,7 @@ TEST_F(InterpolateProgram, WritesFramesAndWhatTheyDoToAreaAndVolume) {
 }
 
 TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(KEYPOSE_SANITIZED)
   GTEST_SKIP() << "sanitizers keep memory of their own: peaks say nothing";
 #endif
   const auto peak = [&](int steps) {

@@ -75,7 +75,7 @@ class Mutants : public ::testing::Test {
   /// What a command line begins with. A sanitizer reserves terabytes of addresses, so that a
   /// program under it gets no limit.
   static std::vector<std::string> WithLimitedMemory() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(KEYPOSE_SANITIZED)
     return {};
 #else
     return {"/bin/bash", "-c", std::string("ulimit -v ") + kKilobytes + "; exec \"$@\"", "bash"};
