@@ -8,15 +8,13 @@
 
 namespace keypose::armature {
 
-/// JSON {"weights": {"NAME": [[vertex, weight], ...], ...}}, as MakeHuman's .mhw, or libigl's .dmat
-/// (ASCII: the numbers of columns and rows, then column after column).
+/// The formats of ParseBoneWeights (core/io/bone_weights.h).
 ///
 /// @param names    of the joints whose turning moves the vertices; the columns of a .dmat are in
 ///                 their order
 /// @param bone_of  the bone of each name; several may have the same
 /// @param file   its name, for messages
-/// @throws InputError  malformed, a bone that is not there, a vertex that the mesh does not have, a
-/// vertex that no bone moves; names file and place
+/// @throws InputError  as ParseBoneWeights, and a vertex that no bone moves
 SkinWeights ParseWeights(const std::string& text, const std::string& file,
                          const std::vector<std::string>& names, const std::vector<int>& bone_of,
                          int vertex_count);

@@ -15,6 +15,7 @@
 #include "core/geometry.h"
 #include "core/io/binding_io.h"
 #include "core/io/files.h"
+#include "core/io/json_pick.h"
 #include "core/limits.h"
 #include "core/ray_scene.h"
 
@@ -43,8 +44,7 @@ void RequireOnMesh(const Landmark& landmark, const Mesh& mesh, const fs::path& p
         fmt::format("{}: landmark '{}' is on face {}, but the mesh has {} faces; it was picked on "
                     "another mesh: pick it again, or pass that mesh",
                     path.string(), landmark.name, landmark.face, mesh.face_count()));
-  if (!landmark.barycentric.allFinite() || landmark.barycentric.minCoeff() < -1e-6 ||
-      std::abs(landmark.barycentric.sum() - 1) > 1e-6)
+  if (!IsInTriangle(landmark.barycentric))
     throw InputError(
         fmt::format("{}: landmark '{}' has barycentric coordinates that do not lie in its "
                     "triangle; pick it again",

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,7 +10,9 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/json_pick.h"
 #include "core/io/landmarks_io.h"
+#include "core/size_of.h"
 
 namespace keypose::fit {
 namespace {
@@ -20,139 +21,61 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Places = std::map<std::string, SurfacePoint>;
 
-/// One pick's fields; messages name file and pick.
-class PickReader {
- public:
-  PickReader(const json& pick, const std::string& file, int number) : pick_(pick) {
-    where_ = fmt::format("{}: pick {}", file, number);
-    if (!pick.is_object()) Fail("is not an object");
-    if (!pick.contains("name") || !pick["name"].is_string()) Fail("needs a 'name'");
-    name_ = pick["name"].get<std::string>();
-    where_ = fmt::format("{}: pick '{}'", file, name_);
-  }
-  const std::string& name() const { return name_; }
-  [[noreturn]] void Fail(const std::string& what) const { throw InputError(where_ + " " + what); }
+using Pick = JsonPick<json>;
 
-  bool HasPlace() const { return pick_.contains("vertex") || pick_.contains("face"); }
-  SurfacePoint Point(const Mesh& mesh) const;
-  int Image(const ImageSet& images) const;
-  Eigen::Vector2d Pixel(const CapturedImage& image) const;
-  Eigen::Vector3d Position() const {
-    const std::vector<double> position = Numbers("position", 3);
-    return {position[0], position[1], position[2]};
-  }
-
- private:
-  std::vector<double> Numbers(const char* name, std::size_t count) const;
-  int Index(const char* name, int count, const char* things) const;
-
-  const json& pick_;
-  std::string where_, name_;
-};
-
-std::vector<double> PickReader::Numbers(const char* name, std::size_t count) const {
-  std::vector<double> numbers;
-  if (pick_.contains(name) && pick_[name].is_array() && pick_[name].size() == count)
-    for (const json& number : pick_[name])
-      if (number.is_number() && std::isfinite(number.get<double>())) numbers.push_back(number);
-  if (numbers.size() != count) Fail(fmt::format("needs '{}': a list of {} numbers", name, count));
-  return numbers;
-}
-
-int PickReader::Index(const char* name, int count, const char* things) const {
-  const json& value = pick_[name];
-  if (!value.is_number_integer()) Fail(fmt::format("has a '{}' that is not a whole number", name));
-  const auto index = value.get<std::int64_t>();
-  if (index < 0 || index >= count)
-    Fail(
-        fmt::format("has {} {}, but the template has {} {}, counted from 0; it was picked on "
-                    "another mesh: pick it again",
-                    name, index, count, things));
-  return static_cast<int>(index);
-}
-
-SurfacePoint PickReader::Point(const Mesh& mesh) const {
-  SurfacePoint point;
-  if (pick_.contains("vertex")) {
-    point.vertices.setConstant(Index("vertex", mesh.vertex_count(), "vertices"));
-    return point;
-  }
-  const int face = Index("face", mesh.face_count(), "faces");
-  const std::vector<double> weights = Numbers("barycentric", 3);
-  const double sum = weights[0] + weights[1] + weights[2];
-  if (*std::min_element(weights.begin(), weights.end()) < -1e-6 || std::abs(sum - 1) > 1e-6)
-    Fail("has barycentric coordinates that do not lie in its triangle; pick it again");
-  return {mesh.faces.row(face).transpose(), {weights[0], weights[1], weights[2]}};
-}
-
-int PickReader::Image(const ImageSet& images) const {
-  if (!pick_.contains("image") || !pick_["image"].is_string())
-    Fail("needs an 'image', the file name of a photograph");
-  const std::string image = pick_["image"].get<std::string>();
+/// The number of the photograph that the pick is in.
+int ImageOf(const json& entry, const Pick& pick, const ImageSet& images) {
+  if (!entry.contains("image") || !entry["image"].is_string())
+    pick.Fail("needs an 'image', the file name of a photograph");
+  const std::string image = entry["image"].get<std::string>();
   const int index = images.Find(image);
   if (index >= 0) return index;
   std::string names;
   constexpr int kMostNames = 8;
-  for (int i = 0; i < std::min<int>(kMostNames, static_cast<int>(images.images.size())); ++i)
+  for (int i = 0; i < std::min(kMostNames, SizeOf(images.images)); ++i)
     names += (i > 0 ? ", " : "") + images.images[i].name;
-  Fail(fmt::format("is in photograph '{}', which is not among the pose's {}: {}{}", image,
-                   images.images.size(), names, images.images.size() > kMostNames ? ", ..." : ""));
+  pick.Fail(fmt::format("is in photograph '{}', which is not among the pose's {}: {}{}", image,
+                        images.images.size(), names,
+                        SizeOf(images.images) > kMostNames ? ", ..." : ""));
 }
 
-Eigen::Vector2d PickReader::Pixel(const CapturedImage& image) const {
-  const std::vector<double> pixel = Numbers("pixel", 2);
-  if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] > image.width || pixel[1] > image.height)
-    Fail(
-        fmt::format("has pixel [{:g}, {:g}], but photograph {} has {} x {} pixels; pick it again "
-                    "in the photograph's full size",
-                    pixel[0], pixel[1], image.name, image.width, image.height));
-  return {pixel[0], pixel[1]};
-}
-
-json Parsed(const fs::path& path) {
-  const std::string text = ReadFile(path), name = PrintableName(path);
-  RequireShallowJson(text, name);
-  json root;
-  try {
-    root = json::parse(text);
-  } catch (const json::exception& fault) {
-    throw InputError(name + " is not JSON: " + JsonFault(fault));
-  }
+json ReadLists(const fs::path& path) {
+  json root = ReadJson<json>(path);
   const bool has_pixels = root.is_object() && root.contains("pixels"),
              has_landmarks = root.is_object() && root.contains("landmarks");
   if ((!has_pixels && !has_landmarks) || (has_pixels && !root["pixels"].is_array()) ||
       (has_landmarks && !root["landmarks"].is_array()))
-    throw InputError(name +
+    throw InputError(PrintableName(path) +
                      " needs a list 'pixels', of picks in the pose's photographs, or a list "
                      "'landmarks', of places in space; docs/file-formats.md shows the format");
   return root;
 }
 
 /// The place of a pick: its own, or that of its name; none when the template has no such name.
-std::optional<SurfacePoint> PlaceOf(const PickReader& pick, const Mesh& mesh, const Places* named,
+std::optional<SurfacePoint> PlaceOf(const Pick& pick, const Mesh& mesh, const Places* named,
                                     PosePicks& picks) {
   if (!named) {
     if (!pick.HasPlace())
       pick.Fail(
           "needs its place on the template: a 'vertex', or a 'face' and 'barycentric'; or "
           "give the template's picks as a file before this one");
-    return pick.Point(mesh);
+    return pick.Point(mesh, "template");
   }
-  if (const auto found = named->find(pick.name()); found != named->end()) return found->second;
-  picks.unpaired.push_back(pick.name());
+  if (const auto found = named->find(pick.Name()); found != named->end()) return found->second;
+  picks.unpaired.push_back(pick.Name());
   return std::nullopt;
 }
 
 void AddPixels(const json& list, const std::string& file, const Mesh& mesh, const ImageSet& images,
                const Places* named, PosePicks& picks) {
   std::set<std::pair<std::string, int>> taken;
-  for (int i = 0; i < static_cast<int>(list.size()); ++i) {
-    const PickReader reader(list[i], file, i + 1);
+  for (int i = 0; i < SizeOf(list); ++i) {
+    const Pick reader(list[i], file, "pick", i + 1);
     PhotoPick pick;
-    pick.name = reader.name();
-    pick.image = reader.Image(images);
+    pick.name = reader.Name();
+    pick.image = ImageOf(list[i], reader, images);
     const CapturedImage& image = images.images[pick.image];
-    pick.pixel = reader.Pixel(image);
+    pick.pixel = reader.Pixel(image.width, image.height, "photograph " + image.name);
     if (!taken.emplace(pick.name, pick.image).second)
       reader.Fail("is there twice in photograph " + image.name + "; rename or delete one");
     const std::optional<SurfacePoint> point = PlaceOf(reader, mesh, named, picks);
@@ -165,12 +88,12 @@ void AddPixels(const json& list, const std::string& file, const Mesh& mesh, cons
 void AddPlaces(const json& list, const std::string& file, const Mesh& mesh, const Places* named,
                PosePicks& picks) {
   std::set<std::string> taken;
-  for (int i = 0; i < static_cast<int>(list.size()); ++i) {
-    const PickReader reader(list[i], file, i + 1);
-    if (!taken.insert(reader.name()).second) reader.Fail("is there twice; rename or delete one");
-    const Eigen::Vector3d position = reader.Position();
+  for (int i = 0; i < SizeOf(list); ++i) {
+    const Pick reader(list[i], file, "pick", i + 1);
+    if (!taken.insert(reader.Name()).second) reader.Fail("is there twice; rename or delete one");
+    const std::vector<double> position = reader.Numbers("position", 3);
     if (const auto point = PlaceOf(reader, mesh, named, picks))
-      picks.places.push_back({reader.name(), *point, position});
+      picks.places.push_back({reader.Name(), *point, {position[0], position[1], position[2]}});
   }
 }
 
@@ -189,7 +112,7 @@ PosePicks ReadPosePicks(const std::vector<fs::path>& paths, const Mesh& mesh,
   if (paths.size() > 2)
     throw InputError("landmarks: give one file, or the template's picks and the pose's; not " +
                      std::to_string(paths.size()) + " files");
-  const json root = Parsed(paths.back());
+  const json root = ReadLists(paths.back());
   Places places;
   if (paths.size() == 2)
     places = PlacesOfTemplate(paths[0], mesh, log);

@@ -1,11 +1,12 @@
 #include "motion/bvh_rig/rig_text.h"
 
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/io/bone_weights.h"
+#include "core/io/files.h"
 #include "core/size_of.h"
 
 namespace keypose::motion {
@@ -22,13 +23,8 @@ char FirstOf(const std::string& text) {
 }
 
 Json ParsedJson(const std::string& text, const std::string& name) {
-  // Deep nesting would exhaust the stack of the parser.
-  int depth = 0, deepest = 0;
-  for (const char c : text) {
-    if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
-    if (c == ']' || c == '}') --depth;
-  }
-  Json root = deepest > 100 ? Json(Json::value_t::discarded) : Json::parse(text, nullptr, false);
+  RequireShallowJson(text, "animate: " + name);
+  Json root = Json::parse(text, nullptr, false);
   if (!root.is_object()) throw InputError("animate: " + name + " is not JSON with an object");
   return root;
 }
@@ -144,65 +140,24 @@ std::vector<Bone> BonesOfGraph(const std::string& text, const std::string& name,
   return Sorted(std::move(bones), parents, name);
 }
 
-void WeightsOfJson(const std::string& text, const std::string& name, Rig& rig) {
-  const Json root = ParsedJson(text, name);
-  for (const auto& [bone_name, list] : Member(root, "weights", "animate: " + name).items()) {
-    const std::string what = "animate: " + name + ": the weights of '" + bone_name + "'";
-    const int bone = rig.Find(bone_name);
-    if (bone < 0) throw InputError(what + " are those of no bone of the skeleton");
-    if (!list.is_array()) throw InputError(what + " are not a list");
-    for (const Json& pair : list) {
-      if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() ||
-          !pair[1].is_number() || pair[0] < 0 || pair[0] >= rig.mesh.vertex_count())
-        throw InputError(what + " hold " + pair.dump() + "; a vertex of the mesh, which has " +
-                         std::to_string(rig.mesh.vertex_count()) + ", and a number were expected");
-      rig.weights[pair[0].get<int>()].emplace_back(bone, pair[1].get<double>());
-    }
-  }
-}
-
-void WeightsOfMatrix(const std::string& text, const std::string& name,
-                     const std::vector<std::string>& columns_of, Rig& rig) {
-  std::istringstream in(text);
-  long columns = 0, rows = 0;
-  if (!(in >> columns >> rows) || columns != std::ssize(columns_of) ||
-      rows != rig.mesh.vertex_count())
-    throw InputError("animate: " + name + " has " + std::to_string(columns) + " columns and " +
-                     std::to_string(rows) + " rows; one column for each of the " +
-                     std::to_string(columns_of.size()) + " bones and one row for each of the " +
-                     std::to_string(rig.mesh.vertex_count()) + " vertices were expected");
-  for (long c = 0; c < columns; ++c) {
-    const int bone = rig.Find(columns_of[c]);
-    for (long r = 0; r < rows; ++r) {
-      double weight = 0;
-      if (!(in >> weight) || !std::isfinite(weight))
-        throw InputError("animate: " + name + " ends, or is not a number, at column " +
-                         std::to_string(c) + ", row " + std::to_string(r));
-      if (weight != 0) rig.weights[r].emplace_back(bone, weight);
-    }
-  }
-}
-
 }  // namespace
 
 Rig MakeRig(Mesh mesh, const std::string& skeleton, const std::string& skeleton_name,
             const std::string& weights, const std::string& weights_name) {
   Rig rig;
   rig.mesh = std::move(mesh);
-  rig.weights.resize(rig.mesh.points.rows());
   std::vector<std::string> columns;
   rig.bones = FirstOf(skeleton) == '{' ? BonesOfJson(skeleton, rig.mesh, skeleton_name)
                                        : BonesOfGraph(skeleton, skeleton_name, columns);
   if (rig.bones.empty() || SizeOf(rig.bones) > kMostBones)
     throw InputError("animate: " + skeleton_name + " has " + std::to_string(rig.bones.size()) +
                      " bones; a skeleton was expected");
-  if (FirstOf(weights) == '{') {
-    WeightsOfJson(weights, weights_name, rig);
-  } else {
-    if (columns.empty())
-      for (const Bone& bone : rig.bones) columns.push_back(bone.name);
-    WeightsOfMatrix(weights, weights_name, columns, rig);
-  }
+  if (columns.empty())
+    for (const Bone& bone : rig.bones) columns.push_back(bone.name);
+  rig.weights =
+      ParseBoneWeights(weights, "animate: " + weights_name, columns, rig.mesh.vertex_count());
+  for (auto& row : rig.weights)
+    for (auto& term : row) term.first = rig.Find(columns[term.first]);
   for (auto& row : rig.weights) {
     double sum = 0;
     for (const auto& term : row) sum += term.second;
