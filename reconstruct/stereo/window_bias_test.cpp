@@ -36,7 +36,9 @@ double Off(const PlaneMap& map, int x, int y, double inverse_depth) {
 }
 
 TEST(WindowBias, MeansOverWindowsOfACurvedSurfaceBecomeItsDepths) {
-  for (const auto& [kx, ky] : {std::pair{0.02, 0.03}, {-0.03, 0.0}, {0.02, -0.02}}) {
+  for (const Eigen::Vector2d& bend :
+       {Eigen::Vector2d(0.02, 0.03), Eigen::Vector2d(-0.03, 0.0), Eigen::Vector2d(0.02, -0.02)}) {
+    const double kx = bend.x(), ky = bend.y();
     // of the window's samples, above their mean
     const double mean_above = 0.5 * kVariance * (kx + ky);
     PlaneMap map =

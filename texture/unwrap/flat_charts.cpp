@@ -205,7 +205,8 @@ void ChartAtlas::Hide() {
   for (const auto& [pair, cost] : Shared(label, costs_))
     pairs.emplace_back(-cost, pair.first, pair.second);
   std::sort(pairs.begin(), pairs.end());
-  for (const auto& [cost, a, b] : pairs) {
+  for (const auto& pair : pairs) {
+    const int a = std::get<1>(pair), b = std::get<2>(pair);
     ReportProgress(progress_, 0.6, "hiding seams");
     const std::vector<int> changed =
         BetterBorder(surface_, costs_, label, a, b, FlatChartTuning::kLateBand);
