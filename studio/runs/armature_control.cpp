@@ -69,18 +69,45 @@ std::vector<std::string> BakeWords(const ArmatureSetup& setup, const fs::path& t
   return words;
 }
 
+bool HasEvent(const std::string& line) {
+  const json told = json::parse(line, nullptr, false);
+  return told.is_object() && told.contains("event");
+}
+
+void KeepArmatureEvent(const std::string& event, std::vector<std::string>* events) {
+  if (events->size() == kMostArmatureEvents) events->erase(events->begin());
+  events->push_back(event);
+}
+
 }  // namespace
 
 ArmatureControl::ArmatureControl(fs::path project, Listener listener)
-    : project_(std::move(project)), listener_(std::move(listener)) {}
+    : project_(std::move(project)),
+      listener_(std::move(listener)),
+      relay_({[this](const std::string& line) { return !TakePose(line) && HasEvent(line); },
+              KeepArmatureEvent, "end"},
+             Followed(listener_)) {}
 
 ArmatureControl::~ArmatureControl() {
   leave_ = true;
   posed_.notify_all();
-  for (std::thread* thread : {&relay_, &bake_})
-    if (thread->joinable()) thread->join();
-  if (child_) child_->Say("end");
+  if (bake_.joinable()) bake_.join();
   if (baker_) baker_->Interrupt();
+}
+
+/// Who waits for a pose learns that the session has ended.
+SessionListener ArmatureControl::Followed(const SessionListener& listener) {
+  SessionListener followed = listener;
+  followed.ended = [this, ended = listener.ended](std::uint64_t number, int code,
+                                                  const std::string& message) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      pose_.clear();
+    }
+    posed_.notify_all();
+    ended(number, code, message);
+  };
+  return followed;
 }
 
 fs::path ArmatureControl::TakeFolder(const std::string& take) const {
@@ -88,94 +115,46 @@ fs::path ArmatureControl::TakeFolder(const std::string& take) const {
 }
 
 void ArmatureControl::Start(const ArmatureSetup& setup) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) throw LockedError("a session is at work already; end it first");
-  if (relay_.joinable()) relay_.join();
-  fs::create_directories(PageFolder());
-  fs::create_directories(project_ / "armature");
-  child_ = std::make_unique<TalkingChild>(LiveWords(setup, PageFolder(), TakeFolder(setup.take)),
-                                          project_, PageFolder() / "live.txt");
-  story_ = {true, story_.baking, story_.number, {}, 0, ""};
-  pose_.clear();
-  relay_ = std::thread([this] { Relay(); });
-}
-
-void ArmatureControl::Say(const std::string& line) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!story_.running || !child_->Say(line)) throw UsageError("no session is at work; begin one");
-}
-
-void ArmatureControl::Interrupt() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) child_->Interrupt();
+  relay_.Start(
+      LiveWords(setup, PageFolder(), TakeFolder(setup.take)), project_, PageFolder() / "live.txt",
+      [&] { fs::create_directories(project_ / "armature"); }, "");
 }
 
 ArmatureStory ArmatureControl::Story() const {
+  ArmatureStory story{relay_.Story()};
   const std::lock_guard<std::mutex> lock(mutex_);
-  return story_;
+  story.baking = baking_;
+  return story;
 }
 
 std::string ArmatureControl::Pose(std::uint64_t after) {
   std::unique_lock<std::mutex> lock(mutex_);
   const auto is_new = [&] { return !pose_.empty() && pose_number_ != after; };
   posed_.wait_for(lock, std::chrono::seconds(1),
-                  [&] { return leave_ || !story_.running || is_new(); });
-  if (!story_.running || !is_new()) return "";
+                  [&] { return leave_ || !relay_.running() || is_new(); });
+  if (!relay_.running() || !is_new()) return "";
   return fmt::format("{{\"number\": {}, \"pose\": {}}}", pose_number_, pose_);
 }
 
-void ArmatureControl::Relay() {
-  std::string line;
-  while (!leave_) {
-    const TalkingChild::Heard heard = child_->Hear(&line);
-    if (heard == TalkingChild::Heard::kLine) Take(line);
-    if (heard == TalkingChild::Heard::kEnd) return End();
-  }
-}
-
-void ArmatureControl::Take(const std::string& line) {
+/// Keeps a line that is a pose.
+bool ArmatureControl::TakePose(const std::string& line) {
   const json told = json::parse(line, nullptr, false);
-  if (!told.is_object()) return;
-  std::uint64_t number = 0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (told.contains("pose")) {
-      pose_ = line;
-      ++pose_number_;
-      posed_.notify_all();
-      return;
-    }
-    if (!told.contains("event")) return;
-    if (story_.events.size() == kMostArmatureEvents) story_.events.erase(story_.events.begin());
-    story_.events.push_back(line);
-    number = ++story_.number;
-  }
-  listener_.event(number, line);
-}
-
-void ArmatureControl::End() {
-  const int code = child_->Wait();
-  const std::string said = code == 0 ? "" : WhatItSaid(PageFolder() / "live.txt", code);
-  std::uint64_t number = 0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    story_.running = false;
-    story_.exit_code = code;
-    story_.message = said;
-    number = ++story_.number;
-  }
+  if (!told.is_object() || !told.contains("pose")) return false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pose_ = line;
+  ++pose_number_;
   posed_.notify_all();
-  listener_.ended(number, code, said);
+  return true;
 }
 
 void ArmatureControl::Bake(const ArmatureSetup& setup, const std::string& between) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.baking) throw LockedError("frames are baked already; wait for them");
+  if (baking_) throw LockedError("frames are baked already; wait for them");
   if (bake_.joinable()) bake_.join();
   fs::create_directories(PageFolder());
   baker_ = std::make_unique<TalkingChild>(BakeWords(setup, TakeFolder(setup.take), between),
                                           project_, PageFolder() / "bake.txt");
-  story_.baking = true;
+  baking_ = true;
   bake_ = std::thread([this] { FollowBake(); });
 }
 
@@ -188,7 +167,7 @@ void ArmatureControl::FollowBake() {
   const std::string said = code == 0 ? "" : WhatItSaid(PageFolder() / "bake.txt", code);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    story_.baking = false;
+    baking_ = false;
   }
   listener_.baked(code, said);
 }

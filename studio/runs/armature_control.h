@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "studio/runs/children.h"
+#include "studio/runs/session_relay.h"
 
 namespace keypose::studio {
 
@@ -26,22 +27,14 @@ struct ArmatureSetup {
   int step = 2;
 };
 
-/// What a page needs that is opened in the middle of a session.
-struct ArmatureStory {
-  bool running = false, baking = false;
-  std::uint64_t number = 0;         ///< of the last event
-  std::vector<std::string> events;  ///< JSON objects, of this session
-  int exit_code = 0;                ///< of the last session, when none is running
-  std::string message;              ///< what it said, if it failed
+struct ArmatureStory : SessionStory {
+  bool baking = false;
 };
 
 class ArmatureControl {
  public:
   /// Called from the control's own threads.
-  struct Listener {
-    /// @param number  one more for each event, over all sessions
-    std::function<void(std::uint64_t number, const std::string& event)> event;
-    std::function<void(std::uint64_t number, int exit_code, const std::string& message)> ended;
+  struct Listener : SessionListener {
     std::function<void(int exit_code, const std::string& message)> baked;
   };
 
@@ -52,9 +45,9 @@ class ArmatureControl {
   /// @throws LockedError  a session is at work already @throws DiskError
   void Start(const ArmatureSetup& setup);
   /// @param line  as typed into `armature live` @throws UsageError  no session listens
-  void Say(const std::string& line);
+  void Say(const std::string& line) { relay_.Say(line); }
   /// As Ctrl-C.
-  void Interrupt();
+  void Interrupt() { relay_.Interrupt(); }
   ArmatureStory Story() const;
 
   /// The newest pose, {"number": N, "pose": {...}}; waits for one with another number than `after`
@@ -70,21 +63,21 @@ class ArmatureControl {
   std::filesystem::path TakeFolder(const std::string& take) const;
 
  private:
-  void Relay();
-  void Take(const std::string& line);
-  void End();
+  SessionListener Followed(const SessionListener& listener);
+  bool TakePose(const std::string& line);
   void FollowBake();
 
   const std::filesystem::path project_;
   const Listener listener_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< of the pose and the bake
   std::condition_variable posed_;
-  std::unique_ptr<TalkingChild> child_, baker_;
-  std::thread relay_, bake_;
+  std::unique_ptr<TalkingChild> baker_;
+  std::thread bake_;
   std::atomic<bool> leave_ = false;
-  ArmatureStory story_;
+  bool baking_ = false;
   std::string pose_;
   std::uint64_t pose_number_ = 0;
+  SessionRelay relay_;  ///< last: its thread uses what is above
 };
 
 }  // namespace keypose::studio

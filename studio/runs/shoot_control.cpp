@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
 #include "pipeline/session.h"
 
 namespace keypose::studio {
@@ -27,7 +26,8 @@ std::string EventOf(const std::string& line) {
 }
 
 /// Each new state replaces the one before.
-void Keep(const std::string& event, const std::string& line, std::vector<std::string>* events) {
+void KeepShootEvent(const std::string& line, std::vector<std::string>* events) {
+  const std::string event = EventOf(line);
   if (event == "live") return;
   if (event == "state" && !events->empty() && EventOf(events->back()) == "state")
     events->pop_back();
@@ -53,80 +53,20 @@ std::vector<std::string> WordsFor(const ShootSetup& setup, const fs::path& proje
 
 }  // namespace
 
-ShootControl::ShootControl(fs::path project, Listener listener)
-    : project_(std::move(project)), listener_(std::move(listener)) {}
-
-ShootControl::~ShootControl() {
-  leave_ = true;
-  if (relay_.joinable()) relay_.join();
-  if (child_) child_->Say(kEnd);
-}
+ShootControl::ShootControl(fs::path project, SessionListener listener)
+    : project_(std::move(project)),
+      relay_({[](const std::string& line) { return !EventOf(line).empty(); }, KeepShootEvent, kEnd},
+             std::move(listener)) {}
 
 fs::path ShootControl::File(const char* name) const { return project_ / ".keypose/studio" / name; }
 
 void ShootControl::Start(const ShootSetup& setup) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) throw LockedError("a session is at work already; end it first");
-  if (relay_.joinable()) relay_.join();
-  fs::create_directories(File(""));
-  std::error_code ignored;
-  fs::remove(LiveFile(), ignored);
-  child_ = std::make_unique<TalkingChild>(WordsFor(setup, project_, LiveFile()), project_,
-                                          File("shoot.txt"));
-  child_->Say(kLive);
-  story_ = {true, story_.number, {}, 0, ""};
-  relay_ = std::thread([this] { Relay(); });
-}
-
-void ShootControl::Say(const std::string& command) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!story_.running || !child_->Say(command))
-    throw UsageError("no session is at work; begin one");
-}
-
-void ShootControl::Interrupt() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) child_->Interrupt();
-}
-
-ShootStory ShootControl::Story() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return story_;
-}
-
-void ShootControl::Relay() {
-  std::string line;
-  while (!leave_) {
-    const TalkingChild::Heard heard = child_->Hear(&line);
-    if (heard == TalkingChild::Heard::kLine) Take(line);
-    if (heard == TalkingChild::Heard::kEnd) return End();
-  }
-}
-
-void ShootControl::Take(const std::string& line) {
-  const std::string event = EventOf(line);
-  if (event.empty()) return;
-  std::uint64_t number = 0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    Keep(event, line, &story_.events);
-    number = ++story_.number;
-  }
-  listener_.event(number, line);
-}
-
-void ShootControl::End() {
-  const int code = child_->Wait();
-  const std::string said = code == 0 ? "" : WhatItSaid(File("shoot.txt"), code);
-  std::uint64_t number = 0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    story_.running = false;
-    story_.exit_code = code;
-    story_.message = said;
-    number = ++story_.number;
-  }
-  listener_.ended(number, code, said);
+  const auto without_old_picture = [&] {
+    std::error_code ignored;
+    fs::remove(LiveFile(), ignored);
+  };
+  relay_.Start(WordsFor(setup, project_, LiveFile()), project_, File("shoot.txt"),
+               without_old_picture, kLive);
 }
 
 }  // namespace keypose::studio

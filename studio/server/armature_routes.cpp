@@ -17,6 +17,7 @@
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 #include "studio/server/serial_ports.h"
+#include "studio/server/session_answers.h"
 
 namespace keypose::studio {
 
@@ -188,24 +189,11 @@ std::string LineOf(const json& body) {
   throw UsageError(fmt::format("there is no command '{}'", command));
 }
 
-json SavedJson(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return nullptr;
-  const json saved = json::parse(ReadFile(file), nullptr, false);
-  return saved.is_object() ? saved : json();
-}
-
 }  // namespace
 
 void Routes::FollowArmature() {
   ArmatureControl::Listener listener;
-  listener.event = [this](std::uint64_t number, const std::string& event) {
-    hub_.Send("armature", fmt::format("{{\"number\": {}, \"event\": {}}}", number, event));
-  };
-  listener.ended = [this](std::uint64_t number, int code, const std::string& message) {
-    hub_.Send("armature_ended",
-              json{{"number", number}, {"exit_code", code}, {"message", message}}.dump());
-  };
+  static_cast<SessionListener&>(listener) = ToPages(hub_, "armature");
   listener.baked = [this](int code, const std::string& message) {
     hub_.Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
   };
@@ -216,11 +204,10 @@ void Routes::AddArmature() {
   const fs::path last = folder_ / ".keypose/studio/armature.json";
   Add("GET", "/api/armature", [this, last](const Question&) {
     const ArmatureStory story = armature_->Story();
-    json answer = {{"running", story.running},     {"baking", story.baking},
-                   {"number", story.number},       {"events", json::array()},
-                   {"exit_code", story.exit_code}, {"message", story.message},
-                   {"ports", SerialPorts()},       {"setup", SavedJson(last)}};
-    for (const std::string& line : story.events) answer["events"].push_back(json::parse(line));
+    json answer = StoryJson(story);
+    answer["baking"] = story.baking;
+    answer["ports"] = SerialPorts();
+    answer["setup"] = SavedJson(last);
     ListArmature(folder_, &answer["files"], &answer["takes"]);
     return JsonAnswer(answer);
   });

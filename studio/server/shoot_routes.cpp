@@ -13,6 +13,7 @@
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 #include "studio/server/serial_ports.h"
+#include "studio/server/session_answers.h"
 
 namespace keypose::studio {
 
@@ -89,28 +90,10 @@ json PlansOf(const fs::path& photos) {
   return plans;
 }
 
-json StoryJson(const ShootStory& story) {
-  json events = json::array();
-  for (const std::string& line : story.events) events.push_back(json::parse(line));
-  return {{"running", story.running},
-          {"number", story.number},
-          {"events", events},
-          {"exit_code", story.exit_code},
-          {"message", story.message}};
-}
-
 }  // namespace
 
 void Routes::FollowShoot() {
-  ShootControl::Listener listener;
-  listener.event = [this](std::uint64_t number, const std::string& event) {
-    hub_.Send("shoot", fmt::format("{{\"number\": {}, \"event\": {}}}", number, event));
-  };
-  listener.ended = [this](std::uint64_t number, int code, const std::string& message) {
-    hub_.Send("shoot_ended",
-              json{{"number", number}, {"exit_code", code}, {"message", message}}.dump());
-  };
-  shoot_ = std::make_unique<ShootControl>(folder_, listener);
+  shoot_ = std::make_unique<ShootControl>(folder_, ToPages(hub_, "shoot"));
 }
 
 void Routes::AddShoot() {
@@ -119,9 +102,7 @@ void Routes::AddShoot() {
     json answer = StoryJson(shoot_->Story());
     answer["ports"] = SerialPorts();
     answer["plans"] = PlansOf(folder_ / "photos");
-    answer["setup"] = nullptr;
-    if (fs::is_regular_file(last)) answer["setup"] = json::parse(ReadFile(last), nullptr, false);
-    if (answer["setup"].is_discarded()) answer["setup"] = nullptr;
+    answer["setup"] = SavedJson(last);
     return JsonAnswer(answer);
   });
   Add("POST", "/api/shoot/start", [this, last](const Question& question) {

@@ -1,8 +1,10 @@
-// The session as the server tells it: what was before this page, then event by event; and poses.
-import { useCallback, useEffect, useRef, useState } from 'preact/hooks'
+// The session of the Armature page, its poses and its bakes.
+import { useEffect, useRef, useState } from 'preact/hooks'
 
 import type { StudioEvent } from '../../api'
 import { useStudio } from '../../state'
+import { useToldSession } from '../../use_told_session'
+import type { ToldBy } from '../../use_told_session'
 import { armatureApi } from './armature_api'
 import type { ArmatureEvent, ArmaturePose, ArmatureStory } from './armature_api'
 import { afterEnd, afterEvent, fromStory, kNoSitting } from './sitting'
@@ -10,10 +12,16 @@ import type { Sitting } from './sitting'
 
 type Told = Extract<StudioEvent, { type: 'armature' | 'armature_ended' }>
 
-const after = (sitting: Sitting, told: Told): Sitting =>
-  told.type === 'armature'
-    ? afterEvent(sitting, told.event as ArmatureEvent)
-    : afterEnd(sitting, told.message)
+const kToldBy: ToldBy<Sitting, ArmatureStory, Told> = {
+  ask: () => armatureApi.story(),
+  isTold: (event): event is Told => event.type === 'armature' || event.type === 'armature_ended',
+  start: kNoSitting,
+  fromStory,
+  after: (sitting, told) =>
+    told.type === 'armature'
+      ? afterEvent(sitting, told.event as ArmatureEvent)
+      : afterEnd(sitting, told.message),
+}
 
 export interface AtPuppet {
   /** null: not known yet */
@@ -26,44 +34,21 @@ export interface AtPuppet {
 
 export function useSitting(): AtPuppet {
   const { follow, complain, tell } = useStudio()
-  const [sitting, setSitting] = useState<Sitting | null>(null)
-  const [story, setStory] = useState<ArmatureStory | null>(null)
+  const { session: sitting, story, load } = useToldSession(kToldBy)
   const [baking, setBaking] = useState(false)
-  // Events may come while the story is on its way; it holds those up to its number.
-  const early = useRef<Told[] | null>([])
-  const latest = useRef(0)
 
-  const load = useCallback(async () => {
-    const mine = ++latest.current
-    early.current ??= []
-    try {
-      const now = await armatureApi.story()
-      if (mine !== latest.current) return
-      const missed = (early.current ?? []).filter((told) => told.number > now.number)
-      early.current = null
-      setStory(now)
-      setBaking(now.baking)
-      setSitting(missed.reduce(after, fromStory(now)))
-    } catch (error) {
-      complain(error)
-    }
-  }, [complain])
-
-  useEffect(() => {
-    void load()
-    return follow((event) => {
-      if (event.type === 'connection' && event.open) void load()
-      if (event.type === 'armature_ended') void load()
-      if (event.type === 'armature_baked') {
+  useEffect(() => setBaking(story?.baking ?? false), [story])
+  useEffect(
+    () =>
+      follow((event) => {
+        if (event.type === 'armature_ended') void load()
+        if (event.type !== 'armature_baked') return
         setBaking(false)
         if (event.exit_code === 0) tell('The frames are baked.')
         else complain(event.message)
-      }
-      if (event.type !== 'armature' && event.type !== 'armature_ended') return
-      if (early.current) early.current.push(event)
-      else setSitting((old) => after(old ?? kNoSitting, event))
-    })
-  }, [follow, load, tell, complain])
+      }),
+    [follow, load, tell, complain],
+  )
   return { sitting, story, baking, setBaking, load }
 }
 
