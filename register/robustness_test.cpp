@@ -279,7 +279,7 @@ Mesh Without(const Mesh& mesh, const Gone& gone) {
 class CutTarget : public testing::TestWithParam<std::tuple<double, double>> {};
 
 TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
-  const auto [left, angle] = GetParam();
+  const double left = std::get<0>(GetParam()), angle = std::get<1>(GetParam());
   const Mesh source = Tube(), rest = OtherTube();
   Similarity3 placed;
   placed.rotation = Eigen::AngleAxisd(2, Vector3d(1, 2, 3).normalized()).toRotationMatrix();

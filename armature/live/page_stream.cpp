@@ -159,10 +159,13 @@ std::string PageStream::Line(const PuppetMatcher& matcher, const PageLine& line)
           std::back_inserter(text), "{:.2f},",
           line.values[static_cast<std::size_t>(j)] / (Turns(parts_.armature, j) ? kDegree : 1e-3));
   });
-  for (const auto& [name, numbers] : {std::pair{"held", &line.held}, {"wraps", &line.wraps}})
+  const auto add_numbers = [&](const char* name, const std::vector<int>& numbers) {
     add_list(name, [&] {
-      for (const int number : *numbers) fmt::format_to(std::back_inserter(text), "{},", number);
+      for (const int number : numbers) fmt::format_to(std::back_inserter(text), "{},", number);
     });
+  };
+  add_numbers("held", line.held);
+  add_numbers("wraps", line.wraps);
   add_list("chains", [&] {
     for (const ChainState& chain : matcher.chains()) {
       const double length = chain.chain_length;
