@@ -2,229 +2,42 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "capture/board/board_detection.h"
 #include "capture/board/board_print.h"
 #include "capture/capture_options.h"
+#include "capture/photograph_import.h"
 #include "capture/photographs.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
-#include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/develop/white_balance.h"
-#include "capture/shoot/record/side_file.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
-#include "core/io/photograph_files.h"
-#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 
 namespace {
-namespace fs = std::filesystem;
 using namespace keypose;
 using namespace keypose::capture;
 
 constexpr int kCellWidth = 240;
 constexpr int kPreview_px = 640;
 
-/// The set during import.
-struct Import {
-  fs::path folder, masks;  // masks: empty if the user gave none
-  std::vector<PhotographGroup> groups;
-  std::vector<fs::path> backgrounds;  // for each group; empty if the user gave none
-  std::vector<fs::path> files;        // of all groups
-  std::vector<Photograph> photographs;
-  std::vector<char> quarter_turns;
-  double factor = 1;  // size written over size read
-  // of each group's folder; none for photographs that `keypose shoot` has not made
-  std::map<fs::path, shoot::SideFile> side_files;
-  std::vector<Image8> small;  // working images
-  std::vector<Image8> small_masks;
-  std::vector<fs::path> user_masks;
-  // for each photograph; empty if it shows no board
-  std::vector<std::vector<BoardCorner>> board_corners;
-  std::vector<BoardOdds> boards;  // their odds for the working images
-};
-
-Image8 QuarterTurned(const Image8& image) {
-  Image8 turned(image.height, image.width, image.channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
-  return turned;
-}
-
-/// What `keypose shoot` has noted of the photograph's folder; null for photographs of another
-/// origin.
-const shoot::SideFile* SideFileOf(const Import& import, std::size_t i) {
-  const auto side = import.side_files.find(import.files[i].parent_path());
-  return side == import.side_files.end() ? nullptr : &side->second;
-}
-
-/// The photograph, with the white balance of its session's grey card if there is one.
-Image8 ReadBalanced(const Import& import, std::size_t i) {
-  Image8 image = shoot::ReadPhotograph(import.files[i]);
-  const shoot::SideFile* side = SideFileOf(import, i);
-  return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
-}
-
-/// The photograph's place in its session.
-std::optional<TurntablePlace> PlaceOf(const Import& import, std::size_t i) {
-  const shoot::SideFile* side = SideFileOf(import, i);
-  if (!side) return std::nullopt;
-  const auto shot = shoot::ShotNamed(side->plan, import.files[i].stem().string());
-  if (!shot) return std::nullopt;
-  return TurntablePlace{shot->ring, shoot::AngleOf(side->plan, *shot),
-                        shoot::TiltOf(side->plan, *shot), shot->flip};
-}
-
-/// Pixels as they will be written: upright, of one size.
-Image8 Load(const Import& import, std::size_t i, const fs::path& file, int channels) {
-  Image8 image = channels == 3 ? ReadBalanced(import, i) : ReadImage(file, channels);
-  const Photograph& photograph = import.photographs[i];
-  if (image.width != photograph.width || image.height != photograph.height)
-    throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +
-                     " x " + std::to_string(image.height) + ", but " + photograph.name + " is " +
-                     std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
-                     "; make the mask at the photograph's size");
-  if (import.quarter_turns[i]) image = QuarterTurned(image);
-  if (import.factor == 1) return image;
-  return Resized(image, std::max(1, static_cast<int>(std::lround(image.width * import.factor))),
-                 std::max(1, static_cast<int>(std::lround(image.height * import.factor))));
-}
-
-/// Calls body(i) for all photographs in parallel and collects the errors.
-void ForEach(const Import& import, Progress* progress, const std::string& what,
-             const std::function<void(std::size_t)>& body) {
-  std::vector<std::string> faults(import.files.size());
-  ParallelFor(std::ssize(import.files), [&](std::int64_t i) {
-    if (progress && progress->cancelled()) throw Cancelled();
-    try {
-      body(static_cast<std::size_t>(i));
-    } catch (const InputError& error) {
-      faults[i] = error.what();
-    }
-  });
-  std::erase(faults, "");
-  if (faults.size() == 1) throw InputError(faults.front());
-  if (!faults.empty())
-    throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " +
-                     JoinNames(faults, 200));
-}
-
-/// Each photograph in progress takes many times its pixels (measured: 90 bytes each, most for the
-/// board and the mask). If there is not enough memory for one per core, fewer are processed at a
-/// time; the result is the same.
-void FitIntoMemory(StageContext& stage, const Import& import) {
-  constexpr std::int64_t kBytesAPixel = 90;
-  std::size_t largest = 0;
-  const auto pixels = [&](std::size_t i) {
-    return std::int64_t{import.photographs[i].width} * import.photographs[i].height;
-  };
-  for (std::size_t i = 1; i < import.photographs.size(); ++i)
-    if (pixels(i) > pixels(largest)) largest = i;
-  const std::int64_t need = kBytesAPixel * pixels(largest);
-  const Photograph& photograph = import.photographs[largest];
-  RequireMemory(need, "capture: photograph " + photograph.name + " (" +
-                          std::to_string(photograph.width) + " x " +
-                          std::to_string(photograph.height) + " pixels)");
-  const std::int64_t at_once = FreeMemory() / std::max<std::int64_t>(1, need);
-  if (at_once >= ThreadCount()) return;
-  SetThreadCount(static_cast<int>(std::max<std::int64_t>(1, at_once)));
-  stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
-}
-
-/// Reports user masks with other names, so that none is ignored silently.
-void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
-  if (import.masks.empty()) return;
-  std::vector<std::string> strangers, doubles;
-  for (const fs::path& file : ImagesIn(import.masks)) {
-    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) !=
-        import.user_masks.end())
-      continue;
-    const auto photograph =
-        std::find_if(import.photographs.begin(), import.photographs.end(),
-                     [&](const Photograph& p) { return IsMaskOf(file, p.name); });
-    if (photograph == import.photographs.end())
-      strangers.push_back(file.filename().string());
-    else
-      doubles.push_back(
-          file.filename().string() + " (for " + photograph->name + " " +
-          import.user_masks[photograph - import.photographs.begin()].filename().string() +
-          " is used)");
-  }
-  if (!doubles.empty())
-    stage.Warn("second masks of a photograph were left out: " + JoinNames(doubles) +
-               "; keep one mask for each photograph");
-  const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(),
-                               [](const fs::path& mask) { return !mask.empty(); });
-  const std::string example = import.photographs[0].name + ".png";
-  if (!any && !strangers.empty())
-    throw InputError("capture: none of the masks in " + import.masks.string() +
-                     " has a photograph's name; name that of " + import.photographs[0].name + ": " +
-                     example);
-  if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
-  if (any && !strangers.empty())
-    stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
-               "; a mask is named like its photograph, as in " + example);
-}
-
-Import Open(StageContext& stage, const CaptureOptions& options) {
-  Import import;
-  import.folder = stage.Input("photos");
-  import.groups = ListPhotographs(import.folder);
-  for (const PhotographGroup& group : import.groups)
-    import.files.insert(import.files.end(), group.files.begin(), group.files.end());
-  if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
-    stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() +
-                               " that are no photographs were left out: " + KindsOf(ignored)));
-  import.photographs = InspectPhotographs(import.groups);
-  RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
-  RequireUsableSizes(import.photographs);
-  FitIntoMemory(stage, import);
-  import.quarter_turns = QuarterTurns(import.photographs);
-  const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
-  if (options.max_size > 0 && longer > options.max_size)
-    import.factor = static_cast<double>(options.max_size) / longer;
-  for (const PhotographGroup& group : import.groups)
-    if (const fs::path side = group.folder / "shoot.json"; fs::exists(side))
-      import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
-  if (stage.Has("masks"))
-    import.masks = stage.Input("masks");
-  else if (fs::is_directory(import.folder / "masks"))
-    import.masks = import.folder / "masks";
-  for (const PhotographGroup& group : import.groups)
-    import.backgrounds.push_back(stage.Has("background") ? stage.Input("background")
-                                                         : FindBackground(group.folder));
-  import.user_masks.resize(import.files.size());
-  for (std::size_t i = 0; i < import.files.size(); ++i) {
-    const fs::path beside = import.files[i].parent_path() / "masks";
-    if (!import.masks.empty())
-      import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
-    if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
-      import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
-  }
-  RequireMasksOfPhotographs(stage, import);
-  return import;
-}
-
 /// Whether some photographs, spread over the set, show the calibration board.
-bool ShowsBoard(const Import& import, const CaptureOptions& options) {
+bool ShowsBoard(const PhotographImport& import, const CaptureOptions& options) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
   std::vector<char> seen(probes, 0);
   ParallelFor(static_cast<std::int64_t>(probes), [&](std::int64_t k) {
     const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
     try {
-      seen[k] = !FindBoard(Load(import, i, import.files[i], 3), options.Board()).empty();
+      seen[k] = !FindBoard(LoadUpright(import, i, import.files[i], 3), options.Board()).empty();
     } catch (const InputError&) {
       // A damaged photograph is reported later, with all the others.
     }
@@ -233,13 +46,13 @@ bool ShowsBoard(const Import& import, const CaptureOptions& options) {
 }
 
 /// Decodes everything once, which also detects truncated files, and searches the calibration board.
-void DecodeAll(StageContext& stage, Import& import, const CaptureOptions& options) {
+void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
   const bool with_board = options.board && ShowsBoard(import, options);
   import.small.resize(import.files.size());
   import.board_corners.resize(import.files.size());
   import.boards.resize(import.files.size());
-  ForEach(import, stage.progress(), "cannot be used", [&](std::size_t i) {
-    const Image8 image = Load(import, i, import.files[i], 3);
+  ForEachPhotograph(import, stage.progress(), "cannot be used", [&](std::size_t i) {
+    const Image8 image = LoadUpright(import, i, import.files[i], 3);
     import.small[i] = WorkingImage(image, options.mask_px);
     if (!with_board) return;
     import.board_corners[i] = FindBoard(image, options.Board());
@@ -251,7 +64,7 @@ void DecodeAll(StageContext& stage, Import& import, const CaptureOptions& option
 
 /// Segments the groups unless all masks are given: each placement has its own light and its own
 /// empty set.
-void SegmentAll(StageContext& stage, Import& import, const CaptureOptions& options) {
+void SegmentAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
   const MaskOptions masking = options.Masking();
   import.small_masks.resize(import.files.size());
   if (std::none_of(import.user_masks.begin(), import.user_masks.end(),
@@ -279,34 +92,6 @@ void SegmentAll(StageContext& stage, Import& import, const CaptureOptions& optio
   }
 }
 
-Image8 MaskOf(const Import& import, std::size_t i, const Image8& image) {
-  if (import.user_masks[i].empty()) return RefinedMask(image, import.small_masks[i]);
-  Image8 mask = Load(import, i, import.user_masks[i], 1);
-  for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
-  return mask;
-}
-
-void WritePhotograph(const Import& import, std::size_t i, const Image8& image, const fs::path& to,
-                     int quality) {
-  const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
-  const shoot::SideFile* side = SideFileOf(import, i);
-  const bool developed =
-      IsHeicName(import.files[i]) || IsRawName(import.files[i]) || (side && side->white);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !developed) {
-    std::error_code error;
-    fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
-    if (error)
-      throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " +
-                      error.message());
-    return;
-  }
-  ExifToWrite exif;
-  exif.focal_mm = info.focal_mm.value_or(0);
-  exif.focal_35mm = info.focal_35mm.value_or(0);
-  exif.model = info.camera_model;
-  WriteImage(to, image, quality, &exif);
-}
-
 struct Written {
   CapturedImage image;
   Quality quality;
@@ -314,9 +99,9 @@ struct Written {
   Preview preview;
 };
 
-Written WriteOne(const Import& import, std::size_t i, const fs::path& folder,
+Written WriteOne(const PhotographImport& import, std::size_t i, const fs::path& folder,
                  const CaptureOptions& options) {
-  const Image8 image = Load(import, i, import.files[i], 3);
+  const Image8 image = LoadUpright(import, i, import.files[i], 3);
   const Image8 mask = MaskOf(import, i, image);
   Written written;
   CapturedImage& entry = written.image;
@@ -409,12 +194,12 @@ void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t gr
              " degrees at a time; turn it by 15 degrees at most, or sfm may find no cameras");
 }
 
-int BoardViews(const Import& import) {
+int BoardViews(const PhotographImport& import) {
   return static_cast<int>(std::count_if(import.board_corners.begin(), import.board_corners.end(),
                                         [](const auto& corners) { return !corners.empty(); }));
 }
 
-void ReportBoard(StageContext& stage, const Import& import) {
+void ReportBoard(StageContext& stage, const PhotographImport& import) {
   const int views = BoardViews(import);
   stage.Report("board_views", views);
   if (views == 0) return;
@@ -428,7 +213,8 @@ void ReportBoard(StageContext& stage, const Import& import) {
   stage.ReportJson("plate_not_seen", without.dump());
 }
 
-void ReportSet(StageContext& stage, const Import& import, const std::vector<Written>& all) {
+void ReportSet(StageContext& stage, const PhotographImport& import,
+               const std::vector<Written>& all) {
   double sharpness = 0, exposure = 0, clipped = 0, fraction = 0;
   nlohmann::json each = nlohmann::json::array();
   for (const Written& w : all) {
@@ -468,7 +254,7 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
 }
 
 void Run(StageContext& stage, const CaptureOptions& options) {
-  Import import = Open(stage, options);
+  PhotographImport import = OpenPhotographs(stage, options);
   ReportProgress(stage.progress(), 0.05, "reading photographs");
   DecodeAll(stage, import, options);
   SegmentAll(stage, import, options);
@@ -476,8 +262,8 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   fs::create_directories(folder / "masks");
   std::vector<Written> written(import.files.size());
   ReportProgress(stage.progress(), 0.7, "writing images and masks");
-  ForEach(import, stage.progress(), "cannot be used",
-          [&](std::size_t i) { written[i] = WriteOne(import, i, folder, options); });
+  ForEachPhotograph(import, stage.progress(), "cannot be used",
+                    [&](std::size_t i) { written[i] = WriteOne(import, i, folder, options); });
   ReportSet(stage, import, written);
   ReportBoard(stage, import);
   RequireFitSet(stage, written, options);

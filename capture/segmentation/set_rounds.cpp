@@ -162,6 +162,47 @@ std::vector<PixelClassifier> Learn(const std::vector<PixelSamples>& samples) {
   return classifiers;
 }
 
+/// What is known of each photograph in a round: its empty set, the kinds of shadow on it, samples.
+struct RoundPictures {
+  explicit RoundPictures(std::size_t count)
+      : kinds(count), empties(count), foretold(count), related(count), plain(count) {}
+  std::vector<Image8> kinds, empties;
+  std::vector<char> foretold;                ///< its empty set is known
+  std::vector<PixelSamples> related, plain;  ///< with the empty set (where known), without it
+};
+
+RoundPictures LookAtEmptySets(const Round& round, const MaskOptions& options) {
+  RoundPictures pictures(round.images.size());
+  ParallelFor(std::ssize(round.images), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    Image8& empty = pictures.empties[i];
+    empty = EmptySet(round.lab, round.trimaps, TakeOf(round.takes, i), i);
+    pictures.foretold[i] = Misfit(round.lab[i], empty, round.trimaps[i]) < options.largest_misfit;
+    pictures.kinds[i] = pictures.foretold[i]
+                            ? ShadowKinds(round.lab[i], empty)
+                            : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
+  });
+  return pictures;
+}
+
+/// Samples what each photograph shows, without what may be shadow or the set seen past the figure.
+void TakeSamples(const Round& round, const std::vector<float>& shadow_odds,
+                 const EmptySetMatch& past, RoundPictures& pictures) {
+  ParallelFor(std::ssize(round.images), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    Image8 trimap = round.trimaps[i];
+    for (std::size_t p = 0; p < trimap.data.size(); ++p)
+      if (trimap.data[p] == kObject &&
+          (shadow_odds[pictures.kinds[i].data[p]] < SetRoundTuning::kShadow ||
+           past.At(i, p) < SetRoundTuning::kShadow))
+        trimap.data[p] = kUnknown;
+    PixelSamples& plain = pictures.plain[i];
+    plain = SamplesOf(capture::FeaturesOf(round.lab[i], pictures.empties[i]), trimap);
+    if (pictures.foretold[i]) pictures.related[i] = plain;
+    plain.features = WithoutEmptySet(std::move(plain.features));
+  });
+}
+
 }  // namespace
 
 Image8 Enlarged(const Image8& image, int width, int height) {
@@ -209,42 +250,25 @@ std::vector<Image8> SegmentByColor(const std::vector<Image8>& images,
 std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<BoardOdds>& boards,
                                         const MaskOptions& options) {
   const std::size_t count = round.images.size();
-  std::vector<Image8> masks(count), kinds(count), empties(count);
-  std::vector<char> foretold(count);
-  std::vector<PixelSamples> related(count), plain(count);
-  const auto each = static_cast<std::int64_t>(count);
-  ParallelFor(each, [&](std::int64_t k) {
+  RoundPictures pictures = LookAtEmptySets(round, options);
+  const std::vector<float> shadow_odds = ShadowOdds(round, pictures.kinds);
+  const EmptySetMatch past = FindSeenPast(round, pictures.empties, pictures.foretold,
+                                          SetRoundTuning::kSeenPast * options.odds_limit);
+  TakeSamples(round, shadow_odds, past, pictures);
+  const std::vector<PixelClassifier> with_set = Learn(pictures.related),
+                                     without_set = Learn(pictures.plain);
+  std::vector<Image8> masks(count);
+  ParallelFor(std::ssize(round.images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    empties[i] = EmptySet(round.lab, round.trimaps, TakeOf(round.takes, i), i);
-    foretold[i] = Misfit(round.lab[i], empties[i], round.trimaps[i]) < options.largest_misfit;
-    kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i])
-                           : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
-  });
-  const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
-  const EmptySetMatch past =
-      FindSeenPast(round, empties, foretold, SetRoundTuning::kSeenPast * options.odds_limit);
-  ParallelFor(each, [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
-    Image8 trimap = round.trimaps[i];
-    for (std::size_t p = 0; p < trimap.data.size(); ++p)
-      if (trimap.data[p] == kObject && (shadow_odds[kinds[i].data[p]] < SetRoundTuning::kShadow ||
-                                        past.At(i, p) < SetRoundTuning::kShadow))
-        trimap.data[p] = kUnknown;
-    plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), trimap);
-    if (foretold[i]) related[i] = plain[i];
-    plain[i].features = WithoutEmptySet(std::move(plain[i].features));
-  });
-  const std::vector<PixelClassifier> with_set = Learn(related), without_set = Learn(plain);
-  ParallelFor(each, [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
+    const bool foretold = pictures.foretold[i];
     const PixelClassifier& classifier =
-        (foretold[i] ? with_set : without_set)[FoldOf(i, count, with_set.size())];
-    std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], empties[i]);
-    if (!foretold[i]) features = WithoutEmptySet(std::move(features));
+        (foretold ? with_set : without_set)[FoldOf(i, count, with_set.size())];
+    std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], pictures.empties[i]);
+    if (!foretold) features = WithoutEmptySet(std::move(features));
     ImageF odds(round.images[i].width, round.images[i].height, 1);
     for (std::size_t p = 0; p < features.size(); ++p) {
       odds.data[p] = classifier.Odds(features[p], static_cast<float>(options.odds_limit));
-      const float shadow = std::min(shadow_odds[kinds[i].data[p]], past.At(i, p));
+      const float shadow = std::min(shadow_odds[pictures.kinds[i].data[p]], past.At(i, p));
       if (shadow < SetRoundTuning::kShadow)
         odds.data[p] =
             std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));

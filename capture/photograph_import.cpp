@@ -1,0 +1,213 @@
+#include "capture/photograph_import.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/segmentation/masking.h"
+#include "capture/shoot/develop/photograph.h"
+#include "capture/shoot/develop/white_balance.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/photograph_files.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+Image8 QuarterTurned(const Image8& image) {
+  Image8 turned(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
+  return turned;
+}
+
+/// What `keypose shoot` has noted of the photograph's folder; null for photographs of another
+/// origin.
+const shoot::SideFile* SideFileOf(const PhotographImport& import, std::size_t i) {
+  const auto side = import.side_files.find(import.files[i].parent_path());
+  return side == import.side_files.end() ? nullptr : &side->second;
+}
+
+/// The photograph, with the white balance of its session's grey card if there is one.
+Image8 ReadBalanced(const PhotographImport& import, std::size_t i) {
+  Image8 image = shoot::ReadPhotograph(import.files[i]);
+  const shoot::SideFile* side = SideFileOf(import, i);
+  return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
+}
+
+/// Each photograph in progress takes many times its pixels (measured: 90 bytes each, most for the
+/// board and the mask). If there is not enough memory for one per core, fewer are processed at a
+/// time; the result is the same.
+void FitIntoMemory(StageContext& stage, const PhotographImport& import) {
+  constexpr std::int64_t kBytesAPixel = 90;
+  std::size_t largest = 0;
+  const auto pixels = [&](std::size_t i) {
+    return std::int64_t{import.photographs[i].width} * import.photographs[i].height;
+  };
+  for (std::size_t i = 1; i < import.photographs.size(); ++i)
+    if (pixels(i) > pixels(largest)) largest = i;
+  const std::int64_t need = kBytesAPixel * pixels(largest);
+  const Photograph& photograph = import.photographs[largest];
+  RequireMemory(need, "capture: photograph " + photograph.name + " (" +
+                          std::to_string(photograph.width) + " x " +
+                          std::to_string(photograph.height) + " pixels)");
+  const std::int64_t at_once = FreeMemory() / std::max<std::int64_t>(1, need);
+  if (at_once >= ThreadCount()) return;
+  SetThreadCount(static_cast<int>(std::max<std::int64_t>(1, at_once)));
+  stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
+}
+
+/// Reports user masks with other names, so that none is ignored silently.
+void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& import) {
+  if (import.masks.empty()) return;
+  std::vector<std::string> strangers, doubles;
+  for (const fs::path& file : ImagesIn(import.masks)) {
+    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) !=
+        import.user_masks.end())
+      continue;
+    const auto photograph =
+        std::find_if(import.photographs.begin(), import.photographs.end(),
+                     [&](const Photograph& p) { return IsMaskOf(file, p.name); });
+    if (photograph == import.photographs.end())
+      strangers.push_back(file.filename().string());
+    else
+      doubles.push_back(
+          file.filename().string() + " (for " + photograph->name + " " +
+          import.user_masks[photograph - import.photographs.begin()].filename().string() +
+          " is used)");
+  }
+  if (!doubles.empty())
+    stage.Warn("second masks of a photograph were left out: " + JoinNames(doubles) +
+               "; keep one mask for each photograph");
+  const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(),
+                               [](const fs::path& mask) { return !mask.empty(); });
+  const std::string example = import.photographs[0].name + ".png";
+  if (!any && !strangers.empty())
+    throw InputError("capture: none of the masks in " + import.masks.string() +
+                     " has a photograph's name; name that of " + import.photographs[0].name + ": " +
+                     example);
+  if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
+  if (any && !strangers.empty())
+    stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
+               "; a mask is named like its photograph, as in " + example);
+}
+
+void FindMasksAndPlates(StageContext& stage, PhotographImport& import) {
+  if (stage.Has("masks"))
+    import.masks = stage.Input("masks");
+  else if (fs::is_directory(import.folder / "masks"))
+    import.masks = import.folder / "masks";
+  for (const PhotographGroup& group : import.groups)
+    import.backgrounds.push_back(stage.Has("background") ? stage.Input("background")
+                                                         : FindBackground(group.folder));
+  import.user_masks.resize(import.files.size());
+  for (std::size_t i = 0; i < import.files.size(); ++i) {
+    const fs::path beside = import.files[i].parent_path() / "masks";
+    if (!import.masks.empty())
+      import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
+    if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
+      import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
+  }
+}
+
+}  // namespace
+
+PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& options) {
+  PhotographImport import;
+  import.folder = stage.Input("photos");
+  import.groups = ListPhotographs(import.folder);
+  for (const PhotographGroup& group : import.groups)
+    import.files.insert(import.files.end(), group.files.begin(), group.files.end());
+  if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
+    stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() +
+                               " that are no photographs were left out: " + KindsOf(ignored)));
+  import.photographs = InspectPhotographs(import.groups);
+  RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
+  RequireUsableSizes(import.photographs);
+  FitIntoMemory(stage, import);
+  import.quarter_turns = QuarterTurns(import.photographs);
+  const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
+  if (options.max_size > 0 && longer > options.max_size)
+    import.factor = static_cast<double>(options.max_size) / longer;
+  for (const PhotographGroup& group : import.groups)
+    if (const fs::path side = group.folder / "shoot.json"; fs::exists(side))
+      import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
+  FindMasksAndPlates(stage, import);
+  RequireMasksOfPhotographs(stage, import);
+  return import;
+}
+
+std::optional<TurntablePlace> PlaceOf(const PhotographImport& import, std::size_t i) {
+  const shoot::SideFile* side = SideFileOf(import, i);
+  if (!side) return std::nullopt;
+  const auto shot = shoot::ShotNamed(side->plan, import.files[i].stem().string());
+  if (!shot) return std::nullopt;
+  return TurntablePlace{shot->ring, shoot::AngleOf(side->plan, *shot),
+                        shoot::TiltOf(side->plan, *shot), shot->flip};
+}
+
+Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
+                   int channels) {
+  Image8 image = channels == 3 ? ReadBalanced(import, i) : ReadImage(file, channels);
+  const Photograph& photograph = import.photographs[i];
+  if (image.width != photograph.width || image.height != photograph.height)
+    throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +
+                     " x " + std::to_string(image.height) + ", but " + photograph.name + " is " +
+                     std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
+                     "; make the mask at the photograph's size");
+  if (import.quarter_turns[i]) image = QuarterTurned(image);
+  if (import.factor == 1) return image;
+  return Resized(image, std::max(1, static_cast<int>(std::lround(image.width * import.factor))),
+                 std::max(1, static_cast<int>(std::lround(image.height * import.factor))));
+}
+
+void ForEachPhotograph(const PhotographImport& import, Progress* progress, const std::string& what,
+                       const std::function<void(std::size_t)>& body) {
+  std::vector<std::string> faults(import.files.size());
+  ParallelFor(std::ssize(import.files), [&](std::int64_t i) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    try {
+      body(static_cast<std::size_t>(i));
+    } catch (const InputError& error) {
+      faults[i] = error.what();
+    }
+  });
+  std::erase(faults, "");
+  if (faults.size() == 1) throw InputError(faults.front());
+  if (!faults.empty())
+    throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " +
+                     JoinNames(faults, 200));
+}
+
+Image8 MaskOf(const PhotographImport& import, std::size_t i, const Image8& image) {
+  if (import.user_masks[i].empty()) return RefinedMask(image, import.small_masks[i]);
+  Image8 mask = LoadUpright(import, i, import.user_masks[i], 1);
+  for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
+  return mask;
+}
+
+void WritePhotograph(const PhotographImport& import, std::size_t i, const Image8& image,
+                     const fs::path& to, int quality) {
+  const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
+  const shoot::SideFile* side = SideFileOf(import, i);
+  const bool developed =
+      IsHeicName(import.files[i]) || IsRawName(import.files[i]) || (side && side->white);
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !developed) {
+    std::error_code error;
+    fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " +
+                      error.message());
+    return;
+  }
+  ExifToWrite exif;
+  exif.focal_mm = info.focal_mm.value_or(0);
+  exif.focal_35mm = info.focal_35mm.value_or(0);
+  exif.model = info.camera_model;
+  WriteImage(to, image, quality, &exif);
+}
+
+}  // namespace keypose::capture

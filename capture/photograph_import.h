@@ -1,0 +1,63 @@
+// The photographs of one pose while `capture` reads, masks and writes them.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/board/board_detection.h"
+#include "capture/capture_options.h"
+#include "capture/photographs.h"
+#include "capture/shoot/record/side_file.h"
+#include "core/image.h"
+#include "core/io/image_set.h"
+#include "core/stage/stage_context.h"
+
+namespace keypose::capture {
+
+namespace fs = std::filesystem;
+
+/// The set during import.
+struct PhotographImport {
+  fs::path folder, masks;  // masks: empty if the user gave none
+  std::vector<PhotographGroup> groups;
+  std::vector<fs::path> backgrounds;  // for each group; empty if the user gave none
+  std::vector<fs::path> files;        // of all groups
+  std::vector<Photograph> photographs;
+  std::vector<char> quarter_turns;
+  double factor = 1;  // size written over size read
+  // of each group's folder; none for photographs that `keypose shoot` has not made
+  std::map<fs::path, shoot::SideFile> side_files;
+  std::vector<Image8> small;  // working images
+  std::vector<Image8> small_masks;
+  std::vector<fs::path> user_masks;
+  // for each photograph; empty if it shows no board
+  std::vector<std::vector<BoardCorner>> board_corners;
+  std::vector<BoardOdds> boards;  // their odds for the working images
+};
+
+/// Lists and inspects the photographs, masks and clean plates that the stage is given.
+/// @throws InputError  too few, damaged, of different sizes, masks of others; not enough memory
+PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& options);
+
+/// Pixels of the photograph, or of a mask of it, as they will be written: upright, of one size.
+/// @throws InputError  a mask of another size
+Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
+                   int channels);
+/// The photograph's place in its session with `keypose shoot`.
+std::optional<TurntablePlace> PlaceOf(const PhotographImport& import, std::size_t i);
+/// Its mask at full size: the user's, or the segmented one refined.
+Image8 MaskOf(const PhotographImport& import, std::size_t i, const Image8& image);
+/// The photograph as it came where nothing changed; else `image` with its EXIF data.
+void WritePhotograph(const PhotographImport& import, std::size_t i, const Image8& image,
+                     const fs::path& to, int quality);
+
+/// Calls body(i) for all photographs in parallel and collects the errors.
+/// @throws InputError  of each photograph; "... 3 files WHAT"
+void ForEachPhotograph(const PhotographImport& import, Progress* progress, const std::string& what,
+                       const std::function<void(std::size_t)>& body);
+
+}  // namespace keypose::capture
