@@ -137,6 +137,7 @@ async function kill() {
 }
 
 async function flipbook() {
+  await until('there is a flipbook', () => button('Flipbook F').isEnabled());
   await page.keyboard.press('f');
   const seen = new Set();
   await until('the flipbook turns its pages', async () => {
