@@ -14,21 +14,42 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# Pages, and sections of pages, that came with later rooms: studio, shooting, exports, fit, motion, armature, composite.
-LATER_PAGES = {
-    'docs': ('armature-protocol', 'shoot', 'studio', 'studio-api', 'twelve-become-twenty-four',
-             'vertex-animation-textures', 'wire-puppet'),
-    'docs/stages': ('animate', 'armature', 'armature-live', 'calibrate', 'composite', 'fit', 'locate', 'silhouettes',
-                    'track', 'transfer', 'video3d'),
-    'docs/algorithms': ('armature', 'fit', 'locate', 'track', 'transfer', 'video3d'),
-    'docs/results': ('armature', 'fit', 'formats', 'shot', 'studio', 'track', 'transfer', 'video3d'),
-    'docs/decisions': ('3d-video-in-textures', 'blender-by-one-curve', 'caches-with-y-up', 'coarse-bends-by-features',
-                       'directions-carried-by-the-armature', 'fbx-by-hand', 'few-morph-targets', 'follow-when-asked',
-                       'light-from-filmed-frames', 'matching-parts-of-a-curve', 'outlines-before-textures',
-                       'places-of-marks-too', 'positions-in-two-precisions', 'serial-port-by-termios',
-                       'shadow-in-stored-values', 'stuck-encoders-by-their-neighbours', 'studio-changes-files',
-                       'turned-hands', 'turns-of-marks-over-time'),
+# The pages of the first rooms. All others came with later ones: studio, shooting, exports, fit, motion, armature,
+# composite.
+FIRST_PAGES = {
+    'docs': '''
+        README architecture file-formats glossary pipeline reliability results stage-contract
+    '''.split(),
+    'docs/algorithms': '''
+        bake capture cleanup dense interpolate landmarks masks mesh refine register sfm unwrap
+    '''.split(),
+    'docs/decisions': '''
+        balanced-stretch board-corners-by-template clouds-are-not-fitted-to-outlines competing-starts
+        confidence-is-weight content-fingerprints deterministic-colmap distances-to-landmarks
+        edges-by-the-third-root-of-curvature elastic-packing even-normals-before-long-moves evidence-of-its-own
+        flipped-face-repair frontier-points-and-silhouette-violations gap-fill-by-quadrics ground-by-outlines
+        guardian-processes handles-seen-through how-much-prose join-by-outlines large-meshes
+        least-cuts-by-two-libraries libraries-for-formats mask-holes-and-boundary-matting masks-twice
+        narrow-windows-and-curvature nearest-neighbours-by-nanoflann no-volume-prior occluding-contour-terms
+        one-evidence-for-all-cameras one-photograph-in-common-light one-view-against-the-rest ordered-memory
+        own-intrinsic-map own-pixel-classifier own-remesher-and-repair own-thread-pool pairs-with-exact-truth
+        picks-are-places planes-with-a-scalar-factor player-in-the-page profiles-not-gradients
+        results-are-copies rigid-pieces ring-after-mapper rows-of-right-hand-sides scale-of-cut-targets
+        sfm-coarse-features-and-patches single-blas-thread smooth-affine-maps smooth-sequences
+        sources-in-batches stages-are-programs sub-rooms textures-over-time time-left-on-a-first-run
+        turn-by-twist-and-swing two-decimations volume-along-one-field volumetric-mode
+    '''.split(),
+    'docs/results': '''
+        cameras cleanup demo interpolation landmarks masks newcomers real-photographs reconstruction
+        registration rings runner sensitivity tentacle texture
+    '''.split(),
+    'docs/stages': '''
+        bake capture cleanup complete dense export interpolate landmarks masks mesh refine register report sfm
+        synth unwrap
+    '''.split(),
+    '': ['README'],
 }
+# What later rooms have added to them.
 LATER_SECTIONS = {
     'README.md': ('The studio', 'A second pose', 'A scan that dances', 'Into the shot'),
     'docs/file-formats.md': ('Pins', 'Clips, rigs', 'The shot', 'Clicks', 'The finished shot', 'Textures of frames',
@@ -42,7 +63,7 @@ LATER_SECTIONS = {
 def is_later(page, heading):
     """Whether this section of this page came with a later room; the heading without its marks."""
     folder, _, name = page.rpartition('/')
-    if name.removesuffix('.md') in LATER_PAGES.get(folder, ()):
+    if name.removesuffix('.md') not in FIRST_PAGES.get(folder, ()):
         return True
     return heading.startswith(LATER_SECTIONS.get(page, ()) or ('\n',))
 
