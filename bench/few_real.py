@@ -2,7 +2,7 @@
 """Poses from few photographs, on real ones.
 
     few_real.py run --set NAME=PHOTOS ... [--bin DIR] [--work DIR] [--views 0] [--max-size 1600]
-                    [--fit-size 1600] [--angles 20,40,60] [--json FILE]
+                    [--fit-size 1600] [--angles 20,40,60] [--exact-masks] [--clicks 0] [--json FILE]
     few_real.py show FILE.json ...
 
 For each set of photographs: the cameras of --views of them (0: all) by `sfm`; a template from all but six, spread
@@ -12,7 +12,8 @@ each angle: its upper half about a horizontal axis, evenly over the middle half 
 (`rig`), and with the lens alone (`alone`: the cameras are found by texture). The error is the distance of the vertices
 from where they were before the map, over the diagonal, after alignment by the six cameras. Silhouettes and colours are
 compared in six further photographs by `score_views`, for the fitted mesh and for the template before the map; fit never
-saw them, but the template's texture did. --work keeps the files: what is there is not made again. Needs
+saw them, but the template's texture did. --exact-masks fits to silhouettes of the template before the map instead of
+capture's masks; --clicks N picks so many places of the lower part, 3 pixels beside the truth, in the photographs that show them. --work keeps the files: what is there is not made again. Needs
 python3-numpy, colmap (which deletes views from models) and the tool score_views in --bin.
 """
 import argparse
@@ -27,6 +28,8 @@ import sys
 import tempfile
 
 import numpy as np
+
+import few_real_truth as truth
 
 FEW = 6
 
@@ -161,9 +164,29 @@ class Real:
         means = json.loads(out.read_text())['all']
         return {key: means[key] for key in ('iou', 'psnr_db', 'gained_psnr_db')}
 
+    def exact_images(self):
+        """The six photographs with silhouettes of the template before the map as masks."""
+        folder = self.work / 'few_exact'
+        if not folder.exists():
+            shutil.copytree(self.work / 'few_images', folder)
+            points, faces = truth.read_mesh(self.work / 'mesh.obj')
+            views = truth.read_views(self.model)
+            for name in self.few:
+                truth.write_grey_png(folder / f'masks/{name}.png', truth.silhouette(points, faces, views[name]))
+        return folder
+
+    def picks(self):
+        """The words for fit, with --clicks."""
+        if not self.args.clicks:
+            return []
+        file = self.work / f'clicks_{self.args.clicks}.json'
+        file.write_text(json.dumps({'schema': 2, 'pixels': truth.clicks(self.work / 'mesh.obj', self.model, self.few, self.args.clicks, 3)}))
+        return ['--landmarks', file]
+
     def fit(self, degrees, alone):
         w = self.work
-        name = f'{degrees}_{"alone" if alone else "rig"}'
+        name = f'{degrees}_{"alone" if alone else "rig"}' + '_exact' * self.args.exact_masks + f'_clicks{self.args.clicks}' * bool(self.args.clicks)
+        images = self.exact_images() if self.args.exact_masks else w / 'few_images'
         folder = w / name
         folder.mkdir(exist_ok=True)
         rest = read_points(w / 'mesh.obj')
@@ -171,9 +194,9 @@ class Real:
         write_moved(w / 'mesh.obj', folder / 'bent.obj', start)
         rig = self.only('one', self.further[:1]) if alone else self.model
         if not (folder / 'fit.json').exists():
-            done = call(self.args.bin / 'keypose-fit', '--template', folder / 'bent.obj', '--texture', w / 'texture.png', '--images', w / 'few_images',
+            done = call(self.args.bin / 'keypose-fit', '--template', folder / 'bent.obj', '--texture', w / 'texture.png', '--images', images,
                         '--rig', rig, '--fitted', folder / 'fitted.obj', '--model', folder / 'model', '--picture', folder / 'fitted.png', '--overwrite',
-                        '--max_size', self.args.fit_size, '--report', folder / 'fit.json', check=False)
+                        '--max_size', self.args.fit_size, '--report', folder / 'fit.json', *self.picks(), check=False)
             if done.returncode != 0:
                 return {'failed': done.stdout.strip().splitlines()[-1]}
         report = json.loads((folder / 'fit.json').read_text())
@@ -232,6 +255,8 @@ def main():
     run.add_argument('--max-size', type=int, default=1600)
     run.add_argument('--fit-size', type=int, default=1600)
     run.add_argument('--angles', default='20,40,60')
+    run.add_argument('--exact-masks', action='store_true')
+    run.add_argument('--clicks', type=int, default=0)
     run.add_argument('--json')
     commands.add_parser('show').add_argument('files', nargs='+')
     args = parser.parse_args()
