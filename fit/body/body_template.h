@@ -23,7 +23,7 @@ inline constexpr int kStations = 7;   ///< of radii along a segment
 inline constexpr int kHarmonics = 7;  ///< of radii around a segment: 1, cos, sin, ... of 3 angles
 
 /// Joints by index; parents come first.
-enum JointIndex {
+enum JointIndex : int {
   kPelvis,
   kWaist,
   kChest,
@@ -45,7 +45,7 @@ enum JointIndex {
 };
 
 /// Bone lengths [m]. Those of the right side stand kRight places after those of the left.
-enum LengthIndex {
+enum LengthIndex : int {
   kToWaist,
   kToChest,
   kToNeck,

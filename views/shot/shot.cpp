@@ -53,7 +53,8 @@ FrameSource OpenVideo(const fs::path& path, double* frames_per_second) {
   FrameSource source;
   source.video = path;
   if (video.isOpened()) {
-    source.frames = static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT));
+    // A stream without an index says a hugely negative number, which no int can hold.
+    source.frames = static_cast<int>(std::clamp(video.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
     if (frames_per_second) *frames_per_second = video.get(cv::CAP_PROP_FPS);
   }
   if (source.frames < 1)
