@@ -363,6 +363,45 @@ Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
   return mesh;
 }
 
+/// The registered mesh, and each vertex's map from the source.
+struct Bent {
+  Mesh mesh;
+  std::vector<Eigen::Matrix3d> transforms;
+};
+
+Bent Bend(StageContext& stage, const Mesh& source, const Mesh& target,
+          const std::vector<LandmarkGoal>& goals, const RegisterOptions& options) {
+  const Eigen::VectorXd stiffness = LoadStiffness(stage, source);
+  SubProgress bending(stage.progress(), 0.0, 0.9);
+  Bent bent{source, {}};
+  bent.mesh.normals.resize(0, 3);
+  const auto take = [&](auto&& result) {
+    bent.mesh.points = std::move(result.points);
+    bent.transforms = std::move(result.transforms);
+  };
+  if (options.method == "auto") {
+    AutoResult result = RegisterAuto(source, target, goals, stiffness, options.automatic, &bending);
+    ReportAuto(stage, result);
+    take(result);
+  } else {
+    NricpResult result = RegisterNricp(source, target, goals, stiffness, options.nricp, &bending);
+    ReportRun(stage, result);
+    take(result);
+  }
+  return bent;
+}
+
+void WriteResults(StageContext& stage, const Mesh& source, const Mesh& target, const Bent& bent,
+                  const std::vector<LandmarkGoal>& goals) {
+  if (const auto path = stage.Output("correspondence"); !path.empty())
+    WriteFile(path, CorrespondenceText(bent.mesh.points, source.faces, target));
+  if (const auto path = stage.Output("transforms"); !path.empty())
+    WriteFile(path, TransformsText(source.points, bent.mesh.points, bent.transforms));
+  if (const auto path = stage.Output("picture"); !path.empty())
+    WritePng(path, DrawCorrespondence(source, bent.mesh.points, target, goals));
+  WriteMesh(stage.Output("registered"), bent.mesh);
+}
+
 void Run(StageContext& stage, const RegisterOptions& options) {
   const Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
@@ -373,41 +412,18 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   bool unbound = false;
   CheckedLandmarks landmarks = LoadLandmarks(stage, source, target, &unbound);
   const Mesh whole = WithoutSeams(source, landmarks.goals);
-  const Eigen::VectorXd stiffness = LoadStiffness(stage, source);
-  SubProgress bending(stage.progress(), 0.0, 0.9);
-  Mesh registered = source;
-  registered.normals.resize(0, 3);
-  std::vector<Eigen::Matrix3d> transforms;
-  if (options.method == "auto") {
-    AutoResult result =
-        RegisterAuto(source, target, landmarks.goals, stiffness, options.automatic, &bending);
-    ReportAuto(stage, result);
-    registered.points = std::move(result.points);
-    transforms = std::move(result.transforms);
-  } else {
-    NricpResult result =
-        RegisterNricp(source, target, landmarks.goals, stiffness, options.nricp, &bending);
-    ReportRun(stage, result);
-    registered.points = std::move(result.points);
-    transforms = std::move(result.transforms);
-  }
+  const Bent bent = Bend(stage, source, target, landmarks.goals, options);
+  const PointsX3& registered = bent.mesh.points;
   const double worst =
-      ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
-  const ResultSurfaces surfaces = MakeResultSurfaces(whole, registered.points, target);
-  const RegistrationQuality quality =
-      ReportQuality(stage, whole, registered.points, target, surfaces);
+      ReportLandmarks(stage, landmarks, registered, BoundingDiagonal(target.points));
+  const ResultSurfaces surfaces = MakeResultSurfaces(whole, registered, target);
+  const RegistrationQuality quality = ReportQuality(stage, whole, registered, target, surfaces);
   if (unbound && options.method == "auto")
     RefuseWrongNumbers(worst, quality.flipped_clearly, source.face_count());
-  ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
+  ReportAdvice(stage, whole, registered, target, landmarks.goals, surfaces);
   Gate(quality, source.face_count(), options);
   RefuseFused(stage, source, target, quality.hausdorff_to_target, options.allow_fused);
-  if (const auto path = stage.Output("correspondence"); !path.empty())
-    WriteFile(path, CorrespondenceText(registered.points, source.faces, target));
-  if (const auto path = stage.Output("transforms"); !path.empty())
-    WriteFile(path, TransformsText(source.points, registered.points, transforms));
-  if (const auto path = stage.Output("picture"); !path.empty())
-    WritePng(path, DrawCorrespondence(source, registered.points, target, landmarks.goals));
-  WriteMesh(stage.Output("registered"), registered);
+  WriteResults(stage, source, target, bent, landmarks.goals);
 }
 
 }  // namespace

@@ -107,6 +107,29 @@ std::uint8_t ToByte(double x) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0)));
 }
 
+/// One ray for each pixel, row after row.
+struct RayGrid {
+  RayGrid(int columns, int rows)
+      : width(columns), height(rows), rays(static_cast<std::size_t>(columns) * rows) {}
+  Ray& at(int x, int y) { return rays[static_cast<std::size_t>(y) * width + x]; }
+  const Ray& at(int x, int y) const { return rays[static_cast<std::size_t>(y) * width + x]; }
+  /// Whether a neighbouring pixel differs, or its depth does by more than `jump`.
+  bool OnOutline(int x, int y, double jump) const;
+
+  int width, height;
+  std::vector<Ray> rays;
+};
+
+bool RayGrid::OnOutline(int x, int y, double jump) const {
+  const Ray& ray = at(x, y);
+  for (const auto& [dx, dy] :
+       {std::array{1, 0}, std::array{-1, 0}, std::array{0, 1}, std::array{0, -1}}) {
+    const Ray& other = at(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1));
+    if (other.hit != ray.hit || (ray.hit && std::abs(other.depth - ray.depth) > jump)) return true;
+  }
+  return false;
+}
+
 /// Renders one picture for each shade (at most two). One ray per pixel, and a few more where
 /// neighbouring pixels differ in depth.
 std::vector<Image8> Draw(const Surface& surface, const View& view,
@@ -115,32 +138,18 @@ std::vector<Image8> Draw(const Surface& surface, const View& view,
   const Matrix3d world_from_camera = view.camera_from_world.rotation.conjugate().toRotationMatrix();
   const PixelBox box = ProjectedBounds(surface.points, view);
   const double jump = 0.02 * BoundingDiagonal(surface.points);
-  std::vector<Ray> rays(static_cast<std::size_t>(c.width) * c.height);
-  const auto at = [&](int x, int y) -> Ray& {
-    return rays[static_cast<std::size_t>(y) * c.width + x];
-  };
+  RayGrid grid(c.width, c.height);
   ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
     const int y = box.y0 + static_cast<int>(row);
     for (int x = box.x0; x < box.x1; ++x)
-      at(x, y) = Trace(surface, view, world_from_camera, {x + 0.5, y + 0.5}, shades);
+      grid.at(x, y) = Trace(surface, view, world_from_camera, {x + 0.5, y + 0.5}, shades);
   });
-  const auto on_outline = [&](int x, int y) {
-    const Ray& ray = at(x, y);
-    for (const auto& [dx, dy] :
-         {std::array{1, 0}, std::array{-1, 0}, std::array{0, 1}, std::array{0, -1}}) {
-      const Ray& other =
-          at(std::clamp(x + dx, 0, c.width - 1), std::clamp(y + dy, 0, c.height - 1));
-      if (other.hit != ray.hit || (ray.hit && std::abs(other.depth - ray.depth) > jump))
-        return true;
-    }
-    return false;
-  };
   std::vector<Image8> images(shades.size(), Image8(c.width, c.height, 3));
   ParallelFor(c.height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < c.width; ++x) {
-      std::array<Vector3d, 2> colors = at(x, y).colors;
-      if (on_outline(x, y)) {
+      std::array<Vector3d, 2> colors = grid.at(x, y).colors;
+      if (grid.OnOutline(x, y, jump)) {
         for (int s = 0; s < 4; ++s) {
           const Ray more = Trace(surface, view, world_from_camera,
                                  {x + (s % 2 ? 0.8 : 0.3), y + (s / 2 ? 0.7 : 0.2)}, shades);
@@ -244,6 +253,40 @@ PointsX3 ErrorColors(const Surface& registered, const Surface& target, double at
   return colors;
 }
 
+/// Where the landmarks are on the source, the registered mesh and the target.
+std::array<std::vector<Vector3d>, 3> MarksOn(const std::vector<LandmarkGoal>& landmarks,
+                                             const Surface& from, const Surface& moved,
+                                             const Matrix3d& upright) {
+  std::array<std::vector<Vector3d>, 3> marks;
+  for (const LandmarkGoal& goal : landmarks) {
+    marks[0].push_back(PositionOf(goal.source, from.points));
+    marks[1].push_back(PositionOf(goal.source, moved.points));
+    marks[2].emplace_back(upright * goal.target);
+  }
+  return marks;
+}
+
+/// What the panels of a row show.
+struct RowOfPanels {
+  const Surface &from, &moved, &onto;
+  Shade by_source, by_error, carried;
+  std::array<std::vector<Vector3d>, 3> marks;
+};
+
+void DrawRow(const RowOfPanels& row, double turn_deg, int panel, std::vector<Image8>& panels) {
+  const View own = FitView(row.from.points, turn_deg, kElevation_deg, panel, panel);
+  const View shared = FitView(row.onto.points, turn_deg, kElevation_deg, panel, panel);
+  std::vector<Image8> first = Draw(row.from, own, {row.by_source}),
+                      second = Draw(row.moved, shared, {row.by_source, row.by_error}),
+                      third = Draw(row.onto, shared, {row.carried});
+  DrawDots(row.from, own, row.marks[0], first[0]);
+  DrawDots(row.moved, shared, row.marks[1], second[0]);
+  DrawDots(row.onto, shared, row.marks[2], third[0]);
+  DrawScale(second[1]);
+  for (Image8* image : {&first[0], &second[0], &third[0], &second[1]})
+    panels.push_back(std::move(*image));
+}
+
 }  // namespace
 
 Image8 DrawCorrespondence(const Mesh& source, const PointsX3& registered, const Mesh& target,
@@ -277,26 +320,10 @@ Image8 DrawCorrespondence(const Mesh& source, const PointsX3& registered, const 
                ? pattern.At(from.Mix(source.points, foot.face, foot.barycentric), footprint / size)
                : kGrey;
   };
-  std::vector<Vector3d> marks[3];
-  for (const LandmarkGoal& goal : landmarks) {
-    marks[0].push_back(PositionOf(goal.source, from.points));
-    marks[1].push_back(PositionOf(goal.source, moved.points));
-    marks[2].emplace_back(upright * goal.target);
-  }
+  const RowOfPanels row = {
+      from, moved, onto, by_source, by_error, carried, MarksOn(landmarks, from, moved, upright)};
   std::vector<Image8> panels;
-  for (double turn : options.turns_deg) {
-    const View own = FitView(from.points, turn, kElevation_deg, options.panel, options.panel);
-    const View shared = FitView(onto.points, turn, kElevation_deg, options.panel, options.panel);
-    std::vector<Image8> first = Draw(from, own, {by_source}),
-                        second = Draw(moved, shared, {by_source, by_error}),
-                        third = Draw(onto, shared, {carried});
-    DrawDots(from, own, marks[0], first[0]);
-    DrawDots(moved, shared, marks[1], second[0]);
-    DrawDots(onto, shared, marks[2], third[0]);
-    DrawScale(second[1]);
-    for (Image8* panel : {&first[0], &second[0], &third[0], &second[1]})
-      panels.push_back(std::move(*panel));
-  }
+  for (const double turn : options.turns_deg) DrawRow(row, turn, options.panel, panels);
   return TileImages(panels, 4);
 }
 
