@@ -85,6 +85,36 @@ bool Drain(int fd, std::string* text) {
   return n > 0 || (n < 0 && (errno == EINTR || errno == EAGAIN));
 }
 
+constexpr std::size_t kMostSaid = 4 << 20;
+
+/// Reads what one of its two outputs has; closes it at its end, and when it says too much.
+void HearAsked(Asked& asked, int k, ProcessRunner::Answer& answer) {
+  std::string& text = k == 0 ? answer.output : answer.error;
+  if (Drain(asked.fds[k], &text) && text.size() <= kMostSaid) return;
+  if (text.size() > kMostSaid) {
+    answer.error =
+        fmt::format("its output exceeds {} MB and does not come to an end", kMostSaid >> 20);
+    kill(asked.pid, SIGKILL);
+  }
+  close(asked.fds[k]);
+  asked.fds[k] = -1;
+}
+
+/// Waits for its end; one that still has an open output is killed.
+/// @return the exit code, or 128 and the signal; 124 when killed here, 127 when it never started
+int EndAsked(const Asked& asked) {
+  const bool late = asked.fds[0] >= 0 || asked.fds[1] >= 0;
+  for (const int fd : asked.fds) {
+    if (fd >= 0) close(fd);
+  }
+  if (asked.pid < 0) return 127;
+  if (late) kill(asked.pid, SIGKILL);
+  int status = 0;
+  waitpid(asked.pid, &status, 0);
+  if (late) return 124;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 }  // namespace
 
 struct RealProcessRunner::Child {
@@ -204,7 +234,6 @@ void RealProcessRunner::StopAll() {
 std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(
     const std::vector<std::vector<std::string>>& commands) {
   constexpr double kPatienceSeconds = 60;
-  constexpr std::size_t kMostSaid = 4 << 20;
   std::vector<Asked> asked;
   for (const auto& command : commands) asked.push_back(StartAsked(command));
   std::vector<Answer> answers(commands.size());
@@ -223,32 +252,10 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(
     if (poll(fds.data(), fds.size(), 1000) <= 0) continue;
     for (std::size_t n = 0; n < fds.size(); ++n) {
       const auto [i, k] = owners[n];
-      if (!fds[n].revents) continue;
-      std::string& text = k == 0 ? answers[i].output : answers[i].error;
-      if (Drain(fds[n].fd, &text) && text.size() <= kMostSaid) continue;
-      if (text.size() > kMostSaid) {
-        answers[i].error =
-            fmt::format("its output exceeds {} MB and does not come to an end", kMostSaid >> 20);
-        kill(asked[i].pid, SIGKILL);
-      }
-      close(fds[n].fd);
-      asked[i].fds[k] = -1;
+      if (fds[n].revents) HearAsked(asked[i], k, answers[i]);
     }
   }
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    const bool late = asked[i].fds[0] >= 0 || asked[i].fds[1] >= 0;
-    for (const int fd : asked[i].fds) {
-      if (fd >= 0) close(fd);
-    }
-    answers[i].exit_code = 127;
-    if (asked[i].pid < 0) continue;
-    if (late) kill(asked[i].pid, SIGKILL);
-    int status = 0;
-    waitpid(asked[i].pid, &status, 0);
-    answers[i].exit_code = late                ? 124
-                           : WIFEXITED(status) ? WEXITSTATUS(status)
-                                               : 128 + WTERMSIG(status);
-  }
+  for (std::size_t i = 0; i < asked.size(); ++i) answers[i].exit_code = EndAsked(asked[i]);
   return answers;
 }
 

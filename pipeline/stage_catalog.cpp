@@ -62,6 +62,23 @@ bool StageCatalog::Recall(const std::string& program, const CatalogMemory& memor
   }
 }
 
+void StageCatalog::Learn(const std::string& program, const std::optional<FileStat>& before,
+                         const ProcessRunner::Answer& answer, CatalogMemory& memory) {
+  if (answer.exit_code != 0) {
+    throw ToolError(
+        fmt::format("{} --describe ended with exit code {}: {}\nis it an executable that follows "
+                    "docs/stage-contract.md?",
+                    program, answer.exit_code, answer.error));
+  }
+  StageInfo& info = stages_[program] = ParseStageInfo(answer.output, program);
+  info.programs = ProgramsOf(program, ToolsOf(info));
+  if (info.programs.at(program) != before)
+    throw ToolError(
+        program +
+        " was replaced while its --describe ran; run again when its installation has ended");
+  memory.entries[program] = {{"stamps", StampsOf(info.programs)}, {"describe", answer.output}};
+}
+
 void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   CatalogMemory memory;
   if (!memory_file_.empty() && disk_.Stat(memory_file_)) {
@@ -81,22 +98,7 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   for (const std::string& program : unknown) before.push_back(disk_.Stat(program));
   const auto answers = processes_.Ask(questions);
   if (processes_.interrupted()) throw Cancelled();
-  for (std::size_t i = 0; i < unknown.size(); ++i) {
-    if (answers[i].exit_code != 0) {
-      throw ToolError(
-          fmt::format("{} --describe ended with exit code {}: {}\nis it an executable that follows "
-                      "docs/stage-contract.md?",
-                      unknown[i], answers[i].exit_code, answers[i].error));
-    }
-    StageInfo& info = stages_[unknown[i]] = ParseStageInfo(answers[i].output, unknown[i]);
-    info.programs = ProgramsOf(unknown[i], ToolsOf(info));
-    if (info.programs.at(unknown[i]) != before[i])
-      throw ToolError(
-          unknown[i] +
-          " was replaced while its --describe ran; run again when its installation has ended");
-    memory.entries[unknown[i]] = {{"stamps", StampsOf(info.programs)},
-                                  {"describe", answers[i].output}};
-  }
+  for (std::size_t i = 0; i < unknown.size(); ++i) Learn(unknown[i], before[i], answers[i], memory);
   try {
     if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));
   } catch (const DiskError&) {

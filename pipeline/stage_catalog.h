@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ class StageCatalog {
   std::map<std::string, std::optional<FileStat>> ProgramsOf(
       const std::string& program, const std::vector<std::string>& tools) const;
   bool Recall(const std::string& program, const struct CatalogMemory& memory);
+  /// Takes the answer of a program that was asked, if it is the one of `before`.
+  void Learn(const std::string& program, const std::optional<FileStat>& before,
+             const ProcessRunner::Answer& answer, struct CatalogMemory& memory);
 
   Disk& disk_;
   ProcessRunner& processes_;
