@@ -247,6 +247,35 @@ TEST_F(FitProgram, AGateOnTheOverlapFailsWithItsOwnCode) {
   EXPECT_THAT(Log(), HasSubstr("--min_iou"));
 }
 
+TEST_F(FitProgram, WithoutATextureOutlinesAloneBendTheTemplate) {
+  const std::string f = folder.string();
+  // Neither texture nor texture coordinates.
+  ASSERT_EQ(Call("fit",
+                 "--template " + f + "/clean.ply --images " + f + "/limbs --rig " + Rig().string() +
+                     " --fitted " + f + "/bare.obj --model " + f +
+                     "/model --overwrite --max_size 320 --min_iou 0.85 --report " + f + "/fit.json",
+                 folder / "log"),
+            0)
+      << Log();
+  EXPECT_THAT(Log(), HasSubstr("without a texture only outlines and picks"));
+  EXPECT_EQ(Measured()["textured"], false);
+  EXPECT_EQ(Measured()["images_placed"], 6);
+  EXPECT_EQ(Measured()["placed_by_outlines"], 6);
+  const Mesh rest = ReadMesh(folder / "clean.ply"), bare = ReadMesh(folder / "bare.obj");
+  EXPECT_EQ(bare.faces, rest.faces);
+  // The cameras are those of the rig by which the pose was photographed.
+  const Scene rig = ReadColmapModel(Rig()), model = ReadColmapModel(folder / "model"),
+              truth = ReadColmapModel(folder / "world/truth/limbs/cameras");
+  PointsX3 centres(static_cast<Eigen::Index>(rig.views.size()), 3);
+  for (std::size_t i = 0; i < rig.views.size(); ++i)
+    centres.row(static_cast<Eigen::Index>(i)) = rig.views[i].Center();
+  const KdTree nearest(centres);
+  for (std::size_t i = 0; i < model.views.size(); ++i)
+    EXPECT_EQ(nearest.Nearest(model.views[i].Center()).index,
+              nearest.Nearest(truth.views[i].Center()).index)
+        << model.views[i].name;
+}
+
 TEST_F(FitProgram, ATemplateWithoutTextureCoordinatesIsAnError) {
   const std::string f = folder.string();
   EXPECT_EQ(Call("fit",

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,13 @@
 #include "core/io/mesh_io.h"
 #include "core/io/stiffness_io.h"
 #include "core/mesh_checks.h"
+#include "core/ray_scene.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
 #include "fit/cameras/late_cameras.h"
+#include "fit/contours/disagreement.h"
 #include "fit/outline_picture.h"
 #include "fit/picks/pose_picks.h"
 #include "views/load/prepared_views.h"
@@ -47,16 +50,18 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Bends the template into a few photographs of another pose.";
-  spec.inputs = {{"template", "file", "the unwrapped template (.obj)", ""},
-                 {"texture", "file", "the template's texture", ""},
-                 {"images", "folder", "photographs of the pose, from capture", ""},
-                 {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
-                 {"stiffness", "file",
-                  "the template with painted greys (.ply), or a number for each vertex", "", true},
-                 {"landmarks", "file",
-                  "picks in photographs of the pose, after picks of the template", "", true, true}};
+  spec.inputs = {
+      {"template", "file", "the unwrapped template (.obj)", ""},
+      {"texture", "file",
+       "the template's texture; without one, outlines and picks alone are fitted", "", true},
+      {"images", "folder", "photographs of the pose, from capture", ""},
+      {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
+      {"stiffness", "file", "the template with painted greys (.ply), or a number for each vertex",
+       "", true},
+      {"landmarks", "file", "picks in photographs of the pose, after picks of the template", "",
+       true, true}};
   spec.outputs = {
       {"fitted", "file", "the template in the pose (.obj or .ply)", "fitted.obj"},
       {"model", "folder", "the cameras of the pose's photographs (COLMAP)", "model", true},
@@ -184,6 +189,7 @@ void PlaceLate(StageContext& stage, const Mesh& mesh, const Image8& texture,
                std::vector<FoundCamera>& cameras, Progress* progress) {
   const std::vector<BendView> placed = WithCameras(views, cameras);
   constexpr int kFewest = 2;
+  if (texture.empty()) return;
   if (SizeOf(placed) == SizeOf(views) || SizeOf(placed) < kFewest) return;
   BendOptions options;
   options.only_far = true;
@@ -206,14 +212,14 @@ std::vector<BendView> PlacedViews(StageContext& stage, const std::vector<Prepare
     if (!cameras[v].found) missing.push_back(views[v].name);
   if (!missing.empty())
     stage.Warn(
-        "fit: these photographs do not show enough of the template's texture to find "
-        "where they were taken from; they are left out: " +
+        "fit: these photographs do not show enough of the template to find where they were taken "
+        "from; they are left out: " +
         NameList(missing));
   if (SizeOf(placed) < 2)
     throw InputError("fit: only " + std::to_string(placed.size()) + " of " +
                      std::to_string(cameras.size()) +
-                     " photographs could be placed by the template's texture; check that they "
-                     "show the same character as the template");
+                     " photographs could be placed by the template; check that they show the "
+                     "same character as the template");
   return placed;
 }
 
@@ -254,6 +260,29 @@ bool PlaceByRig(StageContext& stage, const Scene& rig, const std::vector<Prepare
   return true;
 }
 
+/// Without a texture, and where picks have not found the rig: its cameras by outlines.
+/// @return whether any was found
+bool PlaceUntextured(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
+                     std::vector<FoundCamera>& cameras, const Mesh& mesh) {
+  const bool alone = std::none_of(cameras.begin(), cameras.end(),
+                                  [](const FoundCamera& camera) { return camera.found; });
+  if (!alone) return false;  // picks have found cameras that are none of the rig's
+  const int found = PlaceByOutlines(mesh, views, rig.views, cameras);
+  stage.Report("placed_by_outlines", found);
+  return found > 0;
+}
+
+/// Empty without one.
+Image8 LoadTexture(StageContext& stage) {
+  stage.Report("textured", stage.Has("texture"));
+  if (stage.Has("texture")) return ReadImage(stage.Input("texture"), 3);
+  stage.Warn(
+      "fit: without a texture only outlines and picks say where the surface is: what turned about "
+      "its own axis, or lies before the figure, is not found; cameras are taken from the "
+      "template's by outlines, as if the figure stood where the template did: look at the picture");
+  return {};
+}
+
 Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& mesh) {
   if (!stage.Has("stiffness")) return {};
   CarryLog log;
@@ -263,9 +292,32 @@ Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& mesh) {
   return stiffness;
 }
 
+/// In each photograph, where result and mask are farthest apart: there a pick helps most.
+std::vector<nlohmann::ordered_json> WorstPlaces(const Mesh& fitted,
+                                                const std::vector<BendView>& views,
+                                                const std::vector<Rigid3>& cameras,
+                                                const Scene& photographs) {
+  const RayScene scene(fitted.points, fitted.faces);
+  const FacePairs pairs = FindFacePairs(fitted.faces);
+  std::vector<nlohmann::ordered_json> places(views.size());
+  for (int v = 0; v < SizeOf(views); ++v) {
+    const Pinhole& pinhole = views[v].view.camera();
+    const Camera& camera = photographs.views[views[v].view.scene_index].camera;
+    const Disagreement worst = WorstDisagreement(
+        FindSilhouette(fitted.points, fitted.faces, pairs, scene, pinhole, cameras[v]),
+        MakeOutline(views[v].view, 0));
+    if (worst.distance_px <= 0) continue;
+    const Eigen::Vector2d pixel = camera.Project(pinhole.Ray(worst.pixel.x(), worst.pixel.y()));
+    places[v] = {{"pixel", {pixel.x(), pixel.y()}},
+                 {"distance_px", worst.distance_px * camera.fx / pinhole.fx},
+                 {"beyond", worst.mask_beyond ? "mask" : "model"}};
+  }
+  return places;
+}
+
 /// @return mean overlap of silhouettes and masks
 double ReportViews(StageContext& stage, const std::vector<BendView>& views,
-                   const BendResult& result) {
+                   const BendResult& result, const std::vector<nlohmann::ordered_json>& worst) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   double overlap = 0, least = 1, gap = 0, correlation = 0;
   int matches = 0;
@@ -276,7 +328,8 @@ double ReportViews(StageContext& stage, const std::vector<BendView>& views,
                     {"matches", q.matches},
                     {"outline_gap_px", q.outline_gap_px},
                     {"correlation", q.correlation},
-                    {"iou", q.overlap}});
+                    {"iou", q.overlap},
+                    {"worst", worst[v]}});
     overlap += share * q.overlap, gap += share * q.outline_gap_px;
     correlation += share * q.correlation, least = std::min(least, q.overlap);
     matches += q.matches;
@@ -370,7 +423,7 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   Mesh mesh = ReadMesh(stage.Input("template"));
   RequireUsable(mesh, "fit: template");
   const Eigen::VectorXd stiffness = LoadStiffness(stage, mesh);
-  const Image8 texture = ReadImage(stage.Input("texture"), 3);
+  const Image8 texture = LoadTexture(stage);
   const ImageSet set = ReadImageSet(stage.Input("images"));
   const PosePicks picks = LoadPicks(stage, mesh, set);
   const Scene rig = ReadColmapModel(stage.Input("rig"));
@@ -380,12 +433,15 @@ void Run(StageContext& stage, const FitStageOptions& options) {
       LoadPreparedViews(stage, "fit", unplaced, options.max_size, kLevels, kFewest);
   SubProgress rendering(stage.progress(), 0.05, 0.15), finding(stage.progress(), 0.15, 0.3),
       placing(stage.progress(), 0.3, 0.35), bending(stage.progress(), 0.35, 0.97);
-  const SurfaceFeatures features(mesh, texture, {}, &rendering);
+  std::optional<SurfaceFeatures> features;
+  if (!texture.empty()) features.emplace(mesh, texture, SurfaceFeatureOptions(), &rendering);
   const auto picked = PicksByView(picks, views, unplaced);
-  std::vector<FoundCamera> cameras = FindCameras(mesh, features, views, picked, &finding);
+  std::vector<FoundCamera> cameras =
+      FindCameras(mesh, features ? &*features : nullptr, views, picked, &finding);
   ReportCameras(stage, views, cameras);
   BendOptions bend;
-  const bool by_rig = PlaceByRig(stage, rig, views, cameras, mesh);
+  const bool by_rig = PlaceByRig(stage, rig, views, cameras, mesh) ||
+                      (texture.empty() && PlaceUntextured(stage, rig, views, cameras, mesh));
   if (by_rig) bend.hold_cameras = kHoldRig;
   PlaceLate(stage, mesh, texture, stiffness, views, by_rig ? rig.views : std::vector<View>(), picks,
             unplaced, cameras, &placing);
@@ -394,7 +450,10 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   stage.Report("images_placed", SizeOf(placed));
   const BendMarks marks = UsedMarks(stage, picks, placed, unplaced);
   const BendResult result = BendToViews(mesh, texture, stiffness, placed, marks, bend, &bending);
-  const double overlap = ReportViews(stage, placed, result);
+  Mesh fitted = mesh;
+  fitted.points = result.points;
+  const double overlap =
+      ReportViews(stage, placed, result, WorstPlaces(fitted, placed, result.cameras, unplaced));
   ReportMarks(stage, marks, result, placed, SceneOf(unplaced, placed, result.cameras),
               BoundingDiagonal(mesh.points));
   ReportShape(stage, result);

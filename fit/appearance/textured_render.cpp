@@ -34,8 +34,9 @@ Box BoundsInPicture(const PointsX3& points, const Pinhole& camera, const Rigid3&
 
 }  // namespace
 
-SurfaceTexture::SurfaceTexture(const Mesh& mesh, const Image8& texture)
-    : mesh_(mesh), pyramid_(MakeGreyPyramid(texture, kTextureLevels)) {
+SurfaceTexture::SurfaceTexture(const Mesh& mesh, const Image8& texture) : mesh_(mesh) {
+  if (texture.empty()) return;
+  pyramid_ = MakeGreyPyramid(texture, kTextureLevels);
   for (Eigen::Index f = 0; f < mesh.uv_faces.rows(); ++f) {
     const Eigen::Vector2d a = mesh.uvs.row(mesh.uv_faces(f, 0)),
                           b = mesh.uvs.row(mesh.uv_faces(f, 1)),
@@ -45,6 +46,7 @@ SurfaceTexture::SurfaceTexture(const Mesh& mesh, const Image8& texture)
 }
 
 int SurfaceTexture::LevelFor(double area, double footprint) const {
+  if (blank()) return 0;
   const double texels = pyramid_[0].width * std::sqrt(uv_area_ / std::max(area, 1e-300));
   const double texels_a_pixel = std::max(texels * footprint, 1e-9);
   const int level = static_cast<int>(std::floor(std::log2(texels_a_pixel) + 0.5));
@@ -52,6 +54,7 @@ int SurfaceTexture::LevelFor(double area, double footprint) const {
 }
 
 float SurfaceTexture::At(int face, double u, double v, int level) const {
+  if (blank()) return 0;
   const Eigen::Vector2d uv = (1 - u - v) * mesh_.uvs.row(mesh_.uv_faces(face, 0)) +
                              u * mesh_.uvs.row(mesh_.uv_faces(face, 1)) +
                              v * mesh_.uvs.row(mesh_.uv_faces(face, 2));
@@ -59,14 +62,19 @@ float SurfaceTexture::At(int face, double u, double v, int level) const {
   return SampleGrey(image, uv.x() * image.width - 0.5, (1 - uv.y()) * image.height - 0.5);
 }
 
-TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
-                          const SurfaceTexture& texture, int texture_level, const RayScene& scene,
-                          const Pinhole& camera, const Rigid3& camera_from_world) {
-  TexturedRender render{
-      ImageT<int>(camera.width, camera.height, 1, -1),
-      ImageF(camera.width, camera.height, 1, std::numeric_limits<float>::infinity()),
-      ImageF(camera.width, camera.height, 1)};
-  if (faces.rows() == 0) return render;
+namespace {
+
+TexturedRender BlankRender(const Pinhole& camera) {
+  return {ImageT<int>(camera.width, camera.height, 1, -1),
+          ImageF(camera.width, camera.height, 1, std::numeric_limits<float>::infinity()),
+          ImageF(camera.width, camera.height, 1)};
+}
+
+/// Calls `hit_pixel` for what is hit, after face and depth are written.
+template <class HitPixel>
+TexturedRender CastPixels(const PointsX3& points, const RayScene& scene, const Pinhole& camera,
+                          const Rigid3& camera_from_world, const HitPixel& hit_pixel) {
+  TexturedRender render = BlankRender(camera);
   const Eigen::Matrix3d turn = camera_from_world.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d eye = camera_from_world.Inverse().translation;
   const Box box = BoundsInPicture(points, camera, camera_from_world);
@@ -77,9 +85,26 @@ TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
       if (hit.face < 0) continue;
       *render.face.at(x, y) = hit.face;
       *render.depth.at(x, y) = static_cast<float>(hit.distance);
-      *render.grey.at(x, y) = texture.At(hit.face, hit.u, hit.v, texture_level);
+      hit_pixel(hit, render.grey.at(x, y));
     }
   return render;
+}
+
+}  // namespace
+
+TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
+                          const SurfaceTexture& texture, int texture_level, const RayScene& scene,
+                          const Pinhole& camera, const Rigid3& camera_from_world) {
+  if (faces.rows() == 0) return BlankRender(camera);
+  return CastPixels(points, scene, camera, camera_from_world,
+                    [&](const RayScene::Hit& hit, float* grey) {
+                      *grey = texture.At(hit.face, hit.u, hit.v, texture_level);
+                    });
+}
+
+TexturedRender RenderShape(const PointsX3& points, const RayScene& scene, const Pinhole& camera,
+                           const Rigid3& camera_from_world) {
+  return CastPixels(points, scene, camera, camera_from_world, [](const RayScene::Hit&, float*) {});
 }
 
 double Overlap(const TexturedRender& render, const GreyMask& mask) {

@@ -20,12 +20,14 @@ struct TexturedRender {
 /// The texture of a mesh, as brightness at several resolutions.
 class SurfaceTexture {
  public:
-  /// @param mesh  with UVs in [0,1], which must outlive this object; only its faces and UVs are
-  /// used
+  /// @param mesh     with UVs in [0,1], which must outlive this object; only its faces and UVs are
+  ///                 used
+  /// @param texture  empty: blank, the same grey everywhere, and no UVs are needed
   SurfaceTexture(const Mesh& mesh, const Image8& texture);
   /// The pyramid level whose texels are nearest to `footprint` in size, for a surface of this area.
   /// @param footprint  size of a pixel on the surface, in the same unit as the area's root
   int LevelFor(double area, double footprint) const;
+  bool blank() const { return pyramid_.empty(); }
   float At(int face, double u, double v, int level) const;
 
  private:
@@ -38,6 +40,10 @@ class SurfaceTexture {
 TexturedRender RenderGrey(const PointsX3& points, const FacesX3& faces,
                           const SurfaceTexture& texture, int texture_level, const RayScene& scene,
                           const Pinhole& camera, const Rigid3& camera_from_world);
+
+/// Faces and depth alone; grey stays 0.
+TexturedRender RenderShape(const PointsX3& points, const RayScene& scene, const Pinhole& camera,
+                           const Rigid3& camera_from_world);
 
 /// Intersection over union of the render's silhouette and a mask of its size.
 double Overlap(const TexturedRender& render, const GreyMask& mask);

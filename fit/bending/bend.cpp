@@ -195,6 +195,7 @@ std::vector<FeatureMatch> Bending::Consistent(std::int64_t view,
 
 /// Looks for features again, now that the mesh is near, and takes them in place of the first ones.
 void Bending::MatchAgain(int level, double reach) {
+  if (texture_.blank()) return;
   const PointsX3 points = FullPoints(level);
   const RayScene scene(points, mesh_.faces);
   ParallelFor(SizeOf(views_), [&](std::int64_t v) {
@@ -267,6 +268,7 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
       RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
                  at.camera, at.camera_from_world);
   evidence.overlap = Overlap(render, views_[view].view.levels[level].grey);
+  if (texture_.blank()) return;
   const std::vector<SeenVertex> seen =
       SeenVertices(points, normals, render, at.camera, at.camera_from_world, Tuning::kLeastFacing);
   std::vector<PatchShift> shifts =
@@ -448,7 +450,9 @@ void Bending::RunRounds(const std::vector<Round>& rounds) {
     if (round.rematch > 0) MatchAgain(at_, round.rematch);
     for (int k = 0; k < round.repeats; ++k) {
       ReportProgress(progress_, std::min(1.0, static_cast<double>(done_++) / rounds_),
-                     round.appearance > 0 ? "texture" : "features and outlines");
+                     texture_.blank()       ? "outlines"
+                     : round.appearance > 0 ? "texture"
+                                            : "features and outlines");
       RunRound(round);
     }
   }
@@ -470,7 +474,7 @@ void Bending::RunFar() {
 }
 
 BendResult Bending::Run() {
-  const std::vector<Round> near = NearRounds();
+  const std::vector<Round> near = texture_.blank() ? UntexturedRounds() : NearRounds();
   rounds_ = 0;
   for (const auto& rounds : {FarRounds(options_.hold_cameras > 0), near})
     for (const Round& round : rounds) rounds_ += round.repeats;

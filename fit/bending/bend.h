@@ -56,8 +56,9 @@ struct BendResult {
 /// in the far rounds, and weakly beside grey values. A mark that is still far off after the far
 /// rounds is refused, and these begin again without it.
 ///
-/// @param mesh       the template in the world's frame, near the figure; closed, with UVs
-/// @param texture    RGB
+/// @param mesh       the template in the world's frame, near the figure; closed, with UVs (if it
+///                   has a texture)
+/// @param texture    RGB; empty: outlines and marks alone, and no vertex is held by texture
 /// @param stiffness  V, or empty
 /// @param marks      what a person picked; may be empty
 /// @throws InputError   no views; unusable mesh

@@ -29,6 +29,14 @@ std::vector<Round> NearRounds() {
           {0, 0.1, 0, 0.1, 1, 0.1, 0.03, 0, 10, 4}};
 }
 
+// In the order of Round's fields; the appearance asks for the overlap alone.
+std::vector<Round> UntexturedRounds() {
+  return {{2, 0.5, 0, 1, 1, 10, 0.20, 2, 30, 4},
+          {1, 0.5, 0, 1, 1, 10, 0.15, 1, 20, 4},
+          {1, 0.5, 0, 1, 1, 10, 0.10, 1, 20, 4},
+          {0, 0.5, 0, 1, 1, 10, 0.05, 0, 10, 3}};
+}
+
 // The first rounds draw a pick's place from anywhere; later a wrong pick lets go.
 double MarkScale(const Round& round) {
   constexpr double kWholeFigure = 2, kLeast = 0.3;

@@ -24,6 +24,10 @@ std::vector<Round> FarRounds(bool cameras_known);
 /// Grey values from coarse to fine.
 std::vector<Round> NearRounds();
 
+/// Instead of these where there is no texture: outlines and picks, on the coarser levels. Outlines
+/// say nothing of single vertices, so the finest level only takes over what its neighbours do.
+std::vector<Round> UntexturedRounds();
+
 /// Distance at which a pick has a quarter of its weight [half diagonals].
 double MarkScale(const Round& round);
 

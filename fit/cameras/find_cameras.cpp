@@ -38,20 +38,20 @@ std::vector<FeatureMatch> AllMatches(const FoundCamera& camera) {
 
 }  // namespace
 
-std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& features,
+std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures* features,
                                      const std::vector<PreparedView>& views,
                                      const std::vector<std::vector<FeatureMatch>>& picks,
                                      Progress* progress) {
   std::vector<PictureFeatures> pictures(views.size());
   ReportProgress(progress, 0, "features of the photographs");
-  ParallelFor(SizeOf(views), [&](std::int64_t v) {
+  ParallelFor(features ? SizeOf(views) : 0, [&](std::int64_t v) {
     pictures[v] = FindFeatures(views[v].color, MaskOf(views[v]), kMostFeatures);
   });
   std::vector<FoundCamera> cameras(views.size());
   for (int v = 0; v < SizeOf(views); ++v) {
     ReportProgress(progress, 0.3 + 0.7 * v / SizeOf(views), "cameras of the photographs");
     FoundCamera& camera = cameras[v];
-    camera.matches = features.Match(pictures[v]);
+    if (features) camera.matches = features->Match(pictures[v]);
     camera.picks = picks[v];
     const Pinhole& pinhole = views[v].camera();
     const double within = FindCamerasTuning::kWithin * std::max(pinhole.width, pinhole.height);

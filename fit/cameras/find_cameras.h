@@ -26,11 +26,12 @@ struct FoundCamera {
 /// photograph and the textured template. The part of the figure that moved least with respect to
 /// the others decides; moved limbs are outliers.
 ///
-/// @param mesh   the template
-/// @param views  prepared photographs; their poses are not used
+/// @param mesh      the template
+/// @param features  null: the template has no texture, and picks alone find cameras
+/// @param views     prepared photographs; their poses are not used
 /// @param picks  of each photograph, what a person picked; each counts as several features
 /// Same bits for any thread count.
-std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& features,
+std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures* features,
                                      const std::vector<PreparedView>& views,
                                      const std::vector<std::vector<FeatureMatch>>& picks,
                                      Progress* progress = nullptr);

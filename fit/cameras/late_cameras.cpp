@@ -45,15 +45,25 @@ class Search {
         scene_(mesh.points, mesh.faces),
         area_(SurfaceArea(mesh.points, mesh.faces)) {}
 
-  /// The rig's cameras whose silhouettes overlap most with the mask.
-  std::vector<Candidate> OfRig(const PreparedView& view, const std::vector<View>& rig) const {
-    std::vector<Candidate> candidates(rig.size());
+  /// Of the silhouettes under the rig's cameras with the mask, at the coarsest level.
+  std::vector<double> Overlaps(const PreparedView& view, const std::vector<View>& rig) const {
+    std::vector<double> overlaps(rig.size());
     const int coarsest = SizeOf(view.levels) - 1;
     ParallelFor(SizeOf(rig), [&](std::int64_t i) {
-      candidates[i].camera_from_world = rig[i].camera_from_world;
-      candidates[i].overlap =
+      overlaps[i] =
           Overlap(RenderAt(view, coarsest, rig[i].camera_from_world), view.levels[coarsest].grey);
     });
+    return overlaps;
+  }
+
+  /// The rig's cameras whose silhouettes overlap most with the mask.
+  std::vector<Candidate> OfRig(const PreparedView& view, const std::vector<View>& rig) const {
+    const std::vector<double> overlaps = Overlaps(view, rig);
+    std::vector<Candidate> candidates(rig.size());
+    for (int i = 0; i < SizeOf(rig); ++i) {
+      candidates[i].camera_from_world = rig[i].camera_from_world;
+      candidates[i].overlap = overlaps[i];
+    }
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
     candidates.resize(std::min<std::size_t>(candidates.size(), kMostCandidates));
@@ -144,6 +154,35 @@ int FindLateCameras(const Mesh& mesh, const Image8& texture, const std::vector<P
     camera.camera_from_world = best->camera_from_world;
     camera.matches = camera.agreeing;  // of another part, perhaps, than the nearby ones
     camera.matches.insert(camera.matches.end(), best->matches.begin(), best->matches.end());
+    ++count;
+  }
+  return count;
+}
+
+int PlaceByOutlines(const Mesh& mesh, const std::vector<PreparedView>& views,
+                    const std::vector<View>& rig, std::vector<FoundCamera>& cameras) {
+  struct Pair {
+    double overlap;
+    int view, of_rig;
+  };
+  constexpr double kLeastOverlap = 0.5;  // limbs have moved
+  const Search search(mesh, {});
+  std::vector<Pair> pairs;
+  for (int v = 0; v < SizeOf(views); ++v) {
+    if (cameras[v].found) continue;
+    const std::vector<double> overlaps = search.Overlaps(views[v], rig);
+    for (int i = 0; i < SizeOf(rig); ++i)
+      if (overlaps[i] >= kLeastOverlap) pairs.push_back({overlaps[i], v, i});
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.overlap > b.overlap; });
+  std::vector<char> taken(rig.size());
+  int count = 0;
+  for (const Pair& pair : pairs) {
+    if (cameras[pair.view].found || taken[pair.of_rig]) continue;
+    taken[pair.of_rig] = 1;
+    cameras[pair.view].found = true;
+    cameras[pair.view].camera_from_world = rig[pair.of_rig].camera_from_world;
     ++count;
   }
   return count;

@@ -27,4 +27,14 @@ int FindLateCameras(const Mesh& mesh, const Image8& texture, const std::vector<P
                     const std::vector<View>& rig, std::vector<FoundCamera>& cameras,
                     Progress* progress = nullptr);
 
+/// Without a texture: gives photographs without a camera that of the rig's whose silhouette
+/// overlaps most with the mask, each of the rig's once, the best overlap first. From before and
+/// from behind, a figure with two equal halves may have the same outline: look at the result.
+///
+/// @param mesh  the template, where it stood on the rig
+/// @return how many were found
+/// Same bits for any thread count.
+int PlaceByOutlines(const Mesh& mesh, const std::vector<PreparedView>& views,
+                    const std::vector<View>& rig, std::vector<FoundCamera>& cameras);
+
 }  // namespace keypose::fit

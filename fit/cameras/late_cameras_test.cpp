@@ -123,11 +123,28 @@ TEST_F(LateCameras, SixPicksFindTheCameraOfAFigureWithoutTexture) {
   const PreparedView view = Photograph(3);
   const std::vector<FeatureMatch> picks = PicksIn(mesh_, view, 6);
   ASSERT_EQ(picks.size(), 6u);
-  EXPECT_FALSE(FindCameras(mesh_, features, {view}, {{}})[0].found);
-  const FoundCamera camera = FindCameras(mesh_, features, {view}, {picks})[0];
+  EXPECT_FALSE(FindCameras(mesh_, &features, {view}, {{}})[0].found);
+  const FoundCamera camera = FindCameras(mesh_, &features, {view}, {picks})[0];
   ASSERT_TRUE(camera.found);
   EXPECT_LT((camera.camera_from_world.translation - view.camera_from_world.translation).norm(),
             1e-3 * view.camera_from_world.translation.norm());
+}
+
+TEST_F(LateCameras, WithoutATextureOutlinesTellTheCamerasOfARigApart) {
+  std::vector<FoundCamera> cameras(3);
+  const std::vector<PreparedView> views = {Photograph(5), Photograph(0), Photograph(3)};
+  ASSERT_EQ(PlaceByOutlines(mesh_, views, rig_, cameras), 3);
+  for (const auto& [i, of] : {std::pair{0, 5}, {1, 0}, {2, 3}})
+    EXPECT_EQ(cameras[i].camera_from_world.translation, rig_[of].camera_from_world.translation);
+}
+
+TEST_F(LateCameras, ByOutlinesNoCameraIsTakenTwiceAndNoneThatDoesNotOverlap) {
+  std::vector<FoundCamera> cameras(2);
+  EXPECT_EQ(PlaceByOutlines(mesh_, {Photograph(2), Photograph(2)}, {rig_[2]}, cameras), 1);
+  Mesh away = mesh_;
+  away.points.col(2).array() += 5;
+  cameras.assign(2, {});
+  EXPECT_EQ(PlaceByOutlines(away, {Photograph(2), Photograph(3)}, rig_, cameras), 0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/render.h"
 #include "core/testing_shapes.h"
+#include "fit/contours/disagreement.h"
 
 namespace keypose::fit {
 namespace {
@@ -85,7 +86,8 @@ TEST(OutlineMatches, PullASmallSphereOutFromBothSides) {
   const Outline outline = MakeOutline(view, 0);
   const std::vector<ContourPoint> contour = SphereSilhouette(view);
   const double gap = 60 - SphereRadius();
-  const auto to = MatchToOutline(contour, outline, 30), from = MatchFromOutline(contour, outline, 30);
+  const auto to = MatchToOutline(contour, outline, 30),
+             from = MatchFromOutline(contour, outline, 30);
   EXPECT_EQ(to.size(), contour.size());
   EXPECT_GT(from.size(), outline.points.size() * 9 / 10);
   for (const auto& matches : {to, from})
@@ -94,6 +96,29 @@ TEST(OutlineMatches, PullASmallSphereOutFromBothSides) {
       EXPECT_GT(match.direction.dot(contour[match.contour].normal), 0.5);
     }
   EXPECT_TRUE(MatchToOutline(contour, outline, gap / 2).empty());
+}
+
+TEST(WorstDisagreement, IsWhereTheOneIsBeyondTheOther) {
+  const double radius = SphereRadius();
+  for (const double mask : {60.0, 40.0}) {
+    PreparedView view = DiscView(mask);
+    const Disagreement found = WorstDisagreement(SphereSilhouette(view), MakeOutline(view, 0));
+    EXPECT_NEAR(found.distance_px, std::abs(mask - radius), 1);
+    EXPECT_EQ(found.mask_beyond, mask > radius);
+    const double from_middle = (found.pixel - Eigen::Vector2d::Constant(kMiddle)).norm();
+    EXPECT_NEAR(from_middle, std::max(mask, radius), 1);
+  }
+}
+
+TEST(WorstDisagreement, ASpurOfTheMaskIsFound) {
+  PreparedView view = DiscView(SphereRadius());
+  for (int x = 100; x < 190; ++x)
+    for (int y = 96; y < 104; ++y) *view.levels[0].grey.at(x, y) = 1;
+  const Disagreement found = WorstDisagreement(SphereSilhouette(view), MakeOutline(view, 0));
+  EXPECT_TRUE(found.mask_beyond);
+  EXPECT_NEAR(found.pixel.x(), 189, 2);
+  EXPECT_NEAR(found.distance_px, 189 - kMiddle - SphereRadius(), 2);
+  EXPECT_EQ(WorstDisagreement({}, MakeOutline(view, 0)).distance_px, 0);
 }
 
 }  // namespace
