@@ -103,22 +103,39 @@ std::vector<double> TextureWeights(double t, const std::vector<int>& pose_of_key
   return weights;
 }
 
-std::string PlayerJson(const PlayerData& data,
-                       const std::function<std::string(const Image8&)>& encode) {
-  using nlohmann::json;
-  Eigen::RowVector3d low = data.frames.front().colwise().minCoeff(),
-                     high = data.frames.front().colwise().maxCoeff();
-  for (const PointsX3& points : data.frames) {
+namespace {
+
+/// Positions as 16-bit numbers: low + step * number.
+struct RoundedFrames {
+  Eigen::RowVector3d low;
+  double step = 0;
+  std::vector<std::uint32_t> positions;
+};
+
+RoundedFrames RoundFrames(const std::vector<PointsX3>& frames) {
+  RoundedFrames rounded;
+  Eigen::RowVector3d low = frames.front().colwise().minCoeff(),
+                     high = frames.front().colwise().maxCoeff();
+  for (const PointsX3& points : frames) {
     low = low.cwiseMin(points.colwise().minCoeff());
     high = high.cwiseMax(points.colwise().maxCoeff());
   }
-  const double step = std::max((high - low).maxCoeff(), 1e-12) / 65535;
-  std::vector<std::uint32_t> positions;
-  for (const PointsX3& points : data.frames)
+  rounded.low = low;
+  rounded.step = std::max((high - low).maxCoeff(), 1e-12) / 65535;
+  for (const PointsX3& points : frames)
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       for (int c = 0; c < 3; ++c)
-        positions.push_back(
-            static_cast<std::uint32_t>(std::lround((points(i, c) - low[c]) / step)));
+        rounded.positions.push_back(
+            static_cast<std::uint32_t>(std::lround((points(i, c) - low[c]) / rounded.step)));
+  return rounded;
+}
+
+}  // namespace
+
+std::string PlayerJson(const PlayerData& data,
+                       const std::function<std::string(const Image8&)>& encode) {
+  using nlohmann::json;
+  const RoundedFrames frames = RoundFrames(data.frames);
   const DrawnVertices drawn = Draw(data.mesh);
   const bool wide = drawn.source.size() > 65535;
   const auto indices = [&](const std::vector<std::uint32_t>& values) {
@@ -133,12 +150,12 @@ std::string PlayerJson(const PlayerData& data,
   }
   for (const Image8& texture : data.textures) textures.push_back(encode(texture));
   return json{{"vertices", data.frames.front().rows()},
-              {"low", {low[0], low[1], low[2]}},
-              {"step", step},
+              {"low", {frames.low[0], frames.low[1], frames.low[2]}},
+              {"step", frames.step},
               {"up", {data.up[0], data.up[1], data.up[2]}},
               {"fps", data.fps},
               {"wide", wide},
-              {"positions", Packed<std::uint16_t>(positions)},
+              {"positions", Packed<std::uint16_t>(frames.positions)},
               {"faces", indices(drawn.faces)},
               {"source", indices(drawn.source)},
               {"uv", Packed<std::uint16_t>(drawn.uv)},

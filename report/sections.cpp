@@ -105,6 +105,10 @@ constexpr Fact kPoseFacts[] = {
     {"track", "overlap with the masks, least (IoU)", "iou_least"},
     {"track", "limbs lost and found again", "limbs_found_again"},
     {"track", "height of the actor (m)", "actor_height_m"},
+    {"follow", "overlap with the masks before bending, mean (IoU)", "iou_before_mean"},
+    {"follow", "overlap with the masks, mean (IoU)", "iou_mean"},
+    {"follow", "overlap with the masks, least (IoU)", "iou_least"},
+    {"follow", "faces turned over", "flipped"},
     {"transfer", "marks", "marks"},
     {"transfer", "largest change of volume (share)", "volume_deviation"},
     {"unwrap", "UV charts", "charts"},
@@ -314,11 +318,33 @@ std::string StartsTable(const StepRecord& step) {
   return table.Html();
 }
 
+/// How far registered template and target are apart, in numbers and colours.
+std::string PairDistances(const PairPart& pair, const Encoder& encode) {
+  const double d = pair.diagonal;
+  Table table({"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
+  const auto add = [&](const char* name, const OneWayDistance& way) {
+    table.Add({name, Percent(way.mean / d), Percent(way.rms / d), Percent(way.p99 / d),
+               Percent(way.max / d)});
+  };
+  add("registered \u2192 target", pair.to_target);
+  add("target \u2192 registered", pair.from_target);
+  std::string html =
+      table.Html() + "<p class=lead>Two-sided Hausdorff distance: <b>" +
+      Percent(std::max(pair.to_target.max, pair.from_target.max) / d) + "</b> of the diagonal (" +
+      Pretty(std::max(pair.to_target.max, pair.from_target.max)) + " in the target's units).</p>";
+  const std::string scale =
+      ColorScale(HeatStops(), "distance: 0", Percent(pair.scale_top) + " of the diagonal or more");
+  html += "<h3>Registered template, coloured by its distance to the target</h3>" +
+          Shots(pair.registered, encode);
+  html += "<h3>Target, coloured by its distance to the registered template</h3>" +
+          Shots(pair.target, encode) + scale;
+  return html;
+}
+
 }  // namespace
 
 std::string PairSection(const PairPart& pair, const Encoder& encode) {
   const StepRecord& step = *pair.step;
-  const double d = pair.diagonal;
   std::string html = "<section id=\"register-" + Escape(step.pose) +
                      "\"><h2>Registration of the template onto \u2018" + Escape(step.pose) +
                      "\u2019</h2>";
@@ -345,26 +371,7 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
         "<h3>Correspondence: template, registered, target with the template\u2019s pattern, "
         "distance</h3>" +
         Shots(pair.carried, encode);
-  if (d > 0) {
-    Table table(
-        {"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
-    const auto add = [&](const char* name, const OneWayDistance& way) {
-      table.Add({name, Percent(way.mean / d), Percent(way.rms / d), Percent(way.p99 / d),
-                 Percent(way.max / d)});
-    };
-    add("registered \u2192 target", pair.to_target);
-    add("target \u2192 registered", pair.from_target);
-    html += table.Html() + "<p class=lead>Two-sided Hausdorff distance: <b>" +
-            Percent(std::max(pair.to_target.max, pair.from_target.max) / d) +
-            "</b> of the diagonal (" + Pretty(std::max(pair.to_target.max, pair.from_target.max)) +
-            " in the target's units).</p>";
-    const std::string scale = ColorScale(HeatStops(), "distance: 0",
-                                         Percent(pair.scale_top) + " of the diagonal or more");
-    html += "<h3>Registered template, coloured by its distance to the target</h3>" +
-            Shots(pair.registered, encode);
-    html += "<h3>Target, coloured by its distance to the registered template</h3>" +
-            Shots(pair.target, encode) + scale;
-  }
+  if (pair.diagonal > 0) html += PairDistances(pair, encode);
   return html + LandmarkResiduals(step) + EverythingMeasured(step) + "</section>\n";
 }
 

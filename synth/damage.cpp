@@ -49,25 +49,30 @@ Image8 TurnedLeft(const Image8& image) {
   return turned;
 }
 
-void Spoil(const fs::path& path, DamageKind kind) {
+/// @return false: damage of pixels, which is not done here
+bool SpoilFile(const fs::path& path, DamageKind kind) {
   switch (kind) {
     case DamageKind::kDrop:
       fs::remove(path);
-      return;
+      return true;
     case DamageKind::kEmpty:
       WriteFile(path, "");
-      return;
+      return true;
     case DamageKind::kNoImage:
       WriteFile(path, "This is not a photograph.\n");
-      return;
+      return true;
     case DamageKind::kTruncate: {
       const std::string bytes = ReadFile(path);
       WriteFile(path, std::string_view(bytes).substr(0, bytes.size() / 2));
-      return;
+      return true;
     }
     default:
-      break;
+      return false;
   }
+}
+
+void Spoil(const fs::path& path, DamageKind kind) {
+  if (SpoilFile(path, kind)) return;
   const ImageInfo info = ReadImageInfo(path);
   const Image8 image = ReadImage(path, 3);
   const ExifToWrite upright = ExifOf(info, 1), turned = ExifOf(info, 6);
