@@ -115,6 +115,32 @@ void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matc
   stage.Report("verified_matches", static_cast<int>(inliers));
 }
 
+std::vector<Features> ReadAllFeatures(StageContext& stage, const std::filesystem::path& file,
+                                      std::size_t images) {
+  std::vector<Features> features;
+  const ColmapDatabase database(file);
+  for (std::size_t i = 0; i < images; ++i)
+    features.push_back(database.ReadFeatures(static_cast<int>(i)));
+  double count = 0;
+  for (const Features& f : features) count += f.count();
+  stage.Report("mean_features", count / static_cast<double>(features.size()));
+  return features;
+}
+
+/// Verifies matches, and adds those along epipolar lines if asked.
+std::vector<Verified> VerifyAll(StageContext& stage, const std::vector<Features>& features,
+                                const std::vector<PairMatches>& enough, int longer_side_px,
+                                const SfmOptions& options, Stopwatch& watch) {
+  std::vector<Verified> verified = VerifyPairs(features, enough, options, stage.progress());
+  watch.Lap(stage, "verification");
+  if (!options.guided_matching) return verified;
+  ReportProgress(stage.progress(), 0.65, "matching along epipolar lines");
+  stage.Report("guided_gain",
+               MatchAlongLines(verified, features, longer_side_px, options, stage.progress()));
+  watch.Lap(stage, "guided_matching");
+  return verified;
+}
+
 }  // namespace
 
 std::vector<std::string> NamesOf(const ImageSet& set) {
@@ -131,15 +157,8 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   ColmapDatabase::Create(files.database, matched.camera, matched.focal_known, names);
   ExtractFeatures(stage, set, files, options, fine);
   watch.Lap(stage, "features");
-  std::vector<Features>& features = matched.features;
-  {
-    const ColmapDatabase database(files.database);
-    for (std::size_t i = 0; i < names.size(); ++i)
-      features.push_back(database.ReadFeatures(static_cast<int>(i)));
-  }
-  double count = 0;
-  for (const Features& f : features) count += f.count();
-  stage.Report("mean_features", count / static_cast<double>(features.size()));
+  matched.features = ReadAllFeatures(stage, files.database, names.size());
+  const std::vector<Features>& features = matched.features;
   ReportProgress(stage.progress(), 0.4, "selecting pairs");
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
@@ -158,14 +177,8 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   std::vector<PairMatches> enough = matched.matches;
   std::erase_if(
       enough, [&](const PairMatches& pair) { return SizeOf(pair.features) < options.min_inliers; });
-  std::vector<Verified> verified = VerifyPairs(features, enough, options, stage.progress());
-  watch.Lap(stage, "verification");
-  if (options.guided_matching) {
-    ReportProgress(stage.progress(), 0.65, "matching along epipolar lines");
-    stage.Report("guided_gain",
-                 MatchAlongLines(verified, features, longer_side_px, options, stage.progress()));
-    watch.Lap(stage, "guided_matching");
-  }
+  std::vector<Verified> verified =
+      VerifyAll(stage, features, enough, longer_side_px, options, watch);
   ReportMatches(stage, pairs.size(), enough.size(), verified);
   for (Verified& pair : verified) matched.verified.push_back(std::move(pair.inliers));
   ColmapDatabase(files.database).PutInliers(matched.verified);
