@@ -74,8 +74,9 @@ Scene HalfSeen(const Vector3d& skip, const Similarity3& frame, unsigned seed) {
   Scene scene;
   while (scene.points.size() < 3000) {
     const std::size_t b = random() % balls.size();
-    const Vector3d normal_out =
-        Vector3d(normal(random), normal(random), normal(random)).normalized();
+    // one after the other: compilers disagree on the order of a call's arguments
+    const double z = normal(random), y = normal(random), x = normal(random);
+    const Vector3d normal_out = Vector3d(x, y, z).normalized();
     if (normal_out.dot(skip) > 0.3) continue;
     SparsePoint point = PointAt(frame * Vector3d(balls[b].first + balls[b].second * normal_out +
                                                  1e-4 * Vector3d::Constant(normal(random))));
