@@ -105,8 +105,34 @@ void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
   }
 }
 
+void ReadFilm(const fs::path& path, std::unique_ptr<FilmFiles> files, CompositeInput* input) {
+  input->film_files = std::move(files);
+  input->film_files->DecodeAll();
+  input->film = input->film_files->pictures();
+  for (const FilmPicture& picture : input->film)
+    RequireSize(picture.path, input->shot.camera, "the filmed frame");
+  RequireSameFilm(*input, path);
+}
+
 /// Several pictures are the film itself, from which the plate is made.
 bool IsFilm(const FilmFiles& plate) { return plate.pictures().size() > 1; }
+
+/// The filmed frames of a shot whose camera moves; its plates are read when the plan is made.
+void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
+  if (!stage.Has("filmed"))
+    throw InputError(
+        "composite: the camera of this shot moves; pass its filmed frames (--filmed), and as "
+        "--plate a film of the empty set with the same move");
+  const fs::path film = stage.Input("filmed");
+  if (fs::equivalent(film, stage.Input("plate")))
+    throw InputError(
+        "composite: the camera of this shot moves, so its plate cannot be made from its own "
+        "frames; pass as plate (`plate` of the project's shot) a film of the empty set with the "
+        "same move: one numbered plate for each filmed frame, or one for each picture of the "
+        "finished shot");
+  input->film_stays = true;
+  ReadFilm(film, std::make_unique<FilmFiles>(film), input);
+}
 
 void ReadPlate(StageContext& stage, CompositeInput* input) {
   const fs::path plate = stage.Input("plate");
@@ -115,13 +141,8 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
   input->film_stays = stage.Has("filmed");
   const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
   if (input->film_stays || is_film) {
-    input->film_files =
-        folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder);
-    input->film_files->DecodeAll();
-    input->film = input->film_files->pictures();
-    for (const FilmPicture& picture : input->film)
-      RequireSize(picture.path, input->shot.camera, "the filmed frame");
-    RequireSameFilm(*input, folder);
+    ReadFilm(folder, folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder),
+             input);
   }
   if (!is_film) {
     if (!plate_files) plate_files = std::make_unique<FilmFiles>(plate);
@@ -130,6 +151,16 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
     RequireSize(path, input->shot.camera, "the plate");
     input->given_plate = ReadImage(path, 3);
   }
+}
+
+void ReadSet(const fs::path& path, CompositeInput* input) {
+  const Mesh set = ReadMesh(path);
+  if (set.face_count() == 0)
+    throw InputError(fmt::format("composite: the set {} has no faces", PrintableName(path)));
+  if (!set.points.allFinite())
+    throw InputError(
+        fmt::format("composite: the set {} has a vertex that is not finite", PrintableName(path)));
+  input->set = std::make_shared<SetGeometry>(set);
 }
 
 std::string Digits(int frames) { return fmt::format("{} frame{}", frames, frames == 1 ? "" : "s"); }
@@ -141,15 +172,19 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   input.shot = ReadShot(stage.Input("shot"));
   ReadFrames(stage.Input("frames"), fps, &input, stage.progress());
   ReadLooks(stage, &input);
-  ReadPlate(stage, &input);
+  input.shot.still ? ReadPlate(stage, &input) : ReadMovingFilm(stage, &input);
   if (stage.Has("holdout")) {
     RequireSize(stage.Input("holdout"), input.shot.camera, "the holdout");
     input.holdout = ReadImage(stage.Input("holdout"), 1);
   }
+  if (stage.Has("set")) ReadSet(stage.Input("set"), &input);
   std::vector<int> numbers;
   if (input.film_stays)
     for (const FilmPicture& picture : input.film) numbers.push_back(picture.frame);
   input.plan = PlanFilm(input.shot, numbers, input.times);
+  if (!input.shot.still)
+    input.passing = std::make_unique<PassingPlates>(stage.Input("plate"), input.plan, numbers,
+                                                    input.shot.camera);
   stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
                          input.plan.between, input.plan.held));
   return input;
@@ -157,7 +192,9 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
 
 Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   Film film;
-  film.given_plate = input.given_plate, film.holdout = input.holdout;
+  film.given_plate = input.given_plate, film.holdout = input.holdout, film.set = input.set;
+  if (input.passing)
+    film.plate_at = [plates = input.passing.get()](int animation) { return plates->At(animation); };
   film.read = [&input](int i) { return ReadImage(input.film[i].path, 3); };
   int start = 0;
   for (const ShotFrame& frame : input.shot.frames)
@@ -172,7 +209,8 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
     picture.animation = std::clamp(shown, 0, SizeOf(input.frames) - 1);
     for (int a = 0; a < SizeOf(geometry.anchors()); ++a) {
       const ShotFrame& located = input.shot.frames[geometry.anchors()[a].shot_frame];
-      if (located.frame == input.film[i].frame) picture.anchor = a;
+      if (located.frame != input.film[i].frame) continue;
+      picture.anchor = a, picture.keyed = !located.pose.empty();
     }
     film.pictures.push_back(picture);
   }

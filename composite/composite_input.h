@@ -8,6 +8,7 @@
 
 #include "composite/composing/film_lessons.h"
 #include "composite/film/film_files.h"
+#include "composite/passing_plates.h"
 #include "core/io/shot_io.h"
 #include "core/stage/stage.h"
 
@@ -24,6 +25,8 @@ struct CompositeInput {
   bool film_stays = false;        ///< they are pictures of the finished shot too
   FilmPlan plan;
   Image8 given_plate, holdout;
+  std::shared_ptr<const SetGeometry> set;
+  std::unique_ptr<PassingPlates> passing;  ///< of a moving camera
 };
 
 /// @param fps  of the animation where its folder does not say

@@ -23,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kParts[] = {"layers", "compare", "blender", "plates"};
+
 std::string Number(int n) { return fmt::format("{:04}", n); }
 
 /// Straight alpha, sRGB, from premultiplied linear light.
@@ -59,7 +61,7 @@ class ShotWriter {
         lessons_(lessons),
         options_(options),
         camera_(input.shot.camera) {
-    for (const char* part : {"layers", "compare", "blender"}) Make(folder_ / part);
+    for (const char* part : kParts) Make(folder_ / part);
     if (options.video && CanWriteMp4() && camera_.width > 1 && camera_.height > 1)
       video_ = std::make_unique<Mp4Writer>(folder_ / "shot.mp4", camera_.width / 2 * 2,
                                            camera_.height / 2 * 2, input.times.fps);
@@ -67,7 +69,7 @@ class ShotWriter {
 
   Written WriteAll(Progress* progress) {
     const int count = SizeOf(input_.plan.pictures);
-    WritePng(folder_ / "plate.png", SrgbOf(lessons_.plate.light));
+    if (geometry_.still()) WritePng(folder_ / "plate.png", SrgbOf(lessons_.plate.light));
     for (int n = 0; n < count; ++n) {
       if (progress && progress->cancelled()) throw Cancelled();
       ReportProgress(progress, 0.5 + 0.5 * n / count, "pictures");
@@ -75,7 +77,7 @@ class ShotWriter {
     }
     if (video_) video_->Finish();
     if (options_.blender) WriteBlender();
-    for (const char* part : {"layers", "compare", "blender"})
+    for (const char* part : kParts)
       if (fs::is_empty(folder_ / part)) fs::remove(folder_ / part);
     return std::move(written_);
   }
@@ -114,6 +116,8 @@ class ShotWriter {
       WritePng(folder_ / (Number(n) + ".png"), composed.picture);
       WriteFile(folder_ / "layers" / (Number(n) + ".png"), EncodePng(StraightOf(composed.layer)));
     }
+    if (!geometry_.still())
+      WritePng(folder_ / "plates" / (Number(n) + ".png"), composed.passing.picture);
     Show(n, composed.picture);
   }
 
@@ -160,11 +164,21 @@ class ShotWriter {
 
   void WriteBlender() {
     const fs::path folder = folder_ / "blender";
-    BlenderShot shot{
-        geometry_.view(), input_.times.fps, input_.plan.start, SizeOf(input_.plan.pictures), {},
-        "plate.png",      "film_0000.jpg"};
-    const Image8 plate = SrgbOf(lessons_.plate.light);
-    WritePng(folder / shot.plate, camera_.distorted() ? Undistorted(plate, camera_) : plate);
+    BlenderShot shot{geometry_.ViewAt(0),
+                     {},
+                     input_.times.fps,
+                     input_.plan.start,
+                     SizeOf(input_.plan.pictures),
+                     {},
+                     "",
+                     "film_0000.jpg"};
+    if (geometry_.still()) {
+      shot.plate = "plate.png";
+      const Image8 plate = SrgbOf(lessons_.plate.light);
+      WritePng(folder / shot.plate, camera_.distorted() ? Undistorted(plate, camera_) : plate);
+    }
+    for (int n = 0; !geometry_.still() && n < shot.pictures; ++n)
+      shot.path.push_back(geometry_.ViewAt(n - shot.first_picture));
     for (int i = 0; i < SizeOf(input_.looks.textures); ++i) {
       shot.textures.push_back(fmt::format("texture_{}.png", i));
       WritePng(folder / shot.textures.back(), SrgbOf(input_.looks.textures[i]));

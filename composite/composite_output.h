@@ -32,7 +32,8 @@ struct Written {
 /// - 0000.png and on: the finished shot; filmed frames as they were filmed, under their own kind of
 ///   file; in-betweens as PNG or EXR
 /// - layers/: character and shadow of the rendered pictures alone, with alpha
-/// - plate.png, shot.mp4, compare/ (filmed, rendered, difference), blender/, composite.json
+/// - plate.png (of a moving camera: plates/, those of the rendered pictures), shot.mp4, compare/
+/// (filmed, rendered, difference), blender/, composite.json
 /// @throws DiskError, ToolError; Cancelled
 Written WriteShot(const std::filesystem::path& folder, const CompositeInput& input,
                   const ShotGeometry& geometry, const Film& film, const FilmLessons& lessons,

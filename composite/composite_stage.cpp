@@ -55,7 +55,7 @@ struct CompositeOptions {
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "2",
+    .version = "3",
     .summary = "Renders in-betweens into a filmed shot.",
     .inputs = {{.name = "frames",
                 .kind = "folder",
@@ -68,7 +68,7 @@ const keypose::StageSpec kSpec{
                {.name = "plate",
                 .kind = "path",
                 .help = "the set without the character (a picture), or the film, from which it is "
-                        "made"},
+                        "made; of a moving camera numbered plates or a video of the empty set"},
                {.name = "filmed",
                 .kind = "path",
                 .help = "filmed frames (a folder of numbered pictures, or a video), which stay as "
@@ -77,6 +77,11 @@ const keypose::StageSpec kSpec{
                {.name = "holdout",
                 .kind = "file",
                 .help = "picture that is white where props stand before the character",
+                .optional = true},
+               {.name = "set",
+                .kind = "file",
+                .help = "mesh of props and furniture in the shot's world, which hide the character "
+                        "and catch its shadow (.obj, .ply, ...)",
                 .optional = true}},
     .outputs = {{.name = "pictures",
                  .kind = "folder",
@@ -128,6 +133,33 @@ void ReportLessons(StageContext& stage, const FilmLessons& lessons) {
         lessons.plate.inpainted));
 }
 
+/// Of a moving camera.
+void ReportPlates(StageContext& stage, const CompositeInput& input) {
+  if (!input.passing) return;
+  const PassingPlates& plates = *input.passing;
+  stage.Report("plates_made", plates.made);
+  stage.Report("plates_doubtful", plates.doubtful);
+  if (plates.made > 0)
+    stage.Warn(fmt::format(
+        "composite: {} plates between filmed frames were made from their neighbours, which "
+        "differed in up to {:.1f} % of the pixels; look at plates/, and shoot plates at {:g} "
+        "pictures a second where the move allows",
+        plates.made, 100 * plates.doubtful, input.times.fps));
+  int without = 0;
+  for (const keypose::FilmPicture& picture : input.film) {
+    const int shown = picture.frame * input.plan.per_frame - input.plan.start;
+    const bool located =
+        std::any_of(input.shot.frames.begin(), input.shot.frames.end(),
+                    [&](const keypose::ShotFrame& f) { return f.frame == picture.frame; });
+    without += shown >= 0 && shown < keypose::SizeOf(input.frames) && !located;
+  }
+  if (without > 0)
+    stage.Warn(fmt::format(
+        "composite: the camera of {} filmed frames was not located but taken from a smooth way "
+        "between the others; a move that is not smooth there shows as sliding",
+        without));
+}
+
 void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
   if (joins.empty()) return;
   const auto worst = std::min_element(
@@ -172,6 +204,7 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   stage.Report("between", input.plan.between);
   stage.Report("held", input.plan.held);
   stage.Report("filmed_unchanged", written.filmed_unchanged);
+  ReportPlates(stage, input);
   stage.ReportJson("joins", joins.dump());
   const ordered_json root = {{"schema", 1},
                              {"fps", input.times.fps},

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "composite/locate_clicks.h"
+#include "composite/locate_partners.h"
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/shrunk.h"
 #include "core/errors.h"
@@ -73,14 +74,17 @@ class Shows {
       AddPart(parts[k], parts.size() == names_.size() ? k : -1);
   }
 
-  /// @return pictures to locate, and the mesh of each
-  std::vector<std::pair<FilmPicture, int>> Chosen() const {
+  /// @return pictures to locate, and the mesh of each. With `between` also those between pictures
+  /// that show a key: the animation's frames are spread evenly over them.
+  std::vector<std::pair<FilmPicture, int>> Chosen(bool between) const {
     std::vector<std::pair<FilmPicture, int>> chosen;
     for (int i = 0; i < SizeOf(pictures_); ++i) {
       if (given_.empty())
         chosen.push_back({pictures_[i], MeshOf(i)});
       else if (const auto at = given_.find(pictures_[i].frame); at != given_.end())
         chosen.push_back({pictures_[i], at->second});
+      else if (const int mesh = between ? MeshBetween(pictures_[i].frame) : -1; mesh >= 0)
+        chosen.push_back({pictures_[i], mesh});
     }
     for (const auto& [frame, mesh] : given_)
       if (std::none_of(pictures_.begin(), pictures_.end(),
@@ -120,6 +124,15 @@ class Shows {
                       "nor the number of a mesh from 0 to {}",
                       pose, meshes_ - 1));
     given_[*frame] = mesh;
+  }
+  /// The animation's frame between two keys; -1: before, after, or at no whole frame of it.
+  int MeshBetween(int frame) const {
+    const auto after = given_.upper_bound(frame);
+    if (after == given_.begin() || after == given_.end()) return -1;
+    const auto before = std::prev(after);
+    const int meshes = after->second - before->second, frames = after->first - before->first;
+    if (meshes <= 0 || meshes % frames) return -1;
+    return before->second + (frame - before->first) * (meshes / frames);
   }
   int MeshOf(int i) const {
     if (meshes_ == 1) return 0;
@@ -161,15 +174,6 @@ void ReadMeshes(const std::vector<fs::path>& files, const Shows& shows,
   }
 }
 
-/// The file for a picture in a folder of mattes, by number; or the one file given.
-fs::path PartnerOf(const std::vector<FilmPicture>& files, const FilmPicture& picture, bool single) {
-  if (single) return files[0].path;
-  for (const FilmPicture& file : files)
-    if (file.frame == picture.frame) return file.path;
-  throw InputError("locate: there is no matte for " + picture.path.filename().string() +
-                   "; mattes are numbered as the pictures are");
-}
-
 void RequireSize(const Image8& image, const fs::path& path, const Camera& camera,
                  const std::string& of) {
   if (image.width == camera.width && image.height == camera.height) return;
@@ -207,9 +211,30 @@ void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs:
   stage.Report("focal_start_px", camera.fx);
 }
 
-void AddFrame(StageContext& stage, const FilmPicture& picture, int pose,
-              const std::vector<FilmPicture>& mattes, bool single_matte, const Image8& plate,
-              LocateInput& input) {
+/// What helps to see the figure in a picture; either may be missing.
+struct Partners {
+  std::optional<PartnerFilm> mattes, plates;
+  int plates_a_frame = 1;
+
+  /// @throws InputError  one matte for several pictures
+  Partners(StageContext& stage, const std::vector<FilmPicture>& film,
+           const std::vector<int>& frames, bool quick) {
+    if (stage.Has("matte")) {
+      mattes.emplace(stage.Input("matte"), "matte");
+      if (mattes->single() && frames.size() > 1)
+        throw InputError(fmt::format(
+            "locate: one matte for {} pictures; pass a folder with a matte for each, or a video",
+            frames.size()));
+      mattes->Decode(frames);
+    } else if (stage.Has("background") && !quick) {
+      plates.emplace(stage.Input("background"), "plate");
+      if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
+      plates->Decode(frames, plates_a_frame);
+    }
+  }
+};
+
+void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, LocateInput& input) {
   const std::string first =
       input.pictures.empty() ? "" : input.pictures[0].path.filename().string();
   LocateFrame frame;
@@ -218,13 +243,15 @@ void AddFrame(StageContext& stage, const FilmPicture& picture, int pose,
   const Image8 whole = ReadImage(picture.path, 3);
   RequireSize(whole, picture.path, input.camera, first);
   frame.picture = Reduced(whole, input.shot.camera);
-  if (!mattes.empty()) {
-    const fs::path path = PartnerOf(mattes, picture, single_matte);
-    const Image8 matte = ReadImage(path, 1);
+  if (partners.mattes) {
+    const fs::path path = partners.mattes->For(picture);
+    const Image8 matte = ReadMatte(path);
     RequireSize(matte, path, input.camera, frame.name);
     frame.matte = Reduced(matte, input.shot.camera);
-  } else if (stage.Has("background") && !input.shot.quick) {
-    RequireSize(plate, stage.Input("background"), input.camera, frame.name);
+  } else if (partners.plates) {
+    const fs::path path = partners.plates->For(picture, partners.plates_a_frame);
+    const Image8 plate = ReadImage(path, 3);
+    RequireSize(plate, path, input.camera, frame.name);
     frame.matte = Reduced(MatteFromPlate(whole, plate), input.shot.camera);
     frame.matte_deviation_px = 1;
   }
@@ -241,11 +268,10 @@ void SetRate(StageContext& stage, double given, LocateInput& input) {
                            own, input.fps));
 }
 
-/// Of a video only the pictures that are used are decoded.
-void DecodeChosen(const std::vector<std::pair<FilmPicture, int>>& chosen, FilmFiles& film) {
+std::vector<int> FramesOf(const std::vector<std::pair<FilmPicture, int>>& chosen) {
   std::vector<int> frames;
   for (const auto& [picture, mesh] : chosen) frames.push_back(picture.frame);
-  film.Decode(frames);
+  return frames;
 }
 
 void AddClicks(StageContext& stage, LocateInput& input) {
@@ -287,7 +313,8 @@ void LocateStageOptions::Describe(OptionVisitor& visit) {
   visit("distortion", distortion, {.help = "also solve the lens distortion k1"});
   visit("camera", camera,
         {"still: the camera stands on a tripod, and frames may share one place; moving: each frame "
-         "has a camera of its own",
+         "has a camera of its own, and those between the shown ones are located too, by the "
+         "animation",
          "",
          0,
          0,
@@ -331,22 +358,14 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
       stage.Has("frames") ? ReadFrameTimes(stage.Input("frames"), SizeOf(files)).key_frames
                           : std::vector<int>();
   const Shows shows(options, SizeOf(files), keys, pictures);
-  std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen();
+  std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen(options.camera == "moving");
   ReadMeshes(files, shows, chosen, input);
-  DecodeChosen(chosen, *input.film);
+  const std::vector<int> frames = FramesOf(chosen);
+  input.film->Decode(frames);  // of a video only the pictures that are used
   SetCamera(stage, options, chosen[0].first.path, input);
-  const std::vector<FilmPicture> mattes =
-      stage.Has("matte") ? FilmPictures(stage.Input("matte")) : std::vector<FilmPicture>{};
-  const bool single = stage.Has("matte") && !fs::is_directory(stage.Input("matte"));
-  if (single && chosen.size() > 1)
-    throw InputError("locate: one matte for " + std::to_string(chosen.size()) +
-                     " pictures; pass a folder with a matte for each");
   input.shot.quick = options.quick;
-  const Image8 plate = stage.Has("background") && !options.quick
-                           ? ReadImage(stage.Input("background"), 3)
-                           : Image8{};
-  for (const auto& [picture, pose] : chosen)
-    AddFrame(stage, picture, pose, mattes, single, plate, input);
+  const Partners partners(stage, pictures, frames, options.quick);
+  for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, partners, input);
   AddClicks(stage, input);
   if (options.quick) RequireClicksEverywhere(input);
   if (stage.Has("textures") && !options.quick)

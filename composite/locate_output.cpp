@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "composite/plan/camera_path.h"
 #include "core/geometry.h"
 #include "core/render.h"
 #include "core/rotations.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr int kMostPictures = 6, kColumns = 3;
 constexpr double kFullColour = 3;  // px
+constexpr int kJitterStep = 23;    // of the vertices
 
 /// The camera of the whole pictures, with the lens that was found on reduced ones.
 Camera WholeCamera(const LocateInput& input, const Camera& found) {
@@ -82,7 +84,33 @@ double JitterOf(const LocateInput& input, const LocatedShot& located) {
   return jitter;
 }
 
+/// How much the camera trembles: the deviation of its places from a smooth way, as the pictures
+/// show it; the root of the mean square over the mesh and the frames with two others on each side.
+double CameraJitterOf(const LocateInput& input, const FilmedShot& shot) {
+  std::vector<CameraKnot> knots;
+  for (const ShotFrame& frame : shot.frames)
+    knots.push_back({1.0 * frame.frame, frame.camera_from_world});
+  const CameraPath path(knots);
+  double sum = 0;
+  int count = 0;
+  for (int i = 2; i + 2 < SizeOf(knots); ++i) {
+    const CameraPath::Smooth smooth = path.SmoothAt(i);
+    const View found{"", shot.camera, knots[i].camera_from_world},
+        even{"", shot.camera, smooth.camera_from_world};
+    for (Eigen::Index v = 0; v < input.mesh.points.rows(); v += kJitterStep, ++count) {
+      const Eigen::Vector3d x = input.mesh.points.row(v);
+      sum += (found.Project(x) - even.Project(x)).squaredNorm() / (smooth.gain * smooth.gain);
+    }
+  }
+  return count ? std::sqrt(sum / count) : 0;
+}
+
 }  // namespace
+
+bool IsBetween(const LocateInput& input, int frame) {
+  return !input.shot.still && input.pose_names[input.shot.frames[frame].pose].empty() &&
+         !input.pose_names[input.shot.frames[0].pose].empty();
+}
 
 FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
   FilmedShot shot;
@@ -94,6 +122,7 @@ FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
   const Rigid3 world_camera = located.frames[0].at.camera_from_mesh;
   for (int i = 0; i < SizeOf(located.frames); ++i) {
     const LocatedFrame& found = located.frames[i];
+    if (found.left_out) continue;
     ShotFrame frame;
     frame.frame = input.pictures[i].frame;
     frame.picture = input.pictures[i].path.filename().string();
@@ -152,6 +181,8 @@ void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot
     stage.Report("center_seen_px", located.center_deviation_px / input.scale);
   stage.Report("one_place", located.one_place);
   stage.Report("jitter_px", JitterOf(input, located));
+  if (!input.shot.still)
+    stage.Report("camera_jitter_px", CameraJitterOf(input, ShotOf(input, located)));
 }
 
 Image8 DriftPicture(const LocateInput& input, const LocatedShot& located) {

@@ -7,6 +7,8 @@
 
 namespace keypose::composite {
 
+/// Of a moving camera: a picture that shows no key pose.
+bool IsBetween(const LocateInput& input, int frame);
 FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located);
 
 void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot& located);

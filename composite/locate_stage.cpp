@@ -21,7 +21,7 @@ constexpr double kGoodContour = 1.5;  // px
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "locate";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
   spec.inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
@@ -29,9 +29,12 @@ StageSpec Spec() {
       {"textures", "path", "the texture, or a folder whose first picture it is", "", true, false},
       {"plate", "path", "the filmed picture, a folder of numbered ones, or a video (.mp4, .mov)",
        "", false, false},
-      {"matte", "path", "255 where the character is; numbered as the pictures are", "", true,
-       false},
-      {"background", "file", "the set without the character (a clean plate)", "", true, false},
+      {"matte", "path",
+       "255 where the character is, as grey or as alpha; numbered as the pictures are, or a video",
+       "", true, false},
+      {"background", "path",
+       "the set without the character (a clean plate); of a moving camera one for each picture", "",
+       true, false},
       {"clicks", "file", "pairs of a pixel and a place on the mesh (.json)", "", true, false}};
   spec.outputs = {
       {"shot", "file", "the camera and the character's places", "shot.json", false, false},
@@ -45,12 +48,25 @@ StageSpec Spec() {
 void RequireCharacter(const LocateInput& input, const LocatedShot& located, double min_iou) {
   for (int i = 0; i < SizeOf(located.frames); ++i) {
     const LocatedFrame& frame = located.frames[i];
-    if (frame.iou >= min_iou || frame.matte.empty()) continue;
+    if (frame.iou >= min_iou || frame.matte.empty() || IsBetween(input, i)) continue;
     throw InputError(fmt::format(
         "locate: no character found in {}: the best place of the mesh overlaps with the matte by "
         "{:.2f} only (IoU; --min_iou is {:.2f}); check that the picture shows this character in "
         "this pose, or pass --clicks",
         input.shot.frames[i].name, frame.iou, min_iou));
+  }
+}
+
+/// Between keys of a moving camera a frame may be missing: the animation passes beside the film.
+void LeaveOut(StageContext& stage, const LocateInput& input, double min_iou, LocatedShot* located) {
+  for (int i = 0; i < SizeOf(located->frames); ++i) {
+    LocatedFrame& frame = located->frames[i];
+    if (!IsBetween(input, i) || frame.iou >= min_iou || frame.matte.empty()) continue;
+    frame.left_out = true;
+    stage.Warn(fmt::format(
+        "locate: {} is left out: the animation overlaps with what was filmed by {:.2f} only (IoU); "
+        "the camera goes there on a smooth way between its neighbours",
+        input.shot.frames[i].name, frame.iou));
   }
 }
 
@@ -97,8 +113,9 @@ void Judge(StageContext& stage, const LocateInput& input, const LocatedShot& loc
 void Run(StageContext& stage, const LocateStageOptions& options) {
   LocateInput input;
   ReadLocateInput(stage, options, input);
-  const LocatedShot located = LocateShot(input.shot, stage.progress());
+  LocatedShot located = LocateShot(input.shot, stage.progress());
   RequireCharacter(input, located, options.min_iou);
+  LeaveOut(stage, input, options.min_iou, &located);
   ReportShot(stage, input, located);
   WarnOf(stage, input, located);
   Judge(stage, input, located);

@@ -46,8 +46,16 @@ class Story {
     const double share = (frame - before->first) / (after->first - before->first);
     return PoseBetween(world_.PoseNamed(before->second), world_.PoseNamed(after->second), share);
   }
+  bool camera_moves() const { return command_.swing_deg != 0 || command_.dolly_m != 0; }
+  ShotSetOptions SetAt(double frame) const {
+    ShotSetOptions set = command_.set;
+    const double share = ShareAt(frame), eased = share * share * (3 - 2 * share) - 0.5;
+    set.camera_azimuth_deg += eased * command_.swing_deg;
+    set.distance_m -= eased * command_.dolly_m;
+    return set;
+  }
   Similarity3 PlaceAt(double frame) const {
-    const double share = last() > first() ? (frame - first()) / (last() - first()) - 0.5 : 0;
+    const double share = ShareAt(frame) - 0.5;
     const double turn = share * command_.turn_deg * kPi / 180;
     return {1,
             Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
@@ -55,6 +63,10 @@ class Story {
   }
 
  private:
+  double ShareAt(double frame) const {
+    return last() > first() ? (frame - first()) / (last() - first()) : 0.5;
+  }
+
   const ShotCommand& command_;
   const World& world_;
 };
@@ -62,16 +74,22 @@ class Story {
 class ShotFilming {
  public:
   ShotFilming(const ShotCommand& command, const World& world)
-      : command_(command), world_(world), story_(command, world), set_(command.set) {
+      : command_(command),
+        world_(world),
+        story_(command, world),
+        set_(story_.SetAt(story_.first())) {
     MakeShotFolder(command.output / "film");
     for (const char* part : {"mattes", "frames", "between"}) MakeShotFolder(Truth() / part);
     if (command.meshes) MakeShotFolder(Truth() / "meshes");
+    if (HasPlates()) MakeShotFolder(command.output / "plates");
     shot_.camera = set_.view().camera, shot_.fps = command.fps;
+    shot_.still = !story_.camera_moves();
   }
 
   /// @return number of filmed frames
   int FilmAll(Progress* progress) {
-    if (command_.clean_plate) WritePng(command_.output / "plate.png", set_.Plate());
+    if (command_.clean_plate && !HasPlates())
+      WritePng(command_.output / "plate.png", set_.Plate(0));
     const int pictures = (story_.last() - story_.first()) * command_.between;
     for (int n = 0; n <= pictures; ++n) {
       if (progress && progress->cancelled()) throw Cancelled();
@@ -83,10 +101,15 @@ class ShotFilming {
   }
 
  private:
+  bool HasPlates() const { return command_.clean_plate && story_.camera_moves(); }
   fs::path Truth() const { return command_.output / "truth" / "shot"; }
 
   void FilmOne(int n) {
     const double frame = story_.first() + n / static_cast<double>(command_.between);
+    if (story_.camera_moves()) set_ = ShotSet(story_.SetAt(frame));
+    if (HasPlates())
+      WritePng(command_.output / "plates" / PictureName(n),
+               set_.Plate(static_cast<std::uint64_t>(n)));
     const bool whole = n % command_.between == 0;
     const int number = story_.first() + n / command_.between;
     const bool keyed = whole && command_.shows.count(number);

@@ -20,10 +20,12 @@ struct ShotCommand {
   double fps = 12;
   double travel_m = 0.07;  ///< how far the character gets from the first frame to the last
   double turn_deg = 18;    ///< how far it turns meanwhile
-  bool keys_only = false;  ///< film only the frames that show a pose
-  bool clean_plate = false;
-  bool photographs = true;  ///< of the shown poses, on the turntable
-  bool meshes = false;      ///< the true surface of every picture of the truth
+  /// A camera that moves: it swings round the set, and comes nearer, slow out and slow in.
+  double swing_deg = 0, dolly_m = 0;
+  bool keys_only = false;    ///< film only the frames that show a pose
+  bool clean_plate = false;  ///< of a moving camera one for each picture of the truth
+  bool photographs = true;   ///< of the shown poses, on the turntable
+  bool meshes = false;       ///< the true surface of every picture of the truth
   WorldOptions world;
   ShotSetOptions set;
   PhotosCommand photos;
@@ -37,7 +39,8 @@ struct ShotCommand {
 std::map<int, std::string> ReadShows(const std::vector<std::string>& texts);
 
 /// Writes below `output`:
-/// - film/0000.png and on, plate.png if asked, photos/POSE/ and truth/POSE/
+/// - film/0000.png and on, plate.png or plates/0000.png and on if asked, photos/POSE/ and
+/// truth/POSE/
 /// - truth/shot/shot.json: the camera, and the character's place in each filmed frame, in metres,
 ///   from the frame of the poses' truth
 /// - truth/shot/mattes/0000.png: of the filmed frames

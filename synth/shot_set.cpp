@@ -239,7 +239,7 @@ Image8 ShotSet::Developed(ImageF linear, std::uint64_t grain) const {
                                      options_.seed * 1000033 + grain});
 }
 
-Image8 ShotSet::Plate() const { return Developed(empty_, 900001); }
+Image8 ShotSet::Plate(std::uint64_t grain) const { return Developed(empty_, 900001 + grain); }
 
 ShotPicture ShotSet::Film(const World& world, const PointsX3& points,
                           const Similarity3& world_from_character, std::uint64_t grain) const {

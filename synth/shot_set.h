@@ -1,4 +1,4 @@
-// The set of a filmed shot: a table before a wall, a lamp, a camera that stands still; and pictures
+// The set of a filmed shot: a table before a wall, a lamp, a camera; and pictures
 // of a clay character on it.
 #pragma once
 
@@ -43,7 +43,8 @@ class ShotSet {
   explicit ShotSet(const ShotSetOptions& options);
   const View& view() const { return view_; }
   /// The set without the character.
-  Image8 Plate() const;
+  /// @param grain  number of its sensor noise
+  Image8 Plate(std::uint64_t grain) const;
   /// The character in a pose, with light and shadow of its own.
   ///
   /// @param points  the surface's vertices in the pose, in the character's frame

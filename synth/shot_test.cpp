@@ -98,6 +98,23 @@ TEST_F(SyntheticShot, KeysAloneLeaveTheirTimesOpen) {
   EXPECT_FALSE(fs::exists(command_.output / "plate.png"));
 }
 
+TEST_F(SyntheticShot, AMovingCameraHasAPlateForEachPicture) {
+  command_.swing_deg = 20, command_.dolly_m = 0.1;
+  RunShot(command_, nullptr);
+  const FilmedShot shot = ReadShot(command_.output / "truth/shot/shot.json");
+  EXPECT_FALSE(shot.still);
+  const auto distance = [&](int i) {  // to the place that it looks at
+    return (shot.frames[i].camera_from_world * Eigen::Vector3d(0, 0, 0.09)).norm();
+  };
+  EXPECT_NEAR(distance(0) - distance(2), 0.1, 1e-9);
+  EXPECT_NEAR(distance(1), command_.set.distance_m, 1e-9);
+  EXPECT_EQ(FilmPictures(command_.output / "plates").size(), 5u);
+  EXPECT_FALSE(fs::exists(command_.output / "plate.png"));
+  const Image8 first = ReadImage(command_.output / "plates/0000.png", 3),
+               last = ReadImage(command_.output / "plates/0004.png", 3);
+  EXPECT_NE(first.data, last.data);
+}
+
 TEST_F(SyntheticShot, BadCommandsAreRefused) {
   EXPECT_THROW(ReadShows({"0:rest"}), UsageError);
   EXPECT_THROW(ReadShows({"x=rest"}), UsageError);

@@ -62,9 +62,10 @@ struct PaintedFaces {
 /// A generated shot, and its true animation as frames and texture: made once for all tests.
 class GeneratedShot : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = fs::temp_directory_path() / ("keypose_composite_" + std::to_string(getpid()));
-    synth::ShotCommand command;
+  static void SetUpTestSuite() { Film("keypose_composite_", {}); }
+  /// @param command  what differs from the test's shot
+  static void Film(const std::string& name, synth::ShotCommand command) {
+    folder_ = fs::temp_directory_path() / (name + std::to_string(getpid()));
     command.output = folder_;
     command.shows = {{0, "rest"}, {2, "wave"}};
     command.world.spacing_m = 0.004;
@@ -230,6 +231,44 @@ TEST_F(GeneratedShot, AHoldoutKeepsThePropInFront) {
   EXPECT_LT(worst, 20) << "grain alone differs";
 }
 
+/// A box on the table, 6 cm to each side and 5 cm high.
+std::string BoxAt(double x, double y) {
+  std::string text;
+  for (int i = 0; i < 8; ++i)
+    text += fmt::format("v {} {} {}\n", x + (i & 1 ? 0.03 : -0.03), y + (i & 2 ? 0.03 : -0.03),
+                        i & 4 ? 0.05 : 0.0);
+  for (const char* face : {"1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"})
+    text += std::string("f ") + face + "\n";
+  return text;
+}
+
+TEST_F(GeneratedShot, PropsOfTheSetHideTheCharacterAndCatchItsShadow) {
+  // One before the character, as the camera sees it; one in its shadow, away from the lamp.
+  WriteFile(folder_ / "before.obj", BoxAt(0.03, -0.14));
+  WriteFile(folder_ / "beside.obj", BoxAt(0.10, 0.08));
+  const std::map<std::string, std::string> flags{
+      {"plate", "plate.png"}, {"blender", "false"}, {"compare", "false"}};
+  const auto with = [&](const char* name, const char* set) {
+    std::map<std::string, std::string> all = flags;
+    if (set) all["set"] = set;
+    const RunResult result = Composite(name, all);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return ReadAlpha(folder_ / name / "layers/0001.png");
+  };
+  const Image8 plain = with("plain", nullptr), hidden = with("behind_box", "before.obj"),
+               caught = with("on_box", "beside.obj");
+  const auto differing = [&](const Image8& other, int least) {
+    int count = 0;
+    for (std::size_t i = 0; i < plain.data.size(); ++i)
+      count += std::abs(int{plain.data[i]} - other.data[i]) >= least;
+    return count;
+  };
+  EXPECT_GT(differing(hidden, 128), 300) << "of the character's pixels are hidden";
+  EXPECT_GT(differing(caught, 12), 100) << "the shadow lies on the box instead of the table";
+  WriteFile(folder_ / "none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  EXPECT_EQ(Composite("no_set", {{"set", "none.obj"}}).exit_code, 3);
+}
+
 TEST_F(GeneratedShot, TheSameInputGivesTheSameBitsForAnyThreadCount) {
   const std::map<std::string, std::string> quick{
       {"blender", "false"}, {"samples", "2"}, {"follow", "true"}};
@@ -263,13 +302,118 @@ TEST_F(GeneratedShot, WrongInputIsNamed) {
   FilmedShot moving = ReadShot(folder_ / "shot.json");
   moving.still = false;
   WriteFile(folder_ / "moving.json", ShotText(moving));
-  refused({{"shot", "moving.json"}}, "the camera of this shot moves");
+  refused({{"shot", "moving.json"}}, "cannot be made from its own frames");
+  refused({{"shot", "moving.json"}, {"plate", "plate.png"}}, "one plate");
+  refused({{"shot", "moving.json"}, {"filmed", ""}}, "--filmed");
   FilmedShot late = ReadShot(folder_ / "shot.json");
   late.frames.back().frame = 3;
   WriteFile(folder_ / "late.json", ShotText(late));
   refused({{"shot", "late.json"}}, "does not have");
   WriteFile(folder_ / "broken.json", "{\"schema\": 1}");
   refused({{"shot", "broken.json"}}, "broken.json");
+}
+
+/// The same, with a camera that swings round the character and comes nearer.
+class MovingShot : public GeneratedShot {
+ protected:
+  static void SetUpTestSuite() {
+    synth::ShotCommand command;
+    command.swing_deg = 6, command.dolly_m = 0.03;
+    Film("keypose_moving_", command);
+    FilmedShot shot = ReadShot(folder_ / "truth/shot/shot.json");  // all that was filmed
+    for (ShotFrame& frame : shot.frames) frame.world_from_character = {};
+    WriteFile(folder_ / "shot.json", ShotText(shot));
+    fs::create_directories(folder_ / "film_plates");  // none between the filmed frames
+    for (const auto& [film, picture] : {std::pair{0, 0}, {1, 2}, {2, 4}})
+      fs::copy_file(folder_ / fmt::format("plates/{:04}.png", picture),
+                    folder_ / fmt::format("film_plates/{:04}.png", film));
+  }
+};
+
+TEST_F(MovingShot, PlatesAtTheFinishedShotsRateAreUsedAsTheyAre) {
+  const RunResult result = Composite("passing", {{"plate", "plates"}, {"report", "passing.json"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const int n : {1, 3}) EXPECT_GT(PsnrOf("passing", n), 28) << "picture " << n;
+  const json report = json::parse(ReadFile(folder_ / "passing.json"))["measurements"];
+  EXPECT_EQ(report["filmed_unchanged"], 3);
+  EXPECT_EQ(report["plates_made"], 0);
+  EXPECT_GT(report["shadow_explained"], 0.5) << "learnt against each frame's own plate";
+  for (const json& join : report["joins"]) {
+    EXPECT_GT(join["psnr_db"], 28);
+    EXPECT_LT(join["edge_px"], 0.4);
+  }
+  EXPECT_EQ(ReadImage(folder_ / "passing/plates/0001.png", 3).data,
+            ReadImage(folder_ / "plates/0001.png", 3).data);
+  EXPECT_FALSE(fs::exists(folder_ / "passing/plate.png"));
+  const json blender = json::parse(ReadFile(folder_ / "passing/blender/shot.json"));
+  EXPECT_EQ(blender["camera"]["path"].size(), 5u);
+}
+
+TEST_F(MovingShot, PlatesOfTheFilmsFramesAreMixedBetween) {
+  const std::map<std::string, std::string> flags{
+      {"plate", "film_plates"}, {"blender", "false"}, {"report", "mixed.json"}};
+  const RunResult one = Composite("mixed", flags, {"KEYPOSE_THREADS=1"}),
+                  three = Composite("mixed3", flags, {"KEYPOSE_THREADS=3"});
+  ASSERT_EQ(one.exit_code, 0) << one.output;
+  EXPECT_THAT(one.output, HasSubstr("were made from their neighbours"));
+  const json report = json::parse(ReadFile(folder_ / "mixed.json"))["measurements"];
+  EXPECT_EQ(report["plates_made"], 2);
+  EXPECT_GT(PsnrOf("mixed", 1), 25);
+  EXPECT_GT(PsnrOf("mixed", 3), 25);
+  EXPECT_EQ(ReadFile(folder_ / "mixed/0001.png"), ReadFile(folder_ / "mixed3/0001.png"));
+}
+
+TEST_F(MovingShot, CamerasThatWereLocatedServe) {
+  const auto at = [](const char* name) { return (folder_ / name).string(); };
+  const RunResult located = RunProgram({"keypose-locate",
+                                        "--frames",
+                                        at("frames"),
+                                        "--textures",
+                                        at("texture.png"),
+                                        "--plate",
+                                        at("film"),
+                                        "--background",
+                                        at("plates"),
+                                        "--poses",
+                                        "rest,wave",
+                                        "--shows",
+                                        "0=rest,2=wave",
+                                        "--camera",
+                                        "moving",
+                                        "--focal_35mm",
+                                        "50",
+                                        "--fps",
+                                        "12",
+                                        "--shot",
+                                        at("located.json"),
+                                        "--report",
+                                        at("located_report.json")},
+                                       folder_);
+  ASSERT_EQ(located.exit_code, 0) << located.output;
+  // The meshes are in the set's world, so that cameras can be compared.
+  const FilmedShot shot = ReadShot(folder_ / "located.json"),
+                   truth = ReadShot(folder_ / "truth/shot/shot.json");
+  ASSERT_EQ(shot.frames.size(), 3u) << "the frame between is located by the animation";
+  for (int i = 0; i < 3; ++i)
+    for (const Eigen::Vector3d& point :
+         {Eigen::Vector3d(0, 0, 0.02), {0.05, 0, 0.1}, {0, 0.03, 0.16}}) {
+      const View mine{"", shot.camera, shot.frames[i].camera_from_world},
+          exact{"", truth.camera, truth.frames[i].camera_from_world};
+      EXPECT_LT((mine.Project(point) - exact.Project(point)).norm(), 0.8) << i;
+    }
+  const RunResult result = Composite(
+      "by_located", {{"plate", "plates"}, {"shot", "located.json"}, {"blender", "false"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const int n : {1, 3}) EXPECT_GT(PsnrOf("by_located", n), 26) << "picture " << n;
+}
+
+TEST_F(MovingShot, AFrameWithoutAPlateIsNamed) {
+  fs::create_directories(folder_ / "few");
+  for (const char* name : {"0000.png", "0002.png"})
+    fs::copy_file(folder_ / "film_plates" / name, folder_ / "few" / name);
+  const RunResult result = Composite("none", {{"plate", "few"}});
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("no plate for filmed frame 1"));
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ def arguments():
     parser.add_argument("--few", type=int, default=8, help="photographs of each other pose")
     parser.add_argument("--seed", type=int, default=1, help="character")
     parser.add_argument("--plate", action="store_true", help="give the clean plate instead of making it from the film")
+    parser.add_argument("--swing", type=float, default=0, help="turn of a moving camera round the set [deg]")
+    parser.add_argument("--dolly", type=float, default=0, help="way of a moving camera towards the set [m]")
     parser.add_argument("--no-follow", action="store_true",
                         help="leave the animation as it is, also where it passes beside what was filmed")
     parser.add_argument("--keep", action="store_true", help="keep and use existing film, photographs and results")
@@ -51,17 +53,20 @@ class Shot:
         few = ",".join(f"{pose}={self.args.few}" for pose in ("wave", "bow"))
         self.run("keypose-synth", "shot", "--output", self.world, "--shows", SHOWS, "--width", str(self.args.width),
                  "--views", str(self.args.views), "--photo-width", "900", "--few", few, "--clean-plate",
-                 "--seed", str(self.args.seed))
+                 "--seed", str(self.args.seed), "--swing", str(self.args.swing), "--dolly", str(self.args.dolly))
 
     def make(self):
         poses = [word for pose in ("rest", "wave", "bow")
                  for word in ("--pose", f"{pose}={os.path.join(self.world, 'photos', pose)}")]
-        plate = ["--plate", os.path.join(self.world, "plate.png")] if self.args.plate else []
+        moves = self.args.swing != 0 or self.args.dolly != 0
+        plate = ["--plate", os.path.join(self.world, "plates" if moves else "plate.png")]
+        plate = plate if self.args.plate or moves else []
         if not os.path.exists(self.project):
             self.run("keypose", "init", self.project, *poses, "--film", os.path.join(self.world, "film"),
                      "--shows", SHOWS, "--film-fps", "12", *plate)
         follow = [] if self.args.no_follow else ["--set", "composite.follow=true"]
-        self.run("keypose", "run", "-C", self.project, *follow)
+        moving = ["--set", "locate.camera=moving"] if moves else []
+        self.run("keypose", "run", "-C", self.project, *follow, *moving)
 
     def score(self):
         pictures = os.path.join(self.project, "out/shot/pictures")

@@ -31,6 +31,19 @@ HERE = pathlib.Path(__file__).resolve().parent if "__file__" in globals() else p
 SHOT = json.loads((HERE / "shot.json").read_text(encoding="utf-8"))
 
 
+def move_camera(camera, path):
+    """One key for each picture: a camera that moves on no straight line."""
+    camera.rotation_mode = "QUATERNION"
+    for picture, matrix in enumerate(path):
+        rows = [matrix[4 * i : 4 * i + 4] for i in range(4)]
+        place, turn, _ = mathutils.Matrix(rows).decompose()
+        before = camera.rotation_quaternion.copy()
+        turn.make_compatible(before)
+        camera.location, camera.rotation_quaternion = place, turn
+        camera.keyframe_insert("location", frame=picture)
+        camera.keyframe_insert("rotation_quaternion", frame=picture)
+
+
 def make_camera(scene):
     spec = SHOT["camera"]
     data = bpy.data.cameras.new("shot")
@@ -42,6 +55,7 @@ def make_camera(scene):
     camera = bpy.data.objects.new("shot", data)
     rows = [spec["matrix_world"][4 * i : 4 * i + 4] for i in range(4)]
     camera.matrix_world = mathutils.Matrix(rows)
+    move_camera(camera, spec["path"])
     scene.collection.objects.link(camera)
     scene.camera = camera
     render = scene.render
@@ -149,14 +163,22 @@ std::string CornersOf(const FacesX3& faces, const UvsX2& uvs, const FacesX3& uv_
   return bytes;
 }
 
-nlohmann::ordered_json CameraNode(const View& view, const std::vector<PointsX3>& frames) {
+std::vector<double> NumbersOf(const Eigen::Matrix4d& matrix) {
+  std::vector<double> numbers;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) numbers.push_back(matrix(r, c));
+  return numbers;
+}
+
+nlohmann::ordered_json CameraNode(const BlenderShot& shot, const std::vector<PointsX3>& frames) {
+  const View& view = shot.view;
   const BlenderCamera camera = BlenderCameraOf(view);
+  nlohmann::ordered_json path = nlohmann::ordered_json::array();
+  for (const View& place : shot.path)
+    path.push_back(NumbersOf(BlenderCameraOf(place).matrix_world));
   double farthest = 0;
   for (Eigen::Index v = 0; v < frames[0].rows(); ++v)
     farthest = std::max(farthest, (view.camera_from_world * Eigen::Vector3d(frames[0].row(v))).z());
-  std::vector<double> matrix;
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c) matrix.push_back(camera.matrix_world(r, c));
   return {{"width", view.camera.width},
           {"height", view.camera.height},
           {"sensor_width_mm", camera.sensor_width_mm},
@@ -166,7 +188,8 @@ nlohmann::ordered_json CameraNode(const View& view, const std::vector<PointsX3>&
           {"pixel_aspect_y", camera.pixel_aspect_y},
           {"clip_start", 1e-3 * farthest},
           {"clip_end", 100 * farthest},
-          {"matrix_world", matrix}};
+          {"matrix_world", NumbersOf(camera.matrix_world)},
+          {"path", path}};
 }
 
 }  // namespace
@@ -219,7 +242,7 @@ std::vector<BlenderFile> BlenderFiles(const BlenderShot& shot, const FacesX3& fa
                                  {"textures", shot.textures},
                                  {"plate", shot.plate},
                                  {"film", shot.film}};
-  root["camera"] = CameraNode(shot.view, frames);
+  root["camera"] = CameraNode(shot, frames);
   return {{"shot.py", kScript},
           {"shot.json", root.dump(1) + "\n"},
           {"character.bin", CornersOf(faces, uvs, uv_faces)},

@@ -28,6 +28,7 @@ Image8 Undistorted(const Image8& picture, const Camera& camera);
 
 struct BlenderShot {
   View view;
+  std::vector<View> path;  ///< of a moving camera: its place in each picture; else empty
   double fps = 24;
   int first_picture = 0;              ///< Blender's frame of the animation's frame 0
   int pictures = 0;                   ///< of the whole shot

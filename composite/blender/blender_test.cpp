@@ -90,7 +90,11 @@ TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
   const PointsX3 second = first.rowwise() + Eigen::RowVector3d(0.2, 0.1, -0.05);
   FacesX3 faces(2, 3);
   faces << 0, 1, 2, 5, 6, 7;
-  BlenderShot shot{OddView(), 24, 3, 5, {}, "", ""};
+  BlenderShot shot{OddView(), {}, 24, 3, 5, {}, "", ""};
+  for (int n = 0; n < 5; ++n) {  // the camera moves on
+    shot.path.push_back(OddView());
+    shot.path.back().camera_from_world = LookAt({1.2 + 0.1 * n, -3.1, 1.4}, {0.1, 0.2, 0.3});
+  }
   for (const BlenderFile& file : BlenderFiles(shot, faces, {}, {}, {first, second}))
     WriteFile(folder / file.name, file.bytes);
   WriteFile(folder / "check.py", "SHOT_START = 3\n" + std::string(kCheck));
@@ -103,7 +107,7 @@ TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
   ASSERT_EQ(pixels.size(), 16u);
   for (int i = 0; i < 16; ++i) {
     const Eigen::Vector3d point = (i < 8 ? first : second).row(i % 8);
-    const Eigen::Vector2d ours = shot.view.Project(point);
+    const Eigen::Vector2d ours = shot.path[i < 8 ? 3 : 4].Project(point);
     EXPECT_NEAR(pixels[i][0], ours.x(), 1e-3) << i;
     EXPECT_NEAR(pixels[i][1], ours.y(), 1e-3) << i;
   }

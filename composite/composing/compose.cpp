@@ -15,21 +15,23 @@ constexpr int kShutterMoments = 8;  // shapes that a blurred picture is the mean
 
 /// The character over the time that the shutter is open.
 ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLessons& lessons,
-                 double time, const ComposeOptions& options, const PixelRays& rays) {
-  const View view = geometry.view();
+                 double time, const ComposeOptions& options, const PixelRays& rays,
+                 const RayScene* props) {
+  const Camera camera = geometry.ViewAt(time).camera;
   const Character character = looks.At(static_cast<int>(std::lround(time)));
   const int moments = options.shutter_deg > 0 ? kShutterMoments : 1;
   // So many rays altogether as without blur, but four a pixel at least in each moment.
   const int along = moments > 1 ? std::max(2, options.along / 2) : options.along;
   const Ground table = geometry.Table();
-  ImageF mean(view.camera.width, view.camera.height, 4);
+  ImageF mean(camera.width, camera.height, 4);
   for (int i = 0; i < moments; ++i) {
     const double open = options.shutter_deg / 360 * ((i + 0.5) / moments - 0.5);
     const PointsX3 points = geometry.Points(time + open);
     const RayScene scene(points, looks.faces);
     const PointsX3 gains =
         GainsAt(geometry, lessons, time + open, VertexNormals(points, looks.faces));
-    const ImageF layer = RenderLayer(character, points, scene, gains, view, rays, along, &table);
+    const ImageF layer = RenderLayer(character, points, scene, gains, geometry.ViewAt(time + open),
+                                     rays, along, &table, props);
     for (std::size_t k = 0; k < mean.data.size(); ++k)
       mean.data[k] += layer.data[k] / static_cast<float>(moments);
   }
@@ -41,16 +43,19 @@ ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLes
 ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const Film& film,
                         const FilmLessons& lessons, double time, const Eigen::Vector3d& exposure,
                         const ComposeOptions& options, std::uint64_t grain_seed) {
-  const View view = geometry.view();
+  const View view = geometry.ViewAt(time);
   const PixelRays rays(view.camera);
   ComposedPicture composed;
-  composed.layer = LayerOver(geometry, looks, lessons, time, options, rays);
+  if (film.plate_at) composed.passing = film.plate_at(static_cast<int>(std::lround(time)));
+  const CleanPlate passing = film.plate_at ? PlateOf(composed.passing) : CleanPlate();
+  const CleanPlate& plate = film.plate_at ? passing : lessons.plate;
+  composed.layer = LayerOver(geometry, looks, lessons, time, options, rays, film.props());
   ImageF kept;
   const ShadowStrength& strength = lessons.shadow.strength;
   if (options.shadow && (strength.sky > 0 || strength.lamp > 0)) {
     const Ground table = geometry.Table();
     const RayScene scene(geometry.Points(time), looks.faces);
-    kept = ShadowPicture(TableShadow(scene, table, strength), table, view, rays);
+    kept = ShadowPicture(scene, table, strength, film.set.get(), view, rays);
   }
   const int width = view.camera.width, height = view.camera.height;
   composed.light = ImageF(width, height, 3);
@@ -63,9 +68,9 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
     for (int c = 0; c < 4; ++c) over[c] *= shown;
     const float alpha = over[3], left = kept.empty() ? 1.0f : 1 - shown * (1 - *kept.at(x, y));
     *composed.coverage.at(x, y) = alpha;
-    *lacking.at(x, y) = alpha + (1 - alpha) * *lessons.plate.grain_lacking.at(x, y);
+    *lacking.at(x, y) = alpha + (1 - alpha) * *plate.grain_lacking.at(x, y);
     for (int c = 0; c < 3; ++c) {
-      const float behind = lessons.plate.light.at(x, y)[c] * left;
+      const float behind = plate.light.at(x, y)[c] * left;
       const float factor = static_cast<float>(exposure[c]);
       composed.light.at(x, y)[c] = factor * (over[c] + (1 - alpha) * behind);
       over[c] *= factor;

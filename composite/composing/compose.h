@@ -16,6 +16,7 @@ struct ComposedPicture {
   Image8 picture;   ///< RGB, sRGB, with grain
   ImageF layer;     ///< RGBA, linear, premultiplied: the character and its shadow (black) alone
   ImageF coverage;  ///< 1 channel: of the character, after props
+  PassingPlate passing;  ///< of a moving camera: the plate that was used
 };
 
 /// @param time      in frames of the animation

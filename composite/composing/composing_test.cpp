@@ -76,9 +76,22 @@ TEST(ShotGeometry, WhatCannotBePlacedIsRefused) {
   const std::vector<Mesh> frames = RollingBall();
   const AnimationTimes times{24, 5, {}, {}};
   FilmedShot shot = ShotOfTwo();
-  const FilmPlan plan = PlanFilm(shot, {0, 1, 2}, times);
   shot.still = false;
-  EXPECT_THROW(ShotGeometry(shot, plan, frames, times), InputError);
+  shot.frames.pop_back();
+  const FilmPlan plan = PlanFilm(shot, {0, 1, 2}, times);
+  EXPECT_THROW(ShotGeometry(shot, plan, frames, times), InputError) << "a way of one place";
+}
+
+TEST(ShotGeometry, AMovingCameraGoesFromLocatedFrameToLocatedFrame) {
+  const std::vector<Mesh> frames = RollingBall();
+  FilmedShot shot = ShotOfTwo();
+  shot.still = false;
+  shot.frames[1].camera_from_world.translation.x() = -0.4;
+  const AnimationTimes times{24, 5, {0, 4}, {0, 0.1, 0.2, 0.5, 1}};
+  const ShotGeometry geometry(shot, PlanFilm(shot, {0, 1, 2}, times), frames, times);
+  EXPECT_FALSE(geometry.still());
+  for (const auto& [frame, x] : {std::pair{-1.0, 0.0}, {0.0, 0.0}, {2.0, 0.2}, {4.0, 0.4}})
+    EXPECT_NEAR(geometry.ViewAt(frame).Center().x(), x, 1e-12) << "by the film's clock";
 }
 
 TEST(Looks, TexturesAreMixedByTheirWeights) {

@@ -30,6 +30,8 @@ constexpr double kCompareBlur = 0.0025;  // of the picture's width
 /// One of the frames that are looked at.
 struct Looked {
   const FilmedPicture* picture = nullptr;
+  View view;
+  ImageF passing;  // the plate of a moving camera
   Image8 stored;
   ImageF light;  // divided by its exposure
   PointsX3 points;
@@ -43,7 +45,8 @@ struct Looked {
 std::vector<const FilmedPicture*> ChooseFrames(const Film& film) {
   std::vector<const FilmedPicture*> anchors, others;
   for (const FilmedPicture& picture : film.pictures)
-    (picture.anchor >= 0 ? anchors : others).push_back(&picture);
+    if (picture.shows || !film.plate_at)  // of a passing camera only what the animation reaches
+      (picture.anchor >= 0 ? anchors : others).push_back(&picture);
   std::vector<const FilmedPicture*> chosen;
   const auto spread = [&](const std::vector<const FilmedPicture*>& from, int most) {
     const int count = std::min(most, SizeOf(from));
@@ -81,9 +84,9 @@ class Lesson {
       : geometry_(geometry),
         looks_(looks),
         film_(film),
-        view_(geometry.view()),
+        camera_(geometry.ViewAt(0).camera),
         table_(geometry.Table()),
-        rays_(view_.camera),
+        rays_(camera_),
         options_(options),
         progress_(progress) {}
 
@@ -101,9 +104,16 @@ class Lesson {
   }
 
  private:
+  bool moves() const { return static_cast<bool>(film_.plate_at); }
+  bool has_plate() const { return moves() || !given_.empty(); }
+  /// The set in the exposure of the plate.
+  const ImageF& SetOf(const Looked& look) const {
+    return moves() ? look.passing : lessons_.plate.light;
+  }
+
   void LookAtFrames() {
     const std::vector<const FilmedPicture*> chosen = ChooseFrames(film_);
-    const int margin = std::max(3, static_cast<int>(kMargin * view_.camera.width));
+    const int margin = std::max(3, static_cast<int>(kMargin * camera_.width));
     bool seen = false;
     for (const FilmedPicture* picture : chosen) {
       if (progress_ && progress_->cancelled()) throw Cancelled();
@@ -112,11 +122,13 @@ class Lesson {
       look.picture = picture;
       look.stored = film_.read(picture->film);
       look.light = LinearOf(look.stored);
+      look.view = geometry_.ViewAt(picture->animation);
+      if (moves()) look.passing = LinearOf(film_.plate_at(picture->animation).picture);
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
-      look.layer =
-          RenderLayer(looks_.At(picture->animation), look.points, *look.scene, {}, view_, rays_,
-                      picture->anchor >= 0 ? std::min(options_.along, 3) : 1, &table_);
+      look.layer = RenderLayer(
+          looks_.At(picture->animation), look.points, *look.scene, {}, look.view, rays_,
+          picture->anchor >= 0 ? std::min(options_.along, 3) : 1, &table_, film_.props());
       look.away = AwayMask(look.layer, film_.holdout, picture->anchor >= 0 ? margin : 2 * margin);
       seen = seen ||
              std::find(look.away.data.begin(), look.away.data.end(), 255) != look.away.data.end();
@@ -136,6 +148,10 @@ class Lesson {
 
   void LearnPlate() {
     ReportProgress(progress_, 0.5, "clean plate");
+    if (moves()) {
+      for (Looked& look : looked_) Normalise(&look);
+      return;
+    }
     given_ = LinearOf(film_.given_plate);
     lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     if (looked_.empty()) return;
@@ -152,18 +168,19 @@ class Lesson {
   }
 
   void Normalise(Looked* look) {
-    const Vector3d exposure = ExposureOf(look->light, lessons_.plate.light, look->away);
+    const Vector3d exposure = ExposureOf(look->light, SetOf(*look), look->away);
     look->light = Scaled(std::move(look->light), exposure.cwiseInverse());
   }
 
   /// Places of the table around the character, and what they lost of the light that `other` has
-  /// there: a frame, or null for the given plate.
+  /// there: a frame of the same view, or null for the given plate.
   ShadowSamples SamplesOf(const Looked& look, const Looked* other) const {
     ShadowSamples samples{look.scene.get(), {}, {}, other ? other->scene.get() : nullptr};
-    const Rigid3 world_from_camera = view_.camera_from_world.Inverse();
-    const double height = (world_from_camera.translation - table_.origin).dot(table_.up);
+    const Rigid3 world_from_camera = look.view.camera_from_world.Inverse();
+    const Vector3d& eye = world_from_camera.translation;
+    const double height = (eye - table_.origin).dot(table_.up);
     std::vector<std::pair<Vector3d, double>> all;
-    const ImageF& brighter = other ? other->light : given_;
+    const ImageF& brighter = other ? other->light : moves() ? look.passing : given_;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
         if (*look.away.at(x, y) > 127 || (other && *other->away.at(x, y) > 127)) continue;
@@ -172,6 +189,7 @@ class Lesson {
         if (!(down * height > 0)) continue;
         const Vector3d place = world_from_camera.translation + height / down * ray;
         if ((place - table_.origin).norm() > 1.6 * table_.diagonal) continue;
+        if (film_.set && film_.set->scene.Occluded(eye, ray, 0, 0.999 * height / down)) continue;
         const double light = LightAround(look.light, x, y), full = LightAround(brighter, x, y);
         if (full > kLeastLight && light > 0) all.emplace_back(place, 1 - light / full);
       }
@@ -195,14 +213,14 @@ class Lesson {
     std::vector<const Looked*> located;
     for (const Looked& look : looked_)
       if (look.picture->anchor >= 0) located.push_back(&look);
-    if (given_.empty() && SizeOf(located) < 2)
+    if (!has_plate() && SizeOf(located) < 2)
       for (const Looked& look : looked_)
         if (look.picture->anchor < 0) located.push_back(&look);
     std::vector<ShadowSamples> samples;
     for (const Looked* look : located)
-      if (!given_.empty() && SizeOf(samples) < kMostShadowFrames)
+      if (has_plate() && SizeOf(samples) < kMostShadowFrames)
         samples.push_back(SamplesOf(*look, nullptr));
-    for (int apart = SizeOf(located) - 1; given_.empty() && apart > 0; --apart)
+    for (int apart = SizeOf(located) - 1; !has_plate() && apart > 0; --apart)
       for (int i = 0; i + apart < SizeOf(located) && SizeOf(samples) < kMostShadowFrames; ++i)
         samples.push_back(SamplesOf(*located[i], located[i + apart]));
     return samples;
@@ -214,20 +232,20 @@ class Lesson {
     lessons_.shadow = FitShadow(samples, table_);
     if (lessons_.shadow.explained < kLeastExplained) return ForgetShadow(!samples.empty());
     for (Looked& look : looked_) look.kept = KeptOf(look, table_);
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    if (!moves()) lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
   }
 
   void ForgetShadow(bool looked_for) {
     lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
     for (Looked& look : looked_) look.kept = {};
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    if (!moves()) lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     if (looked_for)
       lessons_.notes.push_back(
           "no shadow on the table was found in the filmed frames, so in-betweens have none");
   }
 
   ImageF KeptOf(const Looked& look, const Ground& table) const {
-    return ShadowPicture(TableShadow(*look.scene, table, lessons_.shadow.strength), table, view_,
+    return ShadowPicture(*look.scene, table, lessons_.shadow.strength, film_.set.get(), look.view,
                          rays_);
   }
 
@@ -235,11 +253,12 @@ class Lesson {
     ReportProgress(progress_, 0.8, "light");
     std::vector<ObservedGains> observed;
     for (const Looked& look : looked_) {
-      if (look.picture->anchor < 0) continue;
+      // A moving camera is located between keys too, where the animation passes beside the film.
+      if (look.picture->anchor < 0 || (moves() && !look.picture->keyed)) continue;
       lessons_.light_frames.push_back(look.picture->animation);
       observed.push_back(ObserveGains(look.light, look.layer, film_.holdout, look.points,
-                                      looks_.faces, *look.scene, view_,
-                                      kCompareBlur * view_.camera.width));
+                                      looks_.faces, *look.scene, look.view,
+                                      kCompareBlur * camera_.width));
     }
     lessons_.light = FitShotLight(observed, looks_.faces);
     if (observed.empty())
@@ -249,13 +268,15 @@ class Lesson {
 
   void LearnGrain() {
     ReportProgress(progress_, 0.85, "grain");
-    for (std::size_t i = 0; i + 1 < looked_.size() && !lessons_.grain; ++i) {
+    for (std::size_t i = 0; moves() && i < looked_.size() && !lessons_.grain; ++i)
+      lessons_.grain = MeasureGrain(looked_[i].stored, SrgbOf(looked_[i].passing), looked_[i].away);
+    for (std::size_t i = 0; !moves() && i + 1 < looked_.size() && !lessons_.grain; ++i) {
       Image8 away = looked_[i].away;
       for (std::size_t k = 0; k < away.data.size(); ++k)
         away.data[k] = std::max(away.data[k], looked_[i + 1].away.data[k]);
       lessons_.grain = MeasureGrain(looked_[i].stored, looked_[i + 1].stored, away);
     }
-    if (!lessons_.grain && looked_.size() == 1)
+    if (!moves() && !lessons_.grain && looked_.size() == 1)
       lessons_.grain = MeasureGrain(looked_[0].stored, SrgbOf(lessons_.plate.light),
                                     looked_[0].away, film_.given_plate.empty() ? 0 : 1);
     if (!lessons_.grain && !looked_.empty())
@@ -271,8 +292,8 @@ class Lesson {
     const int frame = look->picture->animation;
     const PointsX3 gains =
         GainsAt(geometry_, lessons_, frame, VertexNormals(look->points, looks_.faces));
-    const ImageF layer = RenderLayer(looks_.At(frame), look->points, *look->scene, gains, view_,
-                                     rays_, options_.along, &table_);
+    const ImageF layer = RenderLayer(looks_.At(frame), look->points, *look->scene, gains,
+                                     look->view, rays_, options_.along, &table_, film_.props());
     double least = std::numeric_limits<double>::infinity();
     for (const double sigma : {0.0, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.7}) {
       const double error = ErrorOf(*look, Blurred(layer, sigma));
@@ -288,7 +309,7 @@ class Lesson {
         if (over[3] <= 0.01f) continue;
         for (int c = 0; c < 3; ++c) {
           const float plate =
-              lessons_.plate.light.at(x, y)[c] * (look.kept.empty() ? 1.0f : *look.kept.at(x, y));
+              SetOf(look).at(x, y)[c] * (look.kept.empty() ? 1.0f : *look.kept.at(x, y));
           const double d = over[c] + (1 - over[3]) * plate - look.light.at(x, y)[c];
           sum += std::min(d * d, 0.01);
         }
@@ -297,11 +318,12 @@ class Lesson {
   }
 
   void Exposure(const FilmedPicture& picture) {
+    if (moves() && !picture.shows) return;  // no picture is made beside it
     const auto look = std::find_if(looked_.begin(), looked_.end(),
                                    [&](const Looked& l) { return l.picture == &picture; });
     const Image8 away = look == looked_.end() ? Image8() : look->away;
     lessons_.exposures[&picture - film_.pictures.data()] =
-        ExposureOf(LinearOf(film_.read(picture.film)), lessons_.plate.light, away);
+        ExposureOf(LinearOf(film_.read(picture.film)), SetAt(picture), away);
   }
 
   /// Bends all frames of the animation that were filmed until they lie on the film, and observes
@@ -332,27 +354,31 @@ class Lesson {
     const Character character = looks_.At(picture.animation);
     const PointsX3 gains =
         GainsAt(geometry_, lessons_, picture.animation, VertexNormals(points, looks_.faces));
-    const ImageF behind = Behind(points);
-    const Followed followed = FollowFilm(
-        {light, behind, film_.holdout, character, gains, view_, rays_, &table_, lessons_.blur_px},
-        points);
+    const View view = geometry_.ViewAt(picture.animation);
+    const ImageF behind = Behind(points, SetAt(picture), view);
+    const Followed followed = FollowFilm({light, behind, film_.holdout, character, gains, view,
+                                          rays_, &table_, lessons_.blur_px, film_.props()},
+                                         points);
     points += followed.shifts;
     lessons_.beside_px += followed.mean_px;
     const RayScene scene(points, looks_.faces);
-    const ImageF layer = RenderLayer(character, points, scene, {}, view_, rays_,
-                                     std::min(options_.along, 3), &table_);
-    observed->push_back(ObserveGains(light, layer, film_.holdout, points, looks_.faces, scene,
-                                     view_, kCompareBlur * view_.camera.width));
+    const ImageF layer = RenderLayer(character, points, scene, {}, view, rays_,
+                                     std::min(options_.along, 3), &table_, film_.props());
+    observed->push_back(ObserveGains(light, layer, film_.holdout, points, looks_.faces, scene, view,
+                                     kCompareBlur * camera_.width));
     shifts->emplace(picture.animation, followed.shifts);
   }
 
+  ImageF SetAt(const FilmedPicture& picture) const {
+    return moves() ? LinearOf(film_.plate_at(picture.animation).picture) : lessons_.plate.light;
+  }
+
   /// The plate with the figure's shadow.
-  ImageF Behind(const PointsX3& points) const {
-    ImageF behind = lessons_.plate.light;
+  ImageF Behind(const PointsX3& points, ImageF behind, const View& view) const {
     const ShadowStrength& strength = lessons_.shadow.strength;
     if (!(strength.sky > 0 || strength.lamp > 0)) return behind;
-    const ImageF kept = ShadowPicture(TableShadow(RayScene(points, looks_.faces), table_, strength),
-                                      table_, view_, rays_);
+    const ImageF kept = ShadowPicture(RayScene(points, looks_.faces), table_, strength,
+                                      film_.set.get(), view, rays_);
     for (std::size_t i = 0; i < behind.data.size(); ++i) behind.data[i] *= kept.data[i / 3];
     return behind;
   }
@@ -360,7 +386,7 @@ class Lesson {
   const ShotGeometry& geometry_;
   const Looks& looks_;
   const Film& film_;
-  View view_;
+  Camera camera_;
   Ground table_;
   PixelRays rays_;
   LearnOptions options_;

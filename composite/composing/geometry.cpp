@@ -14,15 +14,23 @@ namespace {
 /// is the table, and not what cleaning has left or taken of its soles.
 constexpr double kStandsOnZero = 0.05;
 
+/// Time counts in frames of the animation, as the camera moved on by the film's own clock.
+std::vector<CameraKnot> KnotsOf(const FilmedShot& shot, const std::vector<Anchor>& anchors) {
+  if (anchors.size() < 2)
+    throw InputError(
+        "composite: the camera of this shot moves, but only one of its frames was located; locate "
+        "two or more, best all that were filmed");
+  std::vector<CameraKnot> knots;
+  for (const Anchor& anchor : anchors)
+    knots.push_back({1.0 * anchor.animation, shot.frames[anchor.shot_frame].camera_from_world});
+  return knots;
+}
+
 }  // namespace
 
 ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
                            const std::vector<Mesh>& frames, const AnimationTimes& times)
     : shot_(shot), frames_(frames), t_(times.t) {
-  if (!shot.still)
-    throw InputError(
-        "composite: the camera of this shot moves (\"still\" is false), so it has no clean plate; "
-        "only shots with a still camera can be composited");
   int start = 0;
   for (const ShotFrame& frame : shot.frames)
     if (!frame.pose.empty()) {
@@ -39,6 +47,7 @@ ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
   }
   if (anchors_.empty())
     throw InputError("composite: no located frame of the shot lies within the animation");
+  if (!shot.still) path_.emplace(KnotsOf(shot, anchors_));
   for (std::size_t i = 0; i + 1 < anchors_.size(); ++i)
     ways_.emplace_back(PointsOfFrame(anchors_[i].animation),
                        PointsOfFrame(anchors_[i + 1].animation));
@@ -48,8 +57,8 @@ const Similarity3& ShotGeometry::PlaceOf(const Anchor& anchor) const {
   return shot_.frames[anchor.shot_frame].world_from_character;
 }
 
-View ShotGeometry::view() const {
-  return {"shot", shot_.camera, shot_.frames[0].camera_from_world};
+View ShotGeometry::ViewAt(double frame) const {
+  return {"shot", shot_.camera, path_ ? path_->At(frame) : shot_.frames[0].camera_from_world};
 }
 
 ShotGeometry::Between ShotGeometry::At(double frame) const {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
+#include "composite/plan/camera_path.h"
 #include "composite/plan/film_plan.h"
 #include "composite/plan/placement.h"
 #include "core/filmed_shot.h"
@@ -21,11 +23,15 @@ struct Anchor {
 class ShotGeometry {
  public:
   /// @param frames  the animation's, of one connectivity; must outlive this object
-  /// @throws InputError  no located frame lies within the animation, or the camera is not still
+  /// @throws InputError  no located frame lies within the animation; of a moving camera fewer than
+  /// two
   ShotGeometry(const FilmedShot& shot, const FilmPlan& plan, const std::vector<Mesh>& frames,
                const AnimationTimes& times);
   const std::vector<Anchor>& anchors() const { return anchors_; }
-  View view() const;
+  bool still() const { return shot_.still; }
+  /// The lens and the camera's place. A moving camera's goes smoothly from located frame to located
+  /// frame, and stands before the first and after the last of them.
+  View ViewAt(double animation_frame) const;
 
   /// Where an animation's frame lies between two anchors; outside of them both are the nearest one.
   struct Between {
@@ -53,6 +59,7 @@ class ShotGeometry {
   const std::vector<Mesh>& frames_;
   std::vector<double> t_;  // time of each frame
   std::vector<Anchor> anchors_;
+  std::optional<CameraPath> path_;      // of a moving camera
   std::map<int, PointsX3> shifts_;      // by frame of the animation
   std::vector<PlacementBetween> ways_;  // from each anchor to the next
 };

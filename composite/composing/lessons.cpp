@@ -1,11 +1,19 @@
 #include "composite/composing/lessons.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
+#include "composite/layer/linear_light.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 
 namespace keypose::composite {
+namespace {
+
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 Character Looks::At(int frame) const {
   Character character{faces, uvs, uv_faces, textures.front()};
@@ -23,20 +31,33 @@ Character Looks::At(int frame) const {
   return character;
 }
 
-ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
-                     const PixelRays& rays) {
+CleanPlate PlateOf(const PassingPlate& passing) {
+  const Image8& picture = passing.picture;
+  return {LinearOf(picture), ImageF(picture.width, picture.height, 1, passing.grain_lacking), 0, 0,
+          0};
+}
+
+ImageF ShadowPicture(const RayScene& figure, const Ground& table, const ShadowStrength& strength,
+                     const SetGeometry* set, const View& view, const PixelRays& rays) {
+  const TableShadow shadow(figure, table, strength);
+  std::optional<SetShadow> on_set;
+  if (set) on_set.emplace(figure, *set, table, strength);
   ImageF kept(view.camera.width, view.camera.height, 1, 1.0f);
   const Rigid3 world_from_camera = view.camera_from_world.Inverse();
   const Eigen::Matrix3d turn = world_from_camera.rotation.toRotationMatrix();
-  const double height = (world_from_camera.translation - table.origin).dot(table.up);
+  const Eigen::Vector3d& eye = world_from_camera.translation;
+  const double height = (eye - table.origin).dot(table.up);
   ParallelFor(kept.height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < kept.width; ++x) {
       const Eigen::Vector3d ray = turn * rays.At(x, y, 0.5, 0.5);
       const double down = -ray.dot(table.up);
-      if (!(down * height > 0)) continue;  // above the horizon
-      *kept.at(x, y) =
-          static_cast<float>(shadow.Kept(world_from_camera.translation + height / down * ray));
+      const double to_table = down * height > 0 ? height / down : kNowhere;
+      const RayScene::Hit hit = set ? set->scene.Cast(eye, ray, 0, to_table) : RayScene::Hit();
+      if (hit.face >= 0)
+        *kept.at(x, y) = static_cast<float>(on_set->Kept(eye + hit.distance * ray, hit.face, eye));
+      else if (to_table < kNowhere)  // below the horizon
+        *kept.at(x, y) = static_cast<float>(shadow.Kept(eye + to_table * ray));
     }
   });
   return kept;

@@ -4,12 +4,14 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "composite/composing/geometry.h"
 #include "composite/layer/character_layer.h"
+#include "composite/layer/set_geometry.h"
 #include "composite/light/grain.h"
 #include "composite/light/shading.h"
 #include "composite/light/shadow_fit.h"
@@ -31,21 +33,34 @@ struct Looks {
 
 /// A filmed picture, and the animation's frame that it shows.
 struct FilmedPicture {
-  int film = 0;       ///< index of the picture
-  int animation = 0;  ///< clamped to the animation
-  int anchor = -1;    ///< index of the anchor; -1: not located
-  bool shows = true;  ///< else the animation is not yet or no longer there
+  int film = 0;        ///< index of the picture
+  int animation = 0;   ///< clamped to the animation
+  int anchor = -1;     ///< index of the anchor; -1: not located
+  bool shows = true;   ///< else the animation is not yet or no longer there
+  bool keyed = false;  ///< it shows a key pose
+};
+
+/// The set as a camera sees it that is at one place for one picture only.
+struct PassingPlate {
+  Image8 picture;           ///< RGB
+  float grain_lacking = 0;  ///< as CleanPlate's, of all pixels
+  double doubtful = 0;      ///< PlateBetweenTwo's, where it was made from its neighbours
 };
 
 struct Film {
   std::vector<FilmedPicture> pictures;
   std::function<Image8(int film)> read;  ///< RGB, of the camera's size
   Image8 given_plate;                    ///< RGB; empty: none
+  /// Of a moving camera: the plate of a frame of the animation, of the camera's size. Else none.
+  std::function<PassingPlate(int animation)> plate_at;
+  /// Props and furniture before and around the character, besides its table; may be null.
+  std::shared_ptr<const SetGeometry> set;
+  const RayScene* props() const { return set ? &set->scene : nullptr; }
   Image8 holdout;  ///< 1 channel: 255 where a prop stands before the character; empty: nowhere
 };
 
 struct FilmLessons {
-  CleanPlate plate;
+  CleanPlate plate;                        ///< of a still camera
   std::vector<Eigen::Vector3d> exposures;  ///< per picture of the film, over the plate's
   ShotLight light;                         ///< its frames are those of light_frames
   std::vector<int> light_frames;           ///< of the animation, ascending
@@ -57,9 +72,13 @@ struct FilmLessons {
   std::vector<std::string> notes;  ///< what could not be learnt, for the user
 };
 
-/// The share of light that the shadow leaves at each pixel, where the table is: 1 channel.
-ImageF ShadowPicture(const TableShadow& shadow, const Ground& table, const View& view,
-                     const PixelRays& rays);
+CleanPlate PlateOf(const PassingPlate& passing);
+
+/// The share of light that the figure's shadow leaves at each pixel, where the table or the set is:
+/// 1 channel.
+/// @param set  may be null
+ImageF ShadowPicture(const RayScene& figure, const Ground& table, const ShadowStrength& strength,
+                     const SetGeometry* set, const View& view, const PixelRays& rays);
 
 /// Vertices' gains at a time of the animation.
 PointsX3 GainsAt(const ShotGeometry& geometry, const FilmLessons& lessons, double time,

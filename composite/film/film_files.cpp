@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/errors.h"
@@ -26,6 +27,10 @@ fs::path NewFolder() {
 }
 
 }  // namespace
+
+int PlatesAFrame(int last_plate, int last_frame) {
+  return last_frame > 0 ? std::max(1, last_plate / last_frame) : 1;
+}
 
 FilmFiles::FilmFiles(const fs::path& film) : film_(film) {
   if (!IsMovie(film)) {

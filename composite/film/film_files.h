@@ -10,6 +10,11 @@
 
 namespace keypose::composite {
 
+/// How many plates of a moving camera there are for each filmed frame: 1, or as many as pictures of
+/// a finished shot, whose plates reach twice as far or more.
+/// @param last_plate, last_frame  numbers, counted from 0
+int PlatesAFrame(int last_plate, int last_frame);
+
 /// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
 /// removed with this object. They are what the decoder gives, bit for bit.
 class FilmFiles {

@@ -80,9 +80,10 @@ class Follower {
   /// Renders the bent mesh; `made_` and `filmed_` are blurred stored levels.
   void Draw(double sigma_px) {
     const RayScene scene(points_, frame_.character.faces);
-    const ImageF layer = Blurred(RenderLayer(frame_.character, points_, scene, frame_.gains,
-                                             frame_.view, frame_.rays, kAlong, frame_.table),
-                                 frame_.blur_px);
+    const ImageF layer =
+        Blurred(RenderLayer(frame_.character, points_, scene, frame_.gains, frame_.view,
+                            frame_.rays, kAlong, frame_.table, frame_.props),
+                frame_.blur_px);
     made_ = Blurred(LevelsOf(Composited(layer)), sigma_px);
     filmed_ = Blurred(LevelsOf(frame_.filmed), sigma_px);
     FindFaces(scene, static_cast<int>(std::ceil(2 * sigma_px)));

@@ -22,8 +22,9 @@ struct FollowedFrame {
   const PointsX3& gains;  ///< of the vertices
   const View& view;
   const PixelRays& rays;
-  const Ground* table;  ///< hides what is below it; may be null
-  double blur_px;       ///< of the lens
+  const Ground* table;              ///< hides what is below it; may be null
+  double blur_px;                   ///< of the lens
+  const RayScene* props = nullptr;  ///< of the set, which hide it too
 };
 
 struct Followed {

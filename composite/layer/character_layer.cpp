@@ -52,7 +52,7 @@ PixelRays::PixelRays(const Camera& camera)
 
 ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
                    const PointsX3& gains, const View& view, const PixelRays& rays, int along,
-                   const Ground* table) {
+                   const Ground* table, const RayScene* props) {
   ImageF layer(view.camera.width, view.camera.height, 4);
   const PixelBox box = ProjectedBounds(points, view);
   const Rigid3 world_from_camera = view.camera_from_world.Inverse();
@@ -73,7 +73,8 @@ ImageF RenderLayer(const Character& character, const PointsX3& points, const Ray
         const Vector3d ray =
             turn * rays.At(x, y, (i % along + 0.5) / along, (i / along + 0.5) / along);
         const RayScene::Hit hit = scene.Cast(eye, ray, 0, to_table(ray));
-        if (hit.face >= 0) sum += LightAt(character, gains, hit), ++hits;
+        if (hit.face < 0 || (props && props->Occluded(eye, ray, 0, hit.distance))) continue;
+        sum += LightAt(character, gains, hit), ++hits;
       }
       float* pixel = layer.at(x, y);
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(sum[c] / (along * along));

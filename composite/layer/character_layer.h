@@ -45,10 +45,11 @@ class PixelRays {
 /// @param points  V x 3 in world
 /// @param gains   V x 3, factors on the texture's light; empty: all 1
 /// @param table   what lies below it is hidden by it, seen from above; null: nothing is hidden
+/// @param props   of the set: what they hide of it does not cover; null: none
 /// @param along   rays along each side of a pixel, at least 1
 /// Same bits for any thread count.
 ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
                    const PointsX3& gains, const View& view, const PixelRays& rays, int along,
-                   const Ground* table = nullptr);
+                   const Ground* table = nullptr, const RayScene* props = nullptr);
 
 }  // namespace keypose::composite

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -137,6 +138,79 @@ TEST_F(LocateProgram, AVideoIsAFilmOfItsOwnRate) {
   EXPECT_THAT(Log(), HasSubstr("cut.mp4 is cut off"));
 }
 
+TEST_F(LocateProgram, MattesMayBeAVideoOrAlpha) {
+  const Image8 matte = ReadImage(folder / "mattes/0000.png", 1);
+  Image8 cutout(kWidth, kHeight, 4, 90);  // its colours are no matte
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) cutout.at(x, y)[3] = *matte.at(x, y);
+  WriteImage(folder / "cutout.png", cutout);
+  const std::string one = "--mesh %/body.ply --plate %/film/0000.png --focal_35mm 50 --matte ";
+  ASSERT_EQ(Run(one + "%/cutout.png"), 0) << Log();
+  EXPECT_GT(ReadShot(folder / "shot.json").frames[0].iou.value(), 0.98);
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  Image8 grey(kWidth, kHeight, 3);
+  for (std::size_t i = 0; i < grey.data.size(); ++i) grey.data[i] = matte.data[i / 3];
+  Mp4Writer writer(folder / "mattes.mp4", kWidth, kHeight, 12);
+  for (int i = 0; i < 3; ++i) writer.Add(i == 1 ? Image8(kWidth, kHeight, 3) : grey);
+  writer.Finish();
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes.mp4 --focal_35mm 50"), 0)
+      << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  ASSERT_EQ(shot.frames.size(), 2u);
+  EXPECT_GT(shot.frames[1].iou.value(), 0.97) << "its frame 2, as the film has no frame 1";
+  Mp4Writer brief(folder / "brief.mp4", kWidth, kHeight, 12);
+  brief.Add(grey);
+  brief.Finish();
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/brief.mp4 --focal_35mm 50"), 3);
+  EXPECT_THAT(Log(), HasSubstr("no matte for 0002.png"));
+}
+
+View MovedCamera(int frame) {
+  View view = Camera50();
+  view.camera_from_world = LookAt({0.3 + 0.03 * frame, -0.45, 0.25}, {0.01, 0, 0.11});
+  return view;
+}
+
+TEST_F(LocateProgram, AMovingCameraIsFoundInFramesBetweenKeysToo) {
+  for (const char* name : {"moving", "plates", "animation"}) fs::create_directories(folder / name);
+  RenderOptions options;
+  options.plain = true;
+  for (int n = 0; n < 5; ++n) {
+    Mesh body = Body();
+    body.points.col(0) += 0.02 * n / 4 * body.points.col(2);
+    WriteMesh(folder / "animation" / ("frame_000" + std::to_string(n) + ".ply"), body);
+    if (n % 2) continue;
+    const std::string name = "000" + std::to_string(n / 2) + ".png";
+    WriteImage(folder / "moving" / name, Render(body, MovedCamera(n / 2), options));
+    Image8 plate = Render(body, MovedCamera(n / 2), options);
+    const Image8 cutout =
+        RenderCutout(body, RayScene(body.points, body.faces), MovedCamera(n / 2), options);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (cutout.at(x, y)[3] > 0) std::copy_n(plate.at(0, 0), 3, plate.at(x, y));
+    WriteImage(folder / "plates" / name, plate);
+  }
+  WriteFile(folder / "animation/distortion.json",
+            R"({"schema": 2, "fps": 24, "key_frames": [0, 4], "frames": [{"t": 0}, {"t": 0.25},
+                {"t": 0.5}, {"t": 0.75}, {"t": 1}]})");
+  ASSERT_EQ(Run("--frames %/animation --poses rest,bent --shows 0=rest,2=bent --plate %/moving "
+                "--background %/plates --focal_35mm 50 --camera moving --distortion false"),
+            0)
+      << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  EXPECT_FALSE(shot.still);
+  ASSERT_EQ(shot.frames.size(), 3u) << "the one between is located by the animation";
+  EXPECT_EQ(shot.frames[1].pose, "");
+  EXPECT_EQ(shot.frames[2].pose, "bent");
+  const Eigen::Vector3d middle(0, 0, 0.1);
+  for (int i = 0; i < 3; ++i) {
+    const Similarity3 found = CameraFromCharacter(shot.frames[i]);
+    EXPECT_LT((shot.camera.Project(found * middle) - MovedCamera(i).Project(middle)).norm(), 1.5);
+  }
+  const auto report = nlohmann::json::parse(ReadFile(folder / "report.json"))["measurements"];
+  EXPECT_TRUE(report.contains("camera_jitter_px"));
+}
+
 TEST_F(LocateProgram, AFocalLengthThatCannotBeSeenIsKeptAndSaidSo) {
   ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/mattes/0000.png"), 0) << Log();
   const FilmedShot shot = ReadShot(folder / "shot.json");
@@ -191,6 +265,9 @@ TEST_F(LocateProgram, AFrameWithoutTheCharacterIsRefused) {
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/none.png"), 3);
   EXPECT_THAT(Log(), HasSubstr("no character found in 0000.png: its matte is empty"));
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --background %/film/0000.png"), 3);
+  WriteImage(folder / "grey.png", Image8(kWidth, kHeight, 1, 90));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/grey.png"), 3);
+  EXPECT_THAT(Log(), HasSubstr("its matte is empty")) << "nowhere half covered";
   // A bar is no view of the body.
   Image8 bar(kWidth, kHeight, 1);
   for (int y = 100; y < 120; ++y)

@@ -233,6 +233,35 @@ ImageInfo ReadImageInfo(const fs::path& path) {
   return info;
 }
 
+namespace {
+
+/// All channels as they are stored.
+Image8 ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec) {
+  RequireMemoryFor(path, spec);
+  Image8 raw(spec.width, spec.height, spec.nchannels);
+  const bool complete = input.read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
+  // libjpeg fills missing parts with grey and only warns.
+  const bool is_jpeg = std::string_view(input.format_name()) == "jpeg";
+  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
+    ThrowDamaged(path, input.geterror());
+  return raw;
+}
+
+}  // namespace
+
+Image8 ReadAlpha(const fs::path& path) {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return {};
+  const auto input = Open(path);
+  const ImageSpec spec = input->spec();
+  if (spec.alpha_channel < 0) return {};
+  const Image8 raw = ReadRaw(path, *input, spec);
+  Image8 alpha(raw.width, raw.height, 1);
+  for (int y = 0; y < raw.height; ++y)
+    for (int x = 0; x < raw.width; ++x) *alpha.at(x, y) = raw.at(x, y)[spec.alpha_channel];
+  return Oriented(alpha, OrientationOf(spec));
+}
+
 Image8 ReadImage(const fs::path& path, int channels) try {
   RequireReadable(path);
   if (RequireKnownKind(path) == "heif") {
@@ -241,14 +270,7 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   }
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
-  RequireMemoryFor(path, spec);
-  Image8 raw(spec.width, spec.height, spec.nchannels);
-  const bool complete =
-      input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
-  // libjpeg fills missing parts with grey and only warns.
-  const bool is_jpeg = std::string_view(input->format_name()) == "jpeg";
-  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
-    ThrowDamaged(path, input->geterror());
+  const Image8 raw = ReadRaw(path, *input, spec);
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
   return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
 } catch (const std::bad_alloc&) {

@@ -36,6 +36,10 @@ ImageInfo ReadImageInfo(const std::filesystem::path& path);
 /// the file
 Image8 ReadImage(const std::filesystem::path& path, int channels = 0);
 
+/// The alpha channel alone, as 8 bit, or an empty image where there is none. For the rest as
+/// ReadImage. HEIF pictures count as without.
+Image8 ReadAlpha(const std::filesystem::path& path);
+
 /// EXIF to write into a JPEG.
 struct ExifToWrite {
   double focal_mm = 0, focal_35mm = 0;

@@ -94,9 +94,9 @@ bool MatteOutline::Cut(const Eigen::Vector2d& p) const {
 }
 
 double MatteShare(const Image8& matte) {
-  double sum = 0;
-  for (const std::uint8_t value : matte.data) sum += value;
-  return matte.empty() ? 0 : sum / 255 / static_cast<double>(matte.data.size());
+  const auto inside = std::count_if(matte.data.begin(), matte.data.end(),
+                                    [](std::uint8_t value) { return value > 127; });
+  return matte.empty() ? 0 : static_cast<double>(inside) / static_cast<double>(matte.data.size());
 }
 
 }  // namespace keypose::composite

@@ -36,6 +36,7 @@ struct LocatedFrame {
   double rival_ratio = 0;  ///< FoundPlace::rival_ratio
   std::vector<OutlineMatch> outlines;  ///< what the mesh and the filmed figure differ by
   Image8 matte;                        ///< given or made
+  bool left_out = false;               ///< the place is not believed
 };
 
 struct LocatedShot {

@@ -1,0 +1,42 @@
+#include "composite/locate_partners.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/errors.h"
+#include "core/io/image_io.h"
+
+namespace keypose::composite {
+
+namespace fs = std::filesystem;
+
+PartnerFilm::PartnerFilm(const fs::path& path, std::string what)
+    : files_(path),
+      what_(std::move(what)),
+      single_(!fs::is_directory(path) && !files_.is_video()) {}
+
+void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame) {
+  std::vector<int> frames;
+  for (const int frame : film_frames)
+    if (frame * a_frame <= last()) frames.push_back(frame * a_frame);
+  files_.Decode(frames);
+}
+
+const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const {
+  if (single_) return files_.pictures()[0].path;
+  for (const FilmPicture& file : files_.pictures())
+    if (file.frame == picture.frame * a_frame) return file.path;
+  throw InputError(
+      fmt::format("locate: there is no {} for {}; {}s are numbered as the pictures are", what_,
+                  picture.path.filename().string(), what_));
+}
+
+Image8 ReadMatte(const fs::path& path) {
+  Image8 alpha = ReadAlpha(path);
+  const bool opaque = std::all_of(alpha.data.begin(), alpha.data.end(),
+                                  [](std::uint8_t value) { return value == 255; });
+  return opaque ? ReadImage(path, 1) : alpha;
+}
+
+}  // namespace keypose::composite

@@ -1,0 +1,35 @@
+// What belongs to each filmed picture: its matte, and the plate of the set.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "composite/film/film_files.h"
+#include "core/image.h"
+
+namespace keypose::composite {
+
+/// A picture for all, a folder of numbered ones, or a video, of which the frames that are asked for
+/// are decoded.
+class PartnerFilm {
+ public:
+  /// @param what  its name for messages, such as "matte"
+  PartnerFilm(const std::filesystem::path& path, std::string what);
+  bool single() const { return single_; }
+  bool is_video() const { return files_.is_video(); }
+  /// @param a_frame  numbers of this film for each filmed frame
+  void Decode(const std::vector<int>& film_frames, int a_frame = 1);
+  int last() const { return files_.pictures().back().frame; }
+  /// @throws InputError  none of that number; names the picture that it belongs to
+  const std::filesystem::path& For(const FilmPicture& picture, int a_frame = 1) const;
+
+ private:
+  FilmFiles files_;
+  std::string what_;
+  bool single_;
+};
+
+/// The alpha of a picture that has one which is not opaque all over, else its grey values.
+Image8 ReadMatte(const std::filesystem::path& path);
+
+}  // namespace keypose::composite

@@ -1,0 +1,36 @@
+// The plates of a moving camera: a film of the empty set, such as motion control shoots.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "composite/composing/lessons.h"
+#include "composite/film/film_files.h"
+
+namespace keypose::composite {
+
+/// Numbered as the film is, one for each filmed frame; or one for each picture of the finished
+/// shot. A plate that is missing between two filmed frames is made from theirs.
+class PassingPlates {
+ public:
+  /// Reads no picture yet.
+  /// @param film_frames  numbers of the filmed frames, ascending
+  /// @throws InputError  a filmed frame without a plate; fewer plates than filmed frames
+  PassingPlates(const std::filesystem::path& plates, const FilmPlan& plan,
+                const std::vector<int>& film_frames, const Camera& camera);
+  /// @throws InputError  of another size than the camera's
+  PassingPlate At(int animation);
+
+  int made = 0;         ///< so far, from their neighbours
+  double doubtful = 0;  ///< of the worst of them
+
+ private:
+  const std::filesystem::path* Find(int picture) const;
+  Image8 Read(const std::filesystem::path& path) const;
+
+  FilmFiles files_;
+  int step_, start_, per_frame_;
+  Camera camera_;
+};
+
+}  // namespace keypose::composite
