@@ -315,6 +315,10 @@ void AddShot(CLI::App& app, ShotCommand& c) {
       ->capture_default_str();
   shot->add_option("--turn", c.turn_deg, "turn of the character over the shot [deg]")
       ->capture_default_str();
+  shot->add_option("--swing", c.swing_deg, "turn of the camera round the set over the shot [deg]")
+      ->capture_default_str();
+  shot->add_option("--dolly", c.dolly_m, "way of the camera towards the set over the shot [m]")
+      ->capture_default_str();
   shot->add_flag("--keys-only", c.keys_only, "film only the frames that show a key pose");
   shot->add_flag("--clean-plate", c.clean_plate, "also film the empty set");
   shot->add_flag("!--no-photographs", c.photographs, "film only");
