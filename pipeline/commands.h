@@ -37,6 +37,7 @@ struct InitOptions {
   /// files of a performance; empty: none
   std::string calibration, scan_mesh, texture, marks;
   bool video3d = false;  ///< of a performance: textures from the films
+  bool surface = false;  ///< of a performance: the surface from the films
 };
 ExitCode InitCommand(const InitOptions& options);
 /// The project of a performance. Films stay where they are; the other files are copied.

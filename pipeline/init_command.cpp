@@ -131,8 +131,9 @@ std::set<std::string> FewPhotographPoses(const std::vector<NewPose>& poses,
 std::vector<NewPose> ParsePoses(const InitOptions& options) {
   if (options.poses.empty()) throw UsageError("init needs at least one --pose NAME=PHOTO_DIR");
   if (!options.shots.empty() || !options.scan_mesh.empty() || !options.marks.empty() ||
-      options.video3d)
-    throw UsageError("--shot, --scan-mesh, --marks and --video3d need --kind performance");
+      options.video3d || options.surface)
+    throw UsageError(
+        "--shot, --scan-mesh, --marks, --surface and --video3d need --kind performance");
   std::vector<NewPose> poses;
   for (const std::string& text : options.poses) {
     poses.push_back(ParsePose(text));

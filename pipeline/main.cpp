@@ -180,6 +180,8 @@ class CommandLine {
     init->add_option("--texture", init_.texture, "performance: its texture");
     init->add_option("--marks", init_.marks,
                      "performance: pairs of places on the tracked body and on the mesh");
+    init->add_flag("--surface", init_.surface,
+                   "performance: bend what moves into the films, frame by frame");
     init->add_flag("--video3d", init_.video3d,
                    "performance: paint what moves from the films, frame by frame");
   }

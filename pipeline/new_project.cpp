@@ -64,10 +64,10 @@ std::string NewPerformanceText(const fs::path& folder, const NewPerformance& per
                                   {"texture", &performance.texture},
                                   {"marks", &performance.marks}})
     if (!path->empty()) text += fmt::format("{}: {}\n", key, YamlScalar(*path));
-  if (performance.video3d)
-    text +=
-        "steps:\n  transfer: {options: {space: template}}  # the mesh lies over the films\n"
-        "  layout: {enabled: true}\n  video3d: {enabled: true}\n";
+  if (performance.video3d || performance.surface)
+    text += "steps:\n  transfer: {options: {space: template}}  # the mesh lies over the films\n";
+  if (performance.surface) text += "  follow: {enabled: true}\n";
+  if (performance.video3d) text += "  layout: {enabled: true}\n  video3d: {enabled: true}\n";
   return text;
 }
 

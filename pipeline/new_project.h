@@ -34,6 +34,7 @@ struct NewPerformance {
   std::string calibration;                                 ///< of all shots
   std::string scan, texture, marks;
   bool video3d = false;  ///< the films are painted on what moves
+  bool surface = false;  ///< what moves is bent into the films
 };
 std::string NewPerformanceText(const std::filesystem::path& folder,
                                const NewPerformance& performance);

@@ -358,10 +358,11 @@ TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
   EXPECT_EQ(Snapshot(root_ / "films"), before);
   EXPECT_THAT(yaml, Not(HasSubstr("video3d")));
   const Ended painted = Keypose({"init", (root_ / "painted").string(), "--kind", "performance",
-                                 "--shot", "walk=" + films.string(), "--video3d"});
+                                 "--shot", "walk=" + films.string(), "--video3d", "--surface"});
   ASSERT_EQ(painted.code, 0) << painted.text;
   const std::string with = ReadFile(root_ / "painted/pipeline.yaml");
   EXPECT_THAT(with, HasSubstr("video3d: {enabled: true}"));
+  EXPECT_THAT(with, HasSubstr("follow: {enabled: true}"));
   EXPECT_THAT(with, HasSubstr("transfer: {options: {space: template}}"));
 }
 

@@ -170,10 +170,12 @@ class Gatherer {
     PosePart shot;
     shot.name = name;
     const StepRecord *track = contents.run.Find("track", name),
-                     *transfer = contents.run.Find("transfer", name);
-    for (const StepRecord* frames : {transfer, track})
-      if (frames && !frames->Output("frames").empty() && shot.sides.empty())
-        Try(contents, frames->id, [&] { ShowFrames(frames->Output("frames"), shot); });
+                     *transfer = contents.run.Find("transfer", name),
+                     *follow = contents.run.Find("follow", name);
+    for (const auto& [step, port] :
+         {std::pair{follow, "followed"}, {transfer, "frames"}, {track, "frames"}})
+      if (step && !step->Output(port).empty() && shot.sides.empty())
+        Try(contents, step->id, [&, at = step->Output(port)] { ShowFrames(at, shot); });
     if (track && !track->Output("picture").empty())
       Try(contents, track->id, [&] {
         shot.cameras =

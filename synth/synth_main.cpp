@@ -14,9 +14,10 @@
 #include "synth/performance_command.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
-#include "synth/video_score.h"
 #include "synth/shot_command.h"
 #include "synth/shot_score.h"
+#include "synth/surface_score.h"
+#include "synth/video_score.h"
 
 namespace {
 
@@ -263,8 +264,9 @@ void AddPerformance(CLI::App& app, PerformanceCommand& c) {
   performance->add_option("--noise", c.noise_px, "standard deviation of the masks' outlines [px]")
       ->capture_default_str();
   performance->add_flag("!--masks-only", c.pictures, "no colour pictures");
-  performance->add_option("--meshes", c.mesh_spacing_m,
-                          "the actor's true mesh in each frame too, with vertices so far apart [m]");
+  performance->add_option(
+      "--meshes", c.mesh_spacing_m,
+      "the actor's true mesh in each frame too, with vertices so far apart [m]");
   performance->add_flag("!--no-start-pose", c.start_pose,
                         "do not begin with arms and legs apart, as actors do for their measures");
   performance->add_option("--seed", c.performer.seed, "proportions, girths, clothes, colours")
@@ -356,7 +358,8 @@ void AddVideoScore(CLI::App& app, VideoScoreCommand& c) {
   score->add_option("--textures", c.textures, "textures of video3d")->required();
   score->add_option("--layout", c.layout, "mesh with texture coordinates, if frames have none");
   score->add_option("--every", c.every, "only every n-th frame")->capture_default_str();
-  score->add_option("--picture", c.picture, "also film, render, and difference side by side (.jpg)");
+  score->add_option("--picture", c.picture,
+                    "also film, render, and difference side by side (.jpg)");
   score->callback([&c] { std::printf("%s", ToJson(ScoreVideo(c)).c_str()); });
 }
 
@@ -380,6 +383,16 @@ void AddMotionScore(CLI::App& app, MotionScoreCommand& c) {
   score->callback([&c] { std::fputs(ToJson(ScoreMotion(c)).c_str(), stdout); });
 }
 
+void AddSurfaceScore(CLI::App& app, SurfaceScoreCommand& c) {
+  CLI::App* score = app.add_subcommand(
+      "score-surface", "compare a moving mesh with the true surface of a performance; prints JSON");
+  score->add_option("--performance", c.performance, "folder that `synth performance` wrote")
+      ->required();
+  score->add_option("--frames", c.frames, "frames of the moving mesh")->required();
+  score->add_option("--every", c.every, "only every n-th frame is measured")->capture_default_str();
+  score->callback([&c] { std::fputs(ToJson(ScoreSurface(c)).c_str(), stdout); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -394,6 +407,7 @@ int main(int argc, char** argv) {
   PerformanceCommand performance;
   MotionScoreCommand motion_score;
   VideoScoreCommand video_score;
+  SurfaceScoreCommand surface_score;
   ShotCommand shot;
   ShotScoreCommand shot_score;
   AddPhotos(app, photos);
@@ -405,6 +419,7 @@ int main(int argc, char** argv) {
   AddPerformance(app, performance);
   AddMotionScore(app, motion_score);
   AddVideoScore(app, video_score);
+  AddSurfaceScore(app, surface_score);
   AddShot(app, shot);
   AddShotScore(app, shot_score);
   try {

@@ -12,7 +12,7 @@ import pathlib
 import subprocess
 import sys
 
-STAGES = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'fit', 'bake', 'complete', 'interpolate', 'transfer', 'animate', 'video3d', 'track', 'calibrate', 'silhouettes', 'locate', 'composite', 'export', 'report')
+STAGES = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'fit', 'bake', 'complete', 'interpolate', 'transfer', 'animate', 'video3d', 'track', 'follow', 'calibrate', 'silhouettes', 'locate', 'composite', 'export', 'report')
 DOCS = pathlib.Path(__file__).resolve().parent.parent / 'docs/stages'
 BEGIN = '<!-- All options, written by tests/option_tables.py from `keypose {stage} --describe`; do not edit. -->\n'
 END = '<!-- End of all options. -->\n'

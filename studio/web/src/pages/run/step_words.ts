@@ -23,6 +23,7 @@ const kTitles: Record<string, string> = {
   layout: 'Texture layout',
   track: 'Tracked body',
   transfer: 'Moving scan',
+  follow: 'Surface from the films',
   video3d: 'Painted by the films',
   export: 'Export',
   report: 'Report',

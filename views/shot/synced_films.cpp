@@ -1,0 +1,159 @@
+#include "views/shot/synced_films.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/rig_calibration.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+#include "views/shot/rig.h"
+
+namespace keypose {
+namespace {
+
+std::vector<std::string> NamesIn(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) {
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
+    if (!word.empty()) words.push_back(word);
+  }
+  return words;
+}
+
+/// Takes the shot's cameras of these names, all where none are given.
+std::vector<ShotCamera> Chosen(const Shot& shot, const FilmsRequest& request) {
+  const std::vector<std::string> wanted = NamesIn(request.cameras), known = shot.names();
+  for (const std::string& name : wanted)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw UsageError(request.stage + ": --cameras names " + name + ", but the shot has " +
+                       Listed(known));
+  std::vector<ShotCamera> chosen;
+  for (const ShotCamera& camera : shot.cameras)
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), camera.name) != wanted.end())
+      chosen.push_back(camera);
+  return chosen;
+}
+
+void TakeMasks(const Shot& shot, ShotCamera& camera) {
+  for (const ShotCamera& other : shot.cameras)
+    if (other.name == camera.name && !other.masks.empty()) camera.masks = other.masks;
+}
+
+}  // namespace
+
+SyncedFilms::~SyncedFilms() = default;
+SyncedFilms::SyncedFilms(SyncedFilms&&) noexcept = default;
+
+SyncedFilms::SyncedFilms(StageContext& stage, const FilmsRequest& request) : request_(request) {
+  Open(stage);
+  ReadClocks(stage);
+  CheckLengths(stage);
+  CheckSizes();
+}
+
+void SyncedFilms::Open(StageContext& stage) {
+  const Shot shot = OpenShot(stage.Input("video"));
+  rate_ = shot.frames_per_second;
+  std::vector<std::string> names, bare;
+  for (const ShotCamera& camera : Chosen(shot, request_)) {
+    if (camera.pictures.empty())
+      throw InputError(request_.stage + ": camera " + camera.name +
+                       " has masks but no film; pass the folder with the films as --video and the "
+                       "masks as --masks");
+    films_.emplace_back();
+    films_.back().files = camera;
+    names.push_back(camera.name);
+  }
+  if (stage.Has("masks")) {
+    const Shot masks = OpenShot(stage.Input("masks"));
+    for (CameraFilm& film : films_) TakeMasks(masks, film.files);
+  }
+  for (const CameraFilm& film : films_)
+    if (film.files.masks.empty()) bare.push_back(film.files.name);
+  if (request_.need_masks && !bare.empty())
+    throw InputError(request_.stage + ": there are no masks of camera " + Listed(bare) +
+                     "; `keypose silhouettes` makes them from films and pictures of the empty "
+                     "set: pass its result as --masks");
+  const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
+  for (const std::string& note : rig.notes) stage.Note(note);
+  views_ = MatchedViews(rig, names, request_.stage);
+  for (CameraFilm& film : films_) {
+    film.pictures = std::make_unique<FrameReader>(film.files.pictures);
+    if (!film.files.masks.empty()) film.masks = std::make_unique<FrameReader>(film.files.masks);
+  }
+}
+
+void SyncedFilms::ReadClocks(StageContext& stage) {
+  if (!stage.Has("clocks")) return;
+  const std::string name = request_.stage + ": " + stage.Input("clocks").filename().string();
+  const nlohmann::json root =
+      nlohmann::json::parse(ReadFile(stage.Input("clocks")), nullptr, false);
+  if (!root.is_object() || !root.contains("offsets") || !root["offsets"].is_object())
+    throw InputError(name + " is not JSON with an object `offsets`");
+  for (CameraFilm& film : films_) {
+    if (!root["offsets"].contains(film.files.name)) continue;
+    const nlohmann::json& offset = root["offsets"][film.files.name];
+    if (!offset.is_number_integer())
+      throw InputError(name + ": the offset of " + film.files.name +
+                       " is not a whole number of frames");
+    film.offset = offset;
+  }
+}
+
+void SyncedFilms::CheckLengths(StageContext& stage) {
+  const int frames = request_.frames;
+  std::vector<std::string> some;
+  int longest = 0;
+  for (const CameraFilm& film : films_) {
+    const int count = std::clamp(film.files.frames() - film.offset, 0, frames);
+    longest = std::max(longest, count);
+    if (count < frames)
+      some.push_back(film.files.name + " (" + std::to_string(count) + " of " +
+                     std::to_string(frames) + ")");
+  }
+  if (longest == 0)
+    throw InputError(request_.stage +
+                     ": no film has a frame of this motion; the offsets of the clocks are "
+                     "beyond the films' ends");
+  if (some.empty()) return;
+  stage.Warn("films end before the motion does: " + Listed(some) + "; later frames are " +
+             request_.done + " from the other cameras" +
+             (longest < frames ? ", and those after all films' ends from the frames before" : "") +
+             "; copy the films again");
+}
+
+void SyncedFilms::CheckSizes() {
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    const int first = std::clamp(films_[v].offset, 0, films_[v].files.frames() - 1);
+    const Image8 picture = films_[v].pictures->Read(first, 3);
+    views_[v].camera = CameraForPictures(views_[v].camera, picture.width, picture.height,
+                                         views_[v].name, request_.stage);
+    if (!films_[v].masks) continue;
+    const Image8 mask = films_[v].masks->Read(first, 1);
+    if (mask.width != picture.width || mask.height != picture.height)
+      throw InputError(request_.stage + ": the masks of camera " + views_[v].name + " have " +
+                       std::to_string(mask.width) + " x " + std::to_string(mask.height) +
+                       " pixels, but its pictures " + std::to_string(picture.width) + " x " +
+                       std::to_string(picture.height));
+  }
+}
+
+FilmedPictures SyncedFilms::Read(int frame, bool pictures) {
+  FilmedPictures read;
+  read.pictures.resize(films_.size()), read.masks.resize(films_.size());
+  ParallelFor(SizeOf(films_), [&](std::int64_t v) {
+    CameraFilm& film = films_[v];
+    const int at = frame + film.offset;
+    if (at < 0 || at >= film.files.pictures.frames) return;
+    if (pictures) read.pictures[v] = film.pictures->Read(at, 3);
+    if (film.masks && at < film.files.masks.frames) read.masks[v] = film.masks->Read(at, 1);
+  });
+  return read;
+}
+
+}  // namespace keypose
