@@ -31,7 +31,7 @@ const char* const kSteps = R"(steps:
     stage: match
     for: animation
     when: [$film]
-    inputs: {source: sfm.model@template, target: $film, landmarks: {either: [$plate, $film]}}
+    inputs: {source: sfm.model@template, target: $film, landmarks: {either: [$set, $plate, $film]}}
     out: {matched: shot/shot.txt}
 )";
 
@@ -61,6 +61,12 @@ TEST(FilmedShot, StepsExistOnlyWithAFilm) {
   EXPECT_EQ(set.Run().ran, Names{"locate"});
   EXPECT_THAT(set.Out("shot/shot.txt"), HasSubstr("empty set"));
   EXPECT_THAT(set.Run().ran, IsEmpty());
+  set.disk.Write(set.project / "set.txt", "a box");
+  set.WriteProject(std::string(kPoses) +
+                   "shot: {film: film.txt, plate: plate.txt, set: set.txt, "
+                   "shows: {0: rest, 4: wave}}\n");
+  EXPECT_EQ(set.Run().ran, Names{"locate"});
+  EXPECT_THAT(set.Out("shot/shot.txt"), HasSubstr("a box"));
 }
 
 TEST(FilmedShot, OptionsForTheFilmAreCheckedBeforeThereIsOne) {

@@ -364,9 +364,11 @@ class Reader : public YamlReader {
             shot.clicks = PathText(value, field);
           else if (field == "holdout")
             shot.holdout = PathText(value, field);
+          else if (field == "set")
+            shot.set = PathText(value, field);
           else
             Unknown(field_key, "shot",
-                    {"film", "fps", "shows", "plate", "mattes", "clicks", "holdout"});
+                    {"film", "fps", "shows", "plate", "mattes", "clicks", "holdout", "set"});
         });
     if (!shot.film)
       Fail(key, "the shot has no film; add the folder of its pictures, as in `film: film`");

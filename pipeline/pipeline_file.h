@@ -115,7 +115,7 @@ struct ShotRule {
     Setting pose;
   };
   std::vector<Shows> shows;  ///< which frames show a pose, ascending
-  std::optional<Setting> plate, mattes, clicks, holdout;
+  std::optional<Setting> plate, mattes, clicks, holdout, set;
 };
 
 struct PipelineFile {

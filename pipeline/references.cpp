@@ -15,14 +15,15 @@ namespace {
 }
 
 const std::vector<std::string> kWords = {
-    "$photos",   "$masks", "$background", "$cameras",  "$landmarks",   "$stiffness", "$regions",
-    "$timeline", "$run",   "$video",      "$unmasked", "$calibration", "$actor",     "$scan",
-    "$texture",  "$marks", "$film",       "$plate",    "$mattes",      "$clicks",    "$holdout"};
+    "$photos",  "$masks",    "$background", "$cameras", "$landmarks", "$stiffness",
+    "$regions", "$timeline", "$run",        "$video",   "$unmasked",  "$calibration",
+    "$actor",   "$scan",     "$texture",    "$marks",   "$film",      "$plate",
+    "$mattes",  "$clicks",   "$holdout",    "$set"};
 
 /// What a filmed shot gives.
 bool IsOfFilm(const std::string& word) {
   return word == "film" || word == "plate" || word == "mattes" || word == "clicks" ||
-         word == "holdout";
+         word == "holdout" || word == "set";
 }
 
 bool IsPath(const std::string& text) {
@@ -60,6 +61,7 @@ std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
            : word == "plate"  ? shot.plate
            : word == "mattes" ? shot.mattes
            : word == "clicks" ? shot.clicks
+           : word == "set"    ? shot.set
                               : shot.holdout;
   }
   if (word == "scan") return file.scan;
