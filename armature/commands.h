@@ -12,5 +12,6 @@ int RecordCommand(int argc, char** argv);
 int ExampleCommand(int argc, char** argv);
 int LiveCommand(int argc, char** argv);
 int BakeCommand(int argc, char** argv);
+int EditCommand(int argc, char** argv);
 
 }  // namespace keypose::armature

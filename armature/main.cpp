@@ -25,6 +25,7 @@ const std::vector<Subcommand> kSubcommands = {
     {"calibrate", "set the zero position, check it, find gear ratios", CalibrateCommand},
     {"record", "record a puppet frame by frame", RecordCommand},
     {"live", "pose the character while the puppet is moved", LiveCommand},
+    {"edit", "change a recorded take, as a new one", EditCommand},
     {"bake", "make an animation's frames from recorded curves", BakeCommand},
     {"example", "write the files of a theropod with 74 sensors", ExampleCommand},
 };
