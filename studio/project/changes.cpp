@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/errors.h"
@@ -141,6 +142,16 @@ fs::path MaskFolder(Snapshot& snapshot, const std::string& pose) {
 }
 
 }  // namespace
+
+nlohmann::json JsonOfFile(const fs::path& file) {
+  const std::string text = ReadFile(file), name = file.filename().string();
+  RequireShallowJson(text, name);
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& fault) {
+    throw InputError(name + " is not JSON: " + JsonFault(fault));
+  }
+}
 
 std::string Edited(const std::function<std::string()>& edit) {
   try {

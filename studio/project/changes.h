@@ -17,6 +17,9 @@ struct ChangedMeanwhile : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a file of the project holds. @throws InputError  it is not JSON, or nested too deep
+nlohmann::json JsonOfFile(const std::filesystem::path& file);
+
 /// The text that an edit of pipeline.yaml gives. @throws UsageError  it cannot be edited so
 std::string Edited(const std::function<std::string()>& edit);
 

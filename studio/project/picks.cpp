@@ -187,6 +187,19 @@ std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::
   throw UsageError(fmt::format("landmarks are written as json, pp or wrap, not as {}", format));
 }
 
+std::vector<Landmark> TemplatePicks(Snapshot& snapshot, Mesh* mesh) {
+  const std::string whole = TemplatePose(snapshot);
+  const fs::path file = ExistingPicks(snapshot, whole);
+  if (!snapshot.PickedMesh(whole)) return {};
+  *mesh = PickedMeshOf(snapshot, whole);
+  if (file.empty()) return {};
+  try {
+    return ReadPicks(file, *mesh, nullptr, whole);
+  } catch (const Error&) {
+    return {};  // PicksJson tells of it
+  }
+}
+
 json AdviceJson(Snapshot& snapshot, const std::string& pose) {
   json advice = json::array();
   const auto result = snapshot.Result("register", pose);

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "core/io/landmarks_io.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
@@ -25,6 +27,9 @@ void ImportPicks(Snapshot& snapshot, const std::string& pose, const std::string&
 
 /// @param format  "json", "pp" or "wrap"
 std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::string& format);
+
+/// The template's picks that can be read, and its mesh; none where one of the two is missing.
+std::vector<Landmark> TemplatePicks(Snapshot& snapshot, Mesh* mesh);
 
 /// The last registration's advice on where one more landmark helps most.
 nlohmann::json AdviceJson(Snapshot& snapshot, const std::string& pose);

@@ -144,20 +144,10 @@ json LocatedJson(Snapshot& snapshot) {
   return located;
 }
 
-json JsonFile(const fs::path& file) {
-  const std::string text = ReadFile(file), name = file.filename().string();
-  RequireShallowJson(text, name);
-  try {
-    return json::parse(text);
-  } catch (const json::exception& fault) {
-    throw InputError(name + " is not JSON: " + JsonFault(fault));
-  }
-}
-
 json FinishedJson(Snapshot& snapshot) {
   const auto folder = snapshot.ResultPath("composite", "", "pictures");
   if (!folder) return nullptr;
-  const json made = JsonFile(*folder / "composite.json");
+  const json made = JsonOfFile(*folder / "composite.json");
   const fs::path video = snapshot.project() / "out/shot/pictures/shot.mp4";
   json finished = {
       {"fps", made.at("fps")},       {"width", made.at("width")},
@@ -219,7 +209,7 @@ json ClicksJson(Snapshot& snapshot) {
     const fs::path file = ClicksFile(snapshot);
     clicks["revision"] = RevisionOf(file);
     if (!fs::is_regular_file(file)) return clicks;
-    const json written = JsonFile(file);
+    const json written = JsonOfFile(file);
     for (json click : written.at("clicks")) {
       // Without a frame: that of the first picture.
       if (!click.contains("frame")) click["frame"] = 0;

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "pipeline/session.h"
+#include "studio/project/photo_picks.h"
 #include "studio/project/picks.h"
 #include "studio/project/timeline.h"
 #include "studio/runs/children.h"
@@ -22,12 +23,15 @@ constexpr double kSuggestSeconds = 300;
 void Routes::AddLandmarks() {
   const auto picks = [this](const Question& question) {
     const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) { return PicksJson(now, pose); }));
+    return JsonAnswer(With([&](Snapshot& now) {
+      return now.IsFitted(pose) ? PhotoPicksJson(now, pose) : PicksJson(now, pose);
+    }));
   };
   Add("GET", "/api/landmarks", picks);
   Add("PUT", "/api/landmarks", [this, picks](const Question& question) {
+    const std::string pose = question.Need("pose");
     With([&](Snapshot& now) {
-      SavePicks(now, question.Need("pose"), question.Json());
+      (now.IsFitted(pose) ? SavePhotoPicks : SavePicks)(now, pose, question.Json());
       return 0;
     });
     return picks(question);
@@ -51,6 +55,10 @@ void Routes::AddLandmarks() {
   });
   Add("GET", "/api/landmarks/fit", [this](const Question& question) {
     return JsonAnswer(With([&](Snapshot& now) { return PairFitJson(now, question.Need("pose")); }));
+  });
+  Add("GET", "/api/landmarks/photographs", [this](const Question& question) {
+    return JsonAnswer(
+        With([&](Snapshot& now) { return PhotoFitJson(now, question.Need("pose")); }));
   });
   Add("POST", "/api/landmarks/suggest",
       [this](const Question& question) { return Suggest(question); });

@@ -112,6 +112,7 @@ CHANGES = [
     ('PUT', '/api/mask?pose=rest&name=a.jpg'),
     ('PUT', '/api/timeline'),
     ('PUT', '/api/landmarks?pose=rest'),
+    ('PUT', '/api/landmarks?pose=few'),
     ('POST', '/api/landmarks/import?pose=rest'),
     ('POST', '/api/project'),
     ('POST', '/api/reveal'),
@@ -159,6 +160,7 @@ def path_tricks(studio, pick):
         ('GET', f'/api/armature/frames?from={path}'),
         ('GET', f'/api/confidence?pose={path}'),
         ('GET', f'/api/landmarks/fit?pose={path}'),
+        ('GET', f'/api/landmarks/photographs?pose={path}'),
     ]
     status, _, body = studio.ask(*pick.choice(ways))
     return status in (400, 404) and b'TOP SECRET' not in body and b'root:' not in body
@@ -183,6 +185,12 @@ def shot(**changed):
     return {'film': 'films', 'fps': 12, 'shows': shows, 'revision': '', 'clicks': [], **changed}
 
 
+def photo_pick(**changed):
+    """A change of picks in photographs, with another value for a field of the pick."""
+    pick = {'name': 'a', 'image': 'a.jpg', 'pixel': [1, 2], **changed}
+    return json.dumps({'pixels': [pick], 'revision': ''}).encode()
+
+
 def writing_outside(studio, pick):
     path = pick.choice(OUTSIDE)
     ways = [
@@ -190,6 +198,8 @@ def writing_outside(studio, pick):
         ('PUT', f'/api/photos?pose={path}&name=a.jpg', b'x'),
         ('PUT', f'/api/mask?pose=rest&name={path}', b'\x89PNG'),
         ('PUT', f'/api/landmarks?pose={path}', b'{"picks": [], "revision": ""}'),
+        ('PUT', '/api/landmarks?pose=few', photo_pick(image=path)),
+        ('PUT', '/api/landmarks?pose=few', photo_pick(name=path)),
         ('POST', '/api/reveal', json.dumps({'path': path}).encode()),
         ('PUT', '/api/shot', json.dumps(shot(film=path)).encode()),
         ('PUT', '/api/shot/clicks', json.dumps(shot(clicks=[{'frame': path}])).encode()),
@@ -296,6 +306,8 @@ def bad_json(studio, pick):
             b'{"keys": "no"}',
             b'1e999',
             b'{"picks": [{"name": "a", "face": 1e300, "barycentric": "x"}], "revision": ""}',
+            b'{"pixels": [{"name": "a", "image": "a.jpg", "pixel": [1e999, {}]}], "revision": ""}',
+            b'{"pixels": {"a": [[]]}, "revision": ""}',
             b'{"until": {"a": 1}}',
             b'{"path": 3}',
         ]
@@ -374,13 +386,14 @@ def stop_in_the_middle(studio):
 def make_project(folder):
     (folder / 'photos/rest').mkdir(parents=True)
     (folder / 'photos/wave').mkdir()
+    (folder / 'photos/few').mkdir()
     (folder / 'photos/rest/a.jpg').write_bytes(b'no photograph')
     (folder / 'out').mkdir()
     (folder / 'out/a.txt').write_text('a result')
     (folder / 'out/link').symlink_to(folder.parent)
     (folder / 'pipeline.yaml').write_text(
         'name: "<img src=x onerror=alert(1)>"\nposes:\n  rest: photos/rest\n  wave: '
-        'photos/wave\ntimeline: [rest, wave]\n'
+        'photos/wave\n  few: {photos: photos/few, method: fit}\ntemplate: rest\ntimeline: [rest, wave]\n'
     )
     (folder.parent / 'secret.txt').write_text('TOP SECRET')
 

@@ -60,7 +60,7 @@ const clicks = () => JSON.parse(readFileSync(clicksFile, 'utf8')).clicks;
 const button = (name) => page.getByRole('button', { name, exact: true });
 const ask = async (path) =>
   (await page.request.get(new URL(path, page.url()).href)).json();
-const frameSheet = () => page.locator('.shot-sheet');
+const frameSheet = () => page.locator('.frame-sheet');
 const meshCanvas = () => page.locator('.shot-pose canvas');
 
 /** A picture of one colour, as the character's texture. */
@@ -242,7 +242,7 @@ async function addClicks() {
   for (const [i, place] of places.entries()) await addClick(i, place, i % 2 === 0);
   check(/clicks: clicks\.json/.test(pipelineText()), 'pipeline.yaml does not name the clicks');
   check(pipelineText().includes('# by hand'), 'the comment of the editor is gone');
-  check((await page.locator('.shot-mark').count()) === 4, 'not four marks');
+  check((await page.locator('.frame-mark').count()) === 4, 'not four marks');
   await record(page, 'shot', options.pictures);
 }
 
@@ -261,9 +261,9 @@ async function undoAndDelete() {
   await frameSheet().focus();
   await page.keyboard.press('Space');
   await page.keyboard.press('ArrowRight');
-  check((await page.locator('.shot-mark.pending').count()) === 1, 'Space set no mark');
+  check((await page.locator('.frame-mark.pending').count()) === 1, 'Space set no mark');
   await page.keyboard.press('Escape');
-  check((await page.locator('.shot-mark').count()) === 4, 'Escape left the mark');
+  check((await page.locator('.frame-mark').count()) === 4, 'Escape left the mark');
   // An editor's change is taken up.
   const named = all.map((click, i) => (i === 0 ? { ...click, name: kMarkup } : click));
   writeFileSync(clicksFile, JSON.stringify({ schema: 1, clicks: named }));

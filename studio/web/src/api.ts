@@ -139,13 +139,44 @@ export interface Pick {
   face: number
   barycentric: [number, number, number]
 }
+/** A place in a photograph of a pose from few photographs. */
+export interface PhotoPick {
+  name: string
+  image: string
+  /** of the full size, from its upper left corner */
+  pixel: [number, number]
+}
 export interface Picks {
   pose: string
-  /** 0: no file yet */
+  /** '': no file yet */
   revision: string
   picks: Pick[]
+  /** of a pose from few photographs, which has no mesh to pick on */
+  pixels?: PhotoPick[]
   /** what is wrong with single picks, by name */
   problems: { name: string; text: string }[]
+}
+
+/** What is known of picks in a pose's photographs; all but `photographs` from the last fit. */
+export interface PhotoFit {
+  photographs: {
+    name: string
+    width: number
+    height: number
+    /** its camera is known */
+    placed: boolean
+    /** overlap of fitted model and mask; null: no fit yet */
+    iou: number | null
+    /** where their outlines are farthest apart */
+    worst: { pixel: [number, number]; distance_px: number; beyond: 'model' | 'mask' } | null
+  }[]
+  /** where the fitted model has each of the template's picks; hidden: behind another part */
+  shown: (PhotoPick & { hidden: boolean })[]
+  /** where a name that was picked in one photograph may lie in others */
+  lines: { name: string; image: string; points: [number, number][] }[]
+  /** where a name that was picked in two or more must lie in each */
+  meets: PhotoPick[]
+  refused: { name: string; image: string }[]
 }
 
 export interface Suggestion {
@@ -321,6 +352,9 @@ export const api = {
   picks: (pose: string) => get<Picks>(`/api/landmarks?${q({ pose })}`),
   savePicks: (pose: string, picks: Pick[], revision: string) =>
     send<Picks>('PUT', `/api/landmarks?${q({ pose })}`, { picks, revision }),
+  savePixels: (pose: string, pixels: PhotoPick[], revision: string) =>
+    send<Picks>('PUT', `/api/landmarks?${q({ pose })}`, { pixels, revision }),
+  photoFit: (pose: string) => get<PhotoFit>(`/api/landmarks/photographs?${q({ pose })}`),
   /** Takes MeshLab's .pp, Wrap's landmarks, or our JSON. */
   importPicks: (pose: string, name: string, text: string) =>
     send<Picks>('POST', `/api/landmarks/import?${q({ pose })}`, { name, text }),

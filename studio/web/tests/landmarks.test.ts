@@ -2,9 +2,16 @@ import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
 import { ApiError } from '../src/api'
-import type { Pick } from '../src/api'
+import type { PhotoFit, PhotoPick, Pick } from '../src/api'
 import { figuresOf, pairsApart } from '../src/pages/landmarks/fit_figures'
+import { outlinePath } from '../src/pages/landmarks/mask_outline'
 import { connected, neighboursOf, Painting } from '../src/pages/landmarks/painting'
+import {
+  contradictionOf,
+  residualsOf,
+  stateWords,
+  worstPlaces,
+} from '../src/pages/landmarks/photo_model'
 import { PickFiles } from '../src/pages/landmarks/pick_files'
 import type { PicksApi } from '../src/pages/landmarks/pick_files'
 import * as history from '../src/pages/landmarks/pick_history'
@@ -118,4 +125,134 @@ test('the median of a fit leaves out vertices without a distance', () => {
 test('pairs apart are a mean, and nothing without pairs', () => {
   assert.equal(pairsApart([]), null)
   assert.equal(pairsApart([{ distance: 0.25 }, { distance: 0.75 }]), 0.5)
+})
+
+const photoPick = (name: string, image: string, x = 0, y = 0): PhotoPick => ({
+  name,
+  image,
+  pixel: [x, y],
+})
+
+test('picks in photographs are joined by name, renamed with the template, and deleted', () => {
+  let sheet = history.withPick(history.kEmptyHistory.now, 'rest', pick('nose'))
+  sheet = history.withPhotoPick(sheet, 'wave', photoPick('nose', 'a.jpg', 1))
+  sheet = history.withPhotoPick(sheet, 'wave', photoPick('nose', 'b.jpg', 2))
+  sheet = history.withPhotoPick(sheet, 'wave', photoPick('nose', 'b.jpg', 3))
+  sheet = history.withPhotoPick(sheet, 'wave', photoPick('tail', 'b.jpg'))
+  const [nose, tail] = history.photoPairsOf(sheet, 'rest', 'wave')
+  assert.deepEqual(
+    nose.pixels.map((one) => one.pixel[0]),
+    [1, 3],
+  )
+  assert.equal(tail.template, null)
+  assert.ok(history.namesOf(sheet).has('tail'))
+  const renamed = history.withName(sheet, 'nose', 'snout')
+  assert.equal(history.photoPairsOf(renamed, 'rest', 'wave')[0].pixels.length, 2)
+  assert.equal(history.photoPairsOf(renamed, 'rest', 'wave')[0].template?.name, 'snout')
+  const less = history.withoutPhotoPick(sheet, 'wave', 'nose', 'a.jpg')
+  assert.equal(history.photoPicksOf(less, 'wave').length, 2)
+  const none = history.withoutPhotoPair(sheet, 'rest', 'wave', 'nose')
+  assert.deepEqual(history.photoPairsOf(none, 'rest', 'wave'), [tail])
+  const used = history.withPick(sheet, 'bow', pick('nose'))
+  const kept = history.withoutPhotoPair(used, 'rest', 'wave', 'nose')
+  assert.equal(history.picksOf(kept, 'rest').length, 1)
+})
+
+test('picks in photographs are saved beside those on meshes, and undone together', async () => {
+  const disk = new Disk()
+  let saved: PhotoPick[] = []
+  let revision = 0
+  const answer = () => ({
+    pose: 'wave',
+    revision: String(revision),
+    picks: [],
+    pixels: structuredClone(saved),
+    problems: [],
+  })
+  const files = new PickFiles(
+    {
+      picks: async (pose) => (pose === 'wave' ? answer() : disk.api.picks(pose)),
+      savePicks: (pose, picks, old) => disk.api.savePicks(pose, picks, old),
+      savePixels: async (_, pixels, old) => {
+        if (old !== String(revision)) throw new ApiError(409, 'changed elsewhere')
+        saved = structuredClone(pixels)
+        revision++
+        return answer()
+      },
+    },
+    () => undefined,
+    () => undefined,
+  )
+  await files.load(['rest', 'wave'])
+  const half = history.withPick(files.history.now, 'rest', pick('nose'))
+  files.change('pair nose', history.withPhotoPick(half, 'wave', photoPick('nose', 'a.jpg')))
+  await files.save()
+  assert.deepEqual(disk.names('rest'), ['nose'])
+  assert.equal(saved.length, 1)
+  files.undo()
+  await files.save()
+  assert.deepEqual(disk.names('rest'), [])
+  assert.equal(saved.length, 0)
+  saved = [photoPick('ear', 'b.jpg')]
+  revision++
+  await files.load(['rest', 'wave'])
+  assert.equal(history.photoPicksOf(files.history.now, 'wave')[0].name, 'ear')
+  assert.equal(files.history.future.length, 0)
+})
+
+const photograph = (name: string, distance_px: number): PhotoFit['photographs'][number] => ({
+  name,
+  width: 1000,
+  height: 800,
+  placed: true,
+  iou: 0.9,
+  worst: { pixel: [5, 6], distance_px, beyond: 'mask' },
+})
+const photoFit = (over: Partial<PhotoFit>): PhotoFit => ({
+  photographs: [photograph('a.jpg', 3), photograph('b.jpg', 30), photograph('c.jpg', 10)],
+  shown: [],
+  lines: [],
+  meets: [],
+  refused: [],
+  ...over,
+})
+
+test('a residual is the distance to the fitted model, and wrong if far or refused', () => {
+  const pair = {
+    name: 'nose',
+    template: pick('nose'),
+    pixels: [photoPick('nose', 'a.jpg', 100, 100), photoPick('nose', 'b.jpg', 3, 4)],
+  }
+  const shown = [
+    { ...photoPick('nose', 'a.jpg', 130, 140), hidden: false },
+    { ...photoPick('nose', 'b.jpg'), hidden: false },
+  ]
+  const fit = photoFit({ shown })
+  assert.deepEqual(
+    residualsOf(pair, fit).map(({ off_px, wrong }) => [off_px, wrong]),
+    [
+      [50, true],
+      [5, false],
+    ],
+  )
+  assert.equal(stateWords(pair, 'rest', fit), '2 photos · 50 px')
+  const refused = photoFit({ shown, refused: [{ name: 'nose', image: 'b.jpg' }] })
+  assert.ok(residualsOf(pair, refused)[1].wrong)
+  assert.deepEqual(residualsOf(pair, null), [])
+  const meets = [photoPick('nose', 'a.jpg', 100, 106)]
+  assert.equal(contradictionOf(pair, 'a.jpg', photoFit({ meets })), 6)
+  assert.equal(contradictionOf(pair, 'c.jpg', photoFit({ meets })), null)
+})
+
+test('the worst places come first, and small gaps not at all', () => {
+  assert.deepEqual(
+    worstPlaces(photoFit({})).map((one) => one.image),
+    ['b.jpg', 'c.jpg'],
+  )
+  assert.deepEqual(worstPlaces(null), [])
+})
+
+test('the outline of a mask is the sides of its pixels, joined along rows and columns', () => {
+  const mask = new Uint8Array([0, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 0])
+  assert.equal(outlinePath(mask, 4, 3, 2), 'M2.0 2.0H6.0M2.0 4.0H6.0M2.0 2.0V4.0M6.0 2.0V4.0')
 })

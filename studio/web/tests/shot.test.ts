@@ -3,7 +3,7 @@ import { test } from 'node:test'
 
 import { ClickFile, nameOf, nextName, replaced, without } from '../src/pages/shot/click_file'
 import { withShow } from '../src/pages/shot/film_strip'
-import { withinFrame } from '../src/pages/shot/frame_view'
+import { withinFrame } from '../src/view/frame_view'
 import { firstShows } from '../src/pages/shot/setup_form'
 import type { Click, Finished, Located } from '../src/pages/shot/shot_api'
 import { countWords, focalWords, gradeOf, pictureWords } from '../src/pages/shot/words'

@@ -2,8 +2,10 @@
 import { useState } from 'preact/hooks'
 
 import { useStudio } from '../state'
+import '../view/frame_view.css'
 import './landmarks/landmarks.css'
 import { PaintBench } from './landmarks/paint_bench'
+import { PhotoBench } from './landmarks/photo_bench'
 import { PickBench } from './landmarks/pick_bench'
 
 type Mode = 'pick' | 'paint'
@@ -37,9 +39,7 @@ export function LandmarksPage() {
   const [mode, setMode] = useState<Mode>('pick')
   const [wanted, setWanted] = useState(poseOfAddress)
   const template = project.poses.find((pose) => pose.template)
-  const others = project.poses.filter((pose) => !pose.template)
-  // A pose from few photographs has no scan to pick on.
-  const poses = others.filter((pose) => pose.method !== 'fit')
+  const poses = project.poses.filter((pose) => !pose.template)
   const pose = poses.find((one) => one.name === wanted) ?? poses[0]
   const choose = (name: string) => {
     history.replaceState(null, '', `#/landmarks/${encodeURIComponent(name)}`)
@@ -54,19 +54,6 @@ export function LandmarksPage() {
     )
   const modes = <ModeChoice mode={mode} onMode={setMode} />
   if (mode === 'paint') return <PaintBench template={template} modes={modes} />
-  if (!pose && others.length > 0)
-    return (
-      <main class="empty">
-        <h1>No scan to pick on</h1>
-        <p>
-          {others.map((one) => one.name).join(', ')}: from few photographs, which{' '}
-          {template.name} is bent into without landmarks.
-        </p>
-        <p>
-          <button onClick={() => setMode('paint')}>Paint {template.name}</button>
-        </p>
-      </main>
-    )
   if (!pose)
     return (
       <main class="empty">
@@ -80,13 +67,9 @@ export function LandmarksPage() {
         </p>
       </main>
     )
+  // A pose from few photographs has no scan to pick on: it is picked in the photographs.
+  const Bench = pose.method === 'fit' ? PhotoBench : PickBench
   return (
-    <PickBench
-      template={template}
-      pose={pose}
-      poses={poses}
-      onPose={choose}
-      modes={modes}
-    />
+    <Bench template={template} pose={pose} poses={poses} onPose={choose} modes={modes} />
   )
 }

@@ -13,6 +13,7 @@ import { shotApi } from './shot/shot_api'
 import type { Film, Shot } from './shot/shot_api'
 import { useShot } from './shot/use_shot'
 import type { ShotDesk } from './shot/use_shot'
+import '../view/frame_view.css'
 import './shot/shot.css'
 
 const kModes = ['Film', 'Camera', 'Result'] as const

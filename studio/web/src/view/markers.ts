@@ -17,6 +17,8 @@ export interface Marker {
   name: string
   place: [number, number, number]
   kind: 'landmark' | 'chosen' | 'suggested' | 'advice' | 'problem'
+  /** instead of its kind's */
+  color?: string
 }
 
 const kMarkerColors: Record<Marker['kind'], string> = {
@@ -67,7 +69,7 @@ export class Markers {
   set(markers: Marker[]): void {
     this.clear()
     for (const marker of markers) {
-      const color = kMarkerColors[marker.kind]
+      const color = marker.color ?? kMarkerColors[marker.kind]
       const ball = new Mesh(kBall, new MeshBasicMaterial({ color }))
       ball.name = marker.name
       ball.add(new Mesh(kBall, kRim))

@@ -12,7 +12,7 @@ type SuggestionItem = Extract<Item, { kind: 'suggestion' }>
 const kSure = 0.8
 
 /** A row's button. The chosen one is scrolled to, and keeps the focus if the list has it. */
-function RowButton(props: {
+export function RowButton(props: {
   id: string
   chosen: boolean
   title?: string
@@ -43,7 +43,13 @@ function RowButton(props: {
   )
 }
 
-function RenameField({ from, picking }: { from: string; picking: Picking }) {
+export function RenameField({
+  from,
+  picking,
+}: {
+  from: string
+  picking: Pick<Picking, 'setRenaming' | 'rename'>
+}) {
   const field = useRef<HTMLInputElement>(null)
   const given_up = useRef(false)
   // Kept here: the list is drawn again at each event, and would put the old name back.

@@ -55,7 +55,7 @@ function hintOf(picking: Picking, surfaces: Surfaces): string {
   return `Click a place on ${template}, then the same place on ${pose}.`
 }
 
-function SaveState({ picking }: { picking: Picking }) {
+export function SaveState({ picking }: { picking: { files: Picking['files'] } }) {
   const { files } = picking
   if (files.failed)
     return (
@@ -166,7 +166,7 @@ function NextPair({ picking, surfaces }: { picking: Picking; surfaces: Surfaces 
   )
 }
 
-function PoseChoice(props: { pose: string; poses: Pose[]; onPose: (name: string) => void }) {
+export function PoseChoice(props: { pose: string; poses: Pose[]; onPose: (name: string) => void }) {
   return (
     <select
       aria-label="Pose"

@@ -1,19 +1,29 @@
 // Keeps the landmark files of all poses as the page shows them: loads, saves at once, tells of
 // changes from outside. One request at a time, so that a revision is never sent twice.
 import { ApiError } from '../../api'
-import type { Pick, Picks } from '../../api'
-import { changed, kEmptyHistory, redone, undone, withFileFromOutside } from './pick_history'
+import type { PhotoPick, Pick, Picks } from '../../api'
+import {
+  changed,
+  kEmptyHistory,
+  redone,
+  undone,
+  withFile,
+  withPhotoPicks,
+  withSheetFromOutside,
+} from './pick_history'
 import type { History, Sheet } from './pick_history'
 
 /** The part of the api that this needs; a test gives its own. */
 export interface PicksApi {
   picks(pose: string): Promise<Picks>
   savePicks(pose: string, picks: Pick[], revision: string): Promise<Picks>
+  savePixels(pose: string, pixels: PhotoPick[], revision: string): Promise<Picks>
 }
 
 interface Saved {
   revision: string
-  picks: readonly Pick[]
+  /** of a pose from few photographs those in photographs; compared by identity */
+  picks: readonly Pick[] | readonly PhotoPick[]
   problems: { name: string; text: string }[]
 }
 
@@ -38,7 +48,7 @@ export class PickFiles {
 
   /** Reads files again; what was not yet saved stays. */
   async load(poses: string[]): Promise<void> {
-    await Promise.all(
+    const answers = await Promise.allSettled(
       poses.map(async (pose) => {
         const before = this.saved.get(pose)
         const file = await this.api.picks(pose)
@@ -48,6 +58,9 @@ export class PickFiles {
     )
     this.loaded = true
     this.onChange()
+    // One that has no mesh yet must not keep the others from the page.
+    const wrong = answers.find((answer) => answer.status === 'rejected')
+    if (wrong) throw wrong.reason
   }
 
   change(what: string, sheet: Sheet): void {
@@ -109,9 +122,15 @@ export class PickFiles {
   }
 
   private async saveOne(pose: string): Promise<void> {
-    const picks = this.history.now.files.get(pose) ?? []
+    const { files, photos } = this.history.now
+    const pixels = photos.get(pose)
+    const meant = files.get(pose) ?? []
+    const picks = pixels ?? meant
+    const revision = this.revision(pose)
     try {
-      const answer = await this.api.savePicks(pose, [...picks], this.revision(pose))
+      const answer = pixels
+        ? await this.api.savePixels(pose, [...pixels], revision)
+        : await this.api.savePicks(pose, [...meant], revision)
       this.saved.set(pose, { revision: answer.revision, picks, problems: answer.problems })
       this.onChange()
     } catch (error) {
@@ -128,18 +147,28 @@ export class PickFiles {
     const old = this.saved.get(pose) ?? kUnknown
     // By the file's hash: the server's picks may have their fields in another order.
     const same = this.saved.has(pose) && old.revision === file.revision
-    const picks = same ? old.picks : file.picks
+    const picks = same ? old.picks : (file.pixels ?? file.picks)
     this.saved.set(pose, { revision: file.revision, picks, problems: file.problems })
-    if (!same || this.isUnsaved(pose))
-      this.history = withFileFromOutside(this.history, pose, picks)
+    if (same && !this.isUnsaved(pose)) return
+    const { now } = this.history
+    const sheet = file.pixels
+      ? withPhotoPicks(now, pose, picks as readonly PhotoPick[])
+      : withFile(now, pose, picks as readonly Pick[])
+    this.history = withSheetFromOutside(sheet)
+  }
+
+  private contentOf(pose: string): readonly Pick[] | readonly PhotoPick[] | undefined {
+    const { files, photos } = this.history.now
+    return photos.get(pose) ?? files.get(pose)
   }
 
   private isUnsaved(pose: string): boolean {
-    const picks = this.history.now.files.get(pose)
+    const picks = this.contentOf(pose)
     return picks !== undefined && picks !== this.saved.get(pose)?.picks
   }
 
   private unsaved(): string | null {
-    return [...this.history.now.files.keys()].find((pose) => this.isUnsaved(pose)) ?? null
+    const { files, photos } = this.history.now
+    return [...files.keys(), ...photos.keys()].find((pose) => this.isUnsaved(pose)) ?? null
   }
 }

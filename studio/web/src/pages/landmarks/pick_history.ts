@@ -1,5 +1,5 @@
 // The picks of all poses, what may be done to them, and undo. Knows nothing of the page.
-import type { Pick, Suggestion } from '../../api'
+import type { PhotoPick, Pick, Suggestion } from '../../api'
 
 /** Two places that belong together; one side is missing while the pair is open. */
 export interface Pair {
@@ -8,10 +8,19 @@ export interface Pair {
   pose: Pick | null
 }
 
+/** A place of the template, and where photographs of a pose show it. */
+export interface PhotoPair {
+  name: string
+  template: Pick | null
+  pixels: readonly PhotoPick[]
+}
+
 /** All that one undo takes back. Each part is replaced, never changed in place. */
 export interface Sheet {
   /** by pose, the template among them */
   files: ReadonlyMap<string, readonly Pick[]>
+  /** of poses from few photographs, which are picked in these, by pose */
+  photos: ReadonlyMap<string, readonly PhotoPick[]>
   /** not yet accepted or refused, by pose, surest first */
   suggestions: ReadonlyMap<string, readonly Suggestion[]>
 }
@@ -29,7 +38,7 @@ export interface History {
 const kLongest = 200
 
 export const kEmptyHistory: History = {
-  now: { files: new Map(), suggestions: new Map() },
+  now: { files: new Map(), photos: new Map(), suggestions: new Map() },
   past: [],
   future: [],
 }
@@ -62,12 +71,8 @@ export function redone(history: History): History {
 }
 
 /** A file as someone else wrote it. Undo ends here: it would write over the other's work. */
-export function withFileFromOutside(
-  history: History,
-  pose: string,
-  picks: readonly Pick[],
-): History {
-  return { now: withFile(history.now, pose, picks), past: [], future: [] }
+export function withSheetFromOutside(sheet: Sheet): History {
+  return { now: sheet, past: [], future: [] }
 }
 
 export function withFile(sheet: Sheet, pose: string, picks: readonly Pick[]): Sheet {
@@ -109,19 +114,32 @@ export function withPick(sheet: Sheet, pose: string, pick: Pick): Sheet {
 
 /** In every file: the template's picks serve all poses, which are matched by name. */
 export function withName(sheet: Sheet, from: string, to: string): Sheet {
-  const files = new Map(sheet.files)
-  for (const [pose, picks] of sheet.files)
+  return {
+    ...sheet,
+    files: renamed(sheet.files, from, to),
+    photos: renamed(sheet.photos, from, to),
+  }
+}
+
+function renamed<T extends { name: string }>(
+  files: ReadonlyMap<string, readonly T[]>,
+  from: string,
+  to: string,
+): ReadonlyMap<string, readonly T[]> {
+  const next = new Map(files)
+  for (const [pose, picks] of files)
     if (picks.some((pick) => pick.name === from))
-      files.set(
+      next.set(
         pose,
         picks.map((pick) => (pick.name === from ? { ...pick, name: to } : pick)),
       )
-  return { ...sheet, files }
+  return next
 }
 
 /** Poses beside the template and `pose` that have a pick of this name. */
 export function otherUsers(sheet: Sheet, template: string, pose: string, name: string): string[] {
-  return [...sheet.files]
+  const all: [string, readonly { name: string }[]][] = [...sheet.files, ...sheet.photos]
+  return all
     .filter(([other]) => other !== template && other !== pose)
     .filter(([, picks]) => picks.some((pick) => pick.name === name))
     .map(([other]) => other)
@@ -135,8 +153,60 @@ export function withoutPair(sheet: Sheet, template: string, pose: string, name: 
   return withFile(next, template, others(picksOf(sheet, template)))
 }
 
+export function photoPicksOf(sheet: Sheet, pose: string): readonly PhotoPick[] {
+  return sheet.photos.get(pose) ?? []
+}
+
+export function withPhotoPicks(sheet: Sheet, pose: string, picks: readonly PhotoPick[]): Sheet {
+  return { ...sheet, photos: new Map(sheet.photos).set(pose, picks) }
+}
+
+/** Puts a pick into a photograph; one of the same name there moves. */
+export function withPhotoPick(sheet: Sheet, pose: string, pick: PhotoPick): Sheet {
+  const picks = photoPicksOf(sheet, pose)
+  const same = (one: PhotoPick) => one.name === pick.name && one.image === pick.image
+  const moved = picks.map((one) => (same(one) ? pick : one))
+  return withPhotoPicks(sheet, pose, picks.some(same) ? moved : [...picks, pick])
+}
+
+/** Without `image`: in all photographs. */
+export function withoutPhotoPick(sheet: Sheet, pose: string, name: string, image = ''): Sheet {
+  const goes = (one: PhotoPick) => one.name === name && (image === '' || one.image === image)
+  return withPhotoPicks(
+    sheet,
+    pose,
+    photoPicksOf(sheet, pose).filter((one) => !goes(one)),
+  )
+}
+
+/** As withoutPair, of a pose that is picked in photographs. */
+export function withoutPhotoPair(
+  sheet: Sheet,
+  template: string,
+  pose: string,
+  name: string,
+): Sheet {
+  const next = withoutPhotoPick(sheet, pose, name)
+  if (otherUsers(sheet, template, pose, name).length > 0) return next
+  const others = picksOf(sheet, template).filter((pick) => pick.name !== name)
+  return withFile(next, template, others)
+}
+
+/** Joined by name, in the template's order; what only photographs have comes last. */
+export function photoPairsOf(sheet: Sheet, template: string, pose: string): PhotoPair[] {
+  const pairs = new Map<string, { template: Pick | null; pixels: PhotoPick[] }>()
+  for (const pick of picksOf(sheet, template)) pairs.set(pick.name, { template: pick, pixels: [] })
+  for (const pixel of photoPicksOf(sheet, pose)) {
+    const pair = pairs.get(pixel.name) ?? { template: null, pixels: [] }
+    pair.pixels.push(pixel)
+    pairs.set(pixel.name, pair)
+  }
+  return [...pairs].map(([name, pair]) => ({ name, ...pair }))
+}
+
 export function namesOf(sheet: Sheet): Set<string> {
-  return new Set([...sheet.files.values()].flat().map((pick) => pick.name))
+  const all = [...sheet.files.values(), ...sheet.photos.values()]
+  return new Set(all.flatMap((picks) => picks.map((pick) => pick.name)))
 }
 
 /** The first of a, b, ... z, aa, ab, ... that is free. */

@@ -22,14 +22,14 @@ import {
 import type { Sheet } from './pick_history'
 import { useSuggestions } from './suggesting'
 
-type Place = Omit<Pick, 'name'>
+export type Place = Omit<Pick, 'name'>
 
 const kSaid_ms = 4000
 
-const placeOf = (hit: Hit): Place => ({ face: hit.face, barycentric: hit.barycentric })
+export const placeOf = (hit: Hit): Place => ({ face: hit.face, barycentric: hit.barycentric })
 
 /** The files of all poses, loaded again whenever the project changes. */
-function usePickFiles(): PickFiles {
+export function usePickFiles(): PickFiles {
   const { project, version, tell, complain } = useStudio()
   const [, redraw] = useState(0)
   const files = useMemo(
@@ -49,7 +49,7 @@ function usePickFiles(): PickFiles {
 }
 
 /** Words by name, of both files. */
-function problemsOf(files: PickFiles, poses: string[]): Map<string, string> {
+export function problemsOf(files: PickFiles, poses: string[]): Map<string, string> {
   const words = new Map<string, string>()
   for (const pose of poses)
     for (const { name, text } of files.problems(pose))
@@ -58,7 +58,7 @@ function problemsOf(files: PickFiles, poses: string[]): Map<string, string> {
 }
 
 /** Words on what was just done, for a few seconds. */
-function useSaid(): [string, (words: string) => void] {
+export function useSaid(): [string, (words: string) => void] {
   const [said, setSaid] = useState('')
   useEffect(() => {
     if (said === '') return

@@ -10,6 +10,8 @@ export function Strip(props: {
   names: string[]
   current: string
   choose: (name: string) => void
+  /** a short word on a photograph, over its picture */
+  note?: (name: string) => string
 }) {
   const list = useRef<HTMLUListElement>(null)
   useEffect(() => {
@@ -36,6 +38,7 @@ export function Strip(props: {
             >
               <img src={api.photoUrl(props.pose, name, 320)} alt="" loading="lazy" />
               <span>{name}</span>
+              {props.note?.(name) && <em>{props.note(name)}</em>}
             </button>
           </li>
         ))}

@@ -3,10 +3,10 @@ import { useEffect, useState } from 'preact/hooks'
 
 import { useKeys } from '../../keys'
 import { useStudio } from '../../state'
+import { FrameView } from '../../view/frame_view'
+import type { Mark } from '../../view/frame_view'
 import type { Hit } from '../../view/viewer'
 import { nameOf, nextName, replaced, without } from './click_file'
-import { FrameView } from './frame_view'
-import type { Mark } from './frame_view'
 import { PoseView } from './pose_view'
 import { shotApi } from './shot_api'
 import type { Click, Film } from './shot_api'
@@ -153,6 +153,7 @@ export function ClickBench(props: {
         width={film.width}
         height={film.height}
         label={`Frame ${frame}`}
+        help="Filmed frame: Space sets a mark in the middle, arrow keys move the chosen one"
         caption={film.frames.find((one) => one.frame === frame)?.name ?? ''}
         marks={marks}
         onPick={clicking.pickPixel}

@@ -86,9 +86,9 @@ export function ResultView({ finished, version }: { finished: Finished; version:
   const ready = pictures.filter((picture) => picture).length
   return (
     <>
-      <section class="view shot-frame" aria-label="The finished shot">
+      <section class="view frame-view" aria-label="The finished shot">
         <div
-          class="shot-sheet still"
+          class="frame-sheet still"
           style={{
             '--ratio': String((comparison ? 3 : 1) * (finished.width / finished.height)),
           }}

@@ -1,4 +1,5 @@
-// A frame of the film, large: clicks as numbered marks, the wheel to look closer.
+// A picture, large: clicks as numbered marks, the wheel to look closer.
+import type { ComponentChildren } from 'preact'
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 export interface Mark {
@@ -7,9 +8,11 @@ export interface Mark {
   chosen: boolean
   /** not complete yet: its place on the mesh is missing */
   pending: boolean
+  /** of all marks, where this has none of its own */
+  color?: string
 }
 
-interface Zoom {
+export interface Zoom {
   scale: number
   /** of the view's middle, in the frame's pixels */
   x: number
@@ -42,6 +45,12 @@ export interface FrameViewProps {
   onPick: (pixel: [number, number]) => void
   onChoose: (name: string) => void
   onMove: (name: string, pixel: [number, number], done: boolean) => void
+  /** for people who do not see the picture */
+  help: string
+  /** another object: looks there */
+  look?: Zoom | null
+  /** drawn over the picture, in its pixels: the children of an SVG */
+  children?: ComponentChildren
 }
 
 export function FrameView(props: FrameViewProps) {
@@ -49,7 +58,11 @@ export function FrameView(props: FrameViewProps) {
   const box = useRef<HTMLDivElement>(null)
   const [zoom, setZoom] = useState<Zoom>({ scale: 1, x: width / 2, y: height / 2 })
   const pressed = useRef<{ x: number; y: number; name: string; moved: boolean } | null>(null)
-  useEffect(() => setZoom({ scale: 1, x: width / 2, y: height / 2 }), [width, height])
+  const whole = { scale: 1, x: width / 2, y: height / 2 }
+  useEffect(() => setZoom(whole), [width, height, props.src])
+  useEffect(() => {
+    if (props.look) setZoom(withinFrame(props.look, width, height))
+  }, [props.look])
 
   const pixelAt = (x: number, y: number): [number, number] => {
     const place = box.current!.getBoundingClientRect()
@@ -136,14 +149,14 @@ export function FrameView(props: FrameViewProps) {
   const left = (x: number) => `${50 + (100 * (x - zoom.x) * zoom.scale) / width}%`
   const top = (y: number) => `${50 + (100 * (y - zoom.y) * zoom.scale) / height}%`
   return (
-    <section class="view shot-frame" aria-label={props.label}>
+    <section class="view frame-view" aria-label={props.label}>
       <div
         ref={box}
-        class="shot-sheet"
+        class="frame-sheet"
         style={{ '--ratio': String(width / height) }}
         role="application"
         tabIndex={0}
-        aria-label="Filmed frame: Space sets a mark in the middle, arrow keys move the chosen one"
+        aria-label={props.help}
         onPointerDown={down}
         onPointerMove={move}
         onPointerUp={up}
@@ -161,23 +174,42 @@ export function FrameView(props: FrameViewProps) {
             height: `${100 * zoom.scale}%`,
           }}
         />
+        {props.children && (
+          <svg
+            class="frame-over"
+            aria-hidden="true"
+            viewBox={`0 0 ${width} ${height}`}
+            style={{
+              left: left(0),
+              top: top(0),
+              width: `${100 * zoom.scale}%`,
+              height: `${100 * zoom.scale}%`,
+            }}
+          >
+            {props.children}
+          </svg>
+        )}
         {props.marks.map((mark) => (
           <span
             key={mark.name}
             data-mark={mark.name}
-            class={`shot-mark ${mark.chosen ? 'chosen' : ''} ${mark.pending ? 'pending' : ''}`}
-            style={{ left: left(mark.pixel[0]), top: top(mark.pixel[1]) }}
+            class={`frame-mark ${mark.chosen ? 'chosen' : ''} ${mark.pending ? 'pending' : ''}`}
+            style={{
+              left: left(mark.pixel[0]),
+              top: top(mark.pixel[1]),
+              ...(mark.color && { '--mark': mark.color }),
+            }}
           >
             <b>{mark.name}</b>
           </span>
         ))}
       </div>
-      <span class="tag shot-kind">{props.caption}</span>
+      <span class="tag frame-caption">{props.caption}</span>
       {zoom.scale > 1 && (
         <button
-          class="shot-zoom small"
-          title="The whole frame again"
-          onClick={() => setZoom({ scale: 1, x: width / 2, y: height / 2 })}
+          class="frame-zoom small"
+          title="The whole picture again"
+          onClick={() => setZoom(whole)}
         >
           {zoom.scale.toFixed(1)} ×
         </button>
