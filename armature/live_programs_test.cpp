@@ -92,6 +92,29 @@ TEST_F(LivePrograms, BakeHoldsFramesOnTwos) {
   EXPECT_EQ(ReadBvh(folder_ / "motion.bvh").frame_count(), 8);
 }
 
+TEST_F(LivePrograms, AnEditedTakeIsANewOne) {
+  WriteCurves(6, 1);
+  const std::string before = ReadFile(folder_ / "curves.json");
+  WriteFile(folder_ / "edits.txt", "step 2       # on twos\nhold all 1-2\n");
+  const std::string command = "edit --description " + Path("t/theropod.txt") + " --curves " +
+                              Path("curves.json") + " --edits " + Path("edits.txt") + " --take " +
+                              Path("take2");
+  ASSERT_EQ(Run(command), 0) << Err();
+  EXPECT_EQ(ReadFile(folder_ / "curves.json"), before) << "the first take stays";
+  const Armature armature = MakeTheropod();
+  const JointCurves old = ParseCurvesJson(before, "old", armature),
+                    edited =
+                        ParseCurvesJson(ReadFile(folder_ / "take2/curves.json"), "new", armature);
+  EXPECT_EQ(edited.step, 2);
+  ASSERT_EQ(edited.frame_count(), 3);
+  EXPECT_EQ(edited.values.row(2), old.values.row(2));
+  EXPECT_EQ(ReadBvh(folder_ / "take2/curves.bvh").frame_count(), 6);
+  EXPECT_TRUE(fs::exists(folder_ / "take2/flipbook.svg"));
+  WriteFile(folder_ / "edits.txt", "hold tail 0-1\n");
+  EXPECT_EQ(Run(command), 3);
+  EXPECT_NE(Err().find("edits.txt, line 1: no joint is called 'tail'"), std::string::npos) << Err();
+}
+
 TEST_F(LivePrograms, BakeGoesSmoothlyBetweenKeys) {
   WriteCurves(3, 1);
   ASSERT_EQ(Run("bake --description " + Path("t/theropod.txt") + " --chains " +
