@@ -196,8 +196,8 @@ double MeanDifference(const Image8& a, const Image8& b) {
 TEST_F(CaptureProgram, RawFilesAreDeveloped) {
   for (int i = 0; i < 8; ++i)
     WriteDng(photos / ("p" + std::to_string(i) + ".DNG"),
-                    LinearOf(MakeTestPhoto(i, 180, 120, TestWall::kDark).image),
-                    {.neutral = {0.6, 1, 0.8}});
+             LinearOf(MakeTestPhoto(i, 180, 120, TestWall::kDark).image),
+             {.neutral = {0.6, 1, 0.8}});
   ASSERT_EQ(Run().code, 0);
   const ImageSet set = ReadImageSet(images);
   ASSERT_EQ(set.images.size(), 8u);
