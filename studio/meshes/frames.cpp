@@ -10,6 +10,7 @@
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
+#include "studio/meshes/mesh_bytes.h"
 
 namespace keypose::studio {
 
@@ -18,10 +19,11 @@ using nlohmann::json;
 
 namespace {
 
-fs::path FramesFolder(Snapshot& snapshot) {
-  const auto folder = snapshot.ResultPath("interpolate", "", "frames");
-  if (!folder) throw UsageError("there are no frames yet; run the steps up to interpolate first");
-  return *folder;
+fs::path FramesFolder(Snapshot& snapshot, const std::string& shot) {
+  if (const auto folder = snapshot.FramesPath(shot)) return *folder;
+  throw UsageError(
+      fmt::format("there are no frames yet; run the steps up to {} first",
+                  shot.empty() ? "interpolate" : fmt::format("track of shot '{}'", shot)));
 }
 
 std::vector<fs::path> FrameFiles(const fs::path& folder) {
@@ -62,8 +64,8 @@ json KeysOf(const json& distortion, const std::vector<std::string>& poses, std::
 
 }  // namespace
 
-json FramesJson(Snapshot& snapshot) {
-  const fs::path folder = FramesFolder(snapshot);
+json FramesJson(Snapshot& snapshot, const std::string& shot) {
+  const fs::path folder = FramesFolder(snapshot, shot);
   const std::vector<fs::path> files = FrameFiles(folder);
   if (files.empty()) throw UsageError("there are no frames yet");
   const json distortion = json::parse(ReadFile(folder / "distortion.json"), nullptr, false);
@@ -82,9 +84,9 @@ json FramesJson(Snapshot& snapshot) {
           {"keys", KeysOf(distortion, snapshot.graph().keys, files.size())}};
 }
 
-std::string FramePositions(Snapshot& snapshot) {
+std::string FramePositions(Snapshot& snapshot, const std::string& shot) {
   constexpr std::size_t kMostBytes = 1u << 30;
-  const std::vector<fs::path> files = FrameFiles(FramesFolder(snapshot));
+  const std::vector<fs::path> files = FrameFiles(FramesFolder(snapshot, shot));
   if (files.empty()) throw UsageError("there are no frames yet");
   const int vertices = ReadMesh(files.front()).vertex_count();
   const std::size_t frame_bytes = 12 * static_cast<std::size_t>(vertices);
@@ -104,6 +106,12 @@ std::string FramePositions(Snapshot& snapshot) {
                 frame_bytes);
   });
   return bytes;
+}
+
+std::string FirstFrame(Snapshot& snapshot, const std::string& shot) {
+  const std::vector<fs::path> files = FrameFiles(FramesFolder(snapshot, shot));
+  if (files.empty()) throw UsageError("there are no frames yet");
+  return MeshBytes(ReadMesh(files.front()));
 }
 
 }  // namespace keypose::studio

@@ -1,4 +1,4 @@
-// The frames of the finished animation.
+// The frames of the finished animation, or of a shot of a performance.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,12 +8,17 @@
 
 namespace keypose::studio {
 
-/// Count, rate, area and volume of the last frames that interpolate made.
+/// Count, rate, area and volume of the last frames.
+/// @param shot  "" for the animation between the keys
 /// @throws UsageError  there are none yet
-nlohmann::json FramesJson(Snapshot& snapshot);
+nlohmann::json FramesJson(Snapshot& snapshot, const std::string& shot);
 
 /// Positions of all vertices of all frames: float32, in the order of the template's vertices.
 /// @throws UsageError  there are none yet, or more than fit into 1 GiB
-std::string FramePositions(Snapshot& snapshot);
+std::string FramePositions(Snapshot& snapshot, const std::string& shot);
+
+/// The first frame as a mesh (mesh_bytes.h); the others have its faces.
+/// @throws UsageError  there are none yet
+std::string FirstFrame(Snapshot& snapshot, const std::string& shot);
 
 }  // namespace keypose::studio

@@ -38,7 +38,8 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},
           {"has_confidence", snapshot.ConfidencePath(pose).has_value()},
-          {"has_cameras", snapshot.CamerasPath(pose).has_value()}};
+          {"has_cameras", snapshot.CamerasPath(pose).has_value()},
+          {"has_frames", snapshot.FramesPath(pose).has_value()}};
 }
 
 json NameAndFolder(const fs::path& folder) {
@@ -131,7 +132,7 @@ json ProjectJson(Snapshot& snapshot) {
   project["template"] = snapshot.graph().template_pose;
   project["fps"] = snapshot.file().fps;
   project["revision"] = RevisionOf(snapshot.project() / "pipeline.yaml");
-  project["has_frames"] = snapshot.ResultPath("interpolate", "", "frames").has_value();
+  project["has_frames"] = snapshot.FramesPath("").has_value();
   project["has_shot"] = snapshot.file().shot.has_value();
   project["has_report"] = fs::exists(snapshot.project() / "out/report/index.html");
   for (const std::string& pose : snapshot.graph().poses)

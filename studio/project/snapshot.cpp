@@ -102,6 +102,13 @@ std::optional<fs::path> Snapshot::ConfidencePath(const std::string& pose) {
   return ResultPath("bake", pose, "confidence");
 }
 
+std::optional<fs::path> Snapshot::FramesPath(const std::string& shot) {
+  if (shot.empty()) return ResultPath("interpolate", "", "frames");
+  if (auto bent = ResultPath("follow", shot, "followed")) return bent;
+  if (auto scan = ResultPath("transfer", shot, "frames")) return scan;
+  return ResultPath("track", shot, "frames");
+}
+
 std::optional<fs::path> Snapshot::PickedMesh(const std::string& pose) {
   return MeshPath(pose, IsTemplate(pose) ? MeshKind::kMesh : MeshKind::kClean);
 }

@@ -48,6 +48,9 @@ class Snapshot {
   std::optional<std::filesystem::path> TexturePath(const std::string& pose);
   /// How well photographs show each texel of it.
   std::optional<std::filesystem::path> ConfidencePath(const std::string& pose);
+  /// The folder of moving meshes: of the animation for "", else of that shot of a performance, as
+  /// its export takes them.
+  std::optional<std::filesystem::path> FramesPath(const std::string& shot);
   /// The mesh on which a pose's landmarks are picked; a pose from few photographs has none.
   std::optional<std::filesystem::path> PickedMesh(const std::string& pose);
   /// The folder of a pose's photographs.

@@ -111,11 +111,18 @@ void Routes::AddTextures() {
 }
 
 void Routes::AddFrames() {
-  Add("GET", "/api/frames", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return FramesJson(now); }));
+  // Without a shot: the animation between the keys.
+  Add("GET", "/api/frames", [this](const Question& question) {
+    const std::string shot = question.Get("shot");
+    return JsonAnswer(With([&](Snapshot& now) { return FramesJson(now, shot); }));
   });
-  Add("GET", "/api/frames/positions", [this](const Question&) {
-    return BytesAnswer(With([](Snapshot& now) { return FramePositions(now); }));
+  Add("GET", "/api/frames/positions", [this](const Question& question) {
+    const std::string shot = question.Get("shot");
+    return BytesAnswer(With([&](Snapshot& now) { return FramePositions(now, shot); }));
+  });
+  Add("GET", "/api/frames/first", [this](const Question& question) {
+    const std::string shot = question.Get("shot");
+    return BytesAnswer(With([&](Snapshot& now) { return FirstFrame(now, shot); }));
   });
 }
 

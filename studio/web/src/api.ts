@@ -30,6 +30,8 @@ export interface Pose {
   /** how well photographs show the texture */
   has_confidence: boolean
   has_cameras: boolean
+  /** of a performance's shot: its moving mesh is there */
+  has_frames: boolean
 }
 
 export interface Project {
@@ -378,9 +380,13 @@ export const api = {
 
   timeline: () => get<Timeline>('/api/timeline'),
   saveTimeline: (timeline: Timeline) => send<Timeline>('PUT', '/api/timeline', timeline),
-  frames: () => get<Frames>('/api/frames'),
+  // shot: of a performance; '' for the animation between the keys
+  frames: (shot = '') => get<Frames>(`/api/frames?${q({ shot })}`),
   /** count x vertices x 3, in the order of the template's vertices */
-  positions: async () => new Float32Array(await (await ask('/api/frames/positions')).arrayBuffer()),
+  positions: async (shot = '') =>
+    new Float32Array(await (await ask(`/api/frames/positions?${q({ shot })}`)).arrayBuffer()),
+  firstFrame: async (shot: string) =>
+    (await ask(`/api/frames/first?${q({ shot })}`)).arrayBuffer(),
   results: () => get<{ path: string; label: string; bytes: number }[]>('/api/results'),
   /** Shows the folder in the desktop's file manager. */
   reveal: (path: string) => send<{ shown: boolean }>('POST', '/api/reveal', { path }),

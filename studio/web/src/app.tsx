@@ -6,6 +6,7 @@ import { api } from './api'
 import { ArmaturePage } from './pages/armature'
 import { ExportPage } from './pages/export'
 import { LandmarksPage } from './pages/landmarks'
+import { MotionPage } from './pages/motion'
 import { NewProjectPage } from './pages/new_project'
 import { useUpload } from './pages/new_project/upload'
 import { PosesPage } from './pages/poses'
@@ -98,8 +99,11 @@ function RunState() {
   )
 }
 
-/** A performance has no photographs of poses, no landmarks and no keys to show. */
-const kPerformancePages = kPages.filter((one) => one.path === 'run' || one.path === 'export')
+/** A performance has no photographs of poses, no landmarks and no keys to show, but its motion. */
+const kPerformancePages: typeof kPages = [
+  { path: 'motion', name: 'Motion', page: MotionPage },
+  ...kPages.filter((one) => one.path === 'run' || one.path === 'export'),
+]
 
 function Shell() {
   const { project } = useStudio()

@@ -69,7 +69,12 @@ export interface TransportProps {
   setHelp: (help: boolean) => void
 }
 
-function PlayButtons({ player, repeat, setRepeat }: TransportProps) {
+export function PlayButtons(props: {
+  player: Player
+  repeat: boolean
+  setRepeat: (repeat: boolean) => void
+}) {
+  const { player, repeat, setRepeat } = props
   const playing = usePlaying(player)
   return (
     <div class="tl-group">

@@ -12,8 +12,8 @@ export interface Made {
   positions: Float32Array[]
 }
 
-async function readFrames(frames: Frames): Promise<Made> {
-  const all = await api.positions()
+async function readFrames(frames: Frames, shot: string): Promise<Made> {
+  const all = await api.positions(shot)
   const size = 3 * frames.vertices
   if (all.length !== size * frames.count)
     throw new Error('The frames have changed while they were read; look again in a moment.')
@@ -23,25 +23,28 @@ async function readFrames(frames: Frames): Promise<Made> {
   return { frames, positions }
 }
 
-/** `ready` is false until the server was asked once. */
-export function useFrames(): { made: Made | null; ready: boolean } {
+/** Of a performance's shot, or of the animation. `ready` is false until the server was asked once. */
+export function useFrames(shot = ''): { made: Made | null; ready: boolean } {
   const { project, version, complain } = useStudio()
+  const there = shot
+    ? (project.poses.find((pose) => pose.name === shot)?.has_frames ?? false)
+    : project.has_frames
   const [made, setMade] = useState<Made | null>(null)
   const [ready, setReady] = useState(false)
   const known = useRef('')
   useEffect(() => {
     let current = true
     const load = async () => {
-      if (!project.has_frames) {
+      if (!there) {
         known.current = ''
         setMade(null)
         return
       }
-      const frames = await api.frames()
+      const frames = await api.frames(shot)
       // Area and volume of every frame tell whether the positions are the ones we have.
       const signature = JSON.stringify(frames)
       if (!current || signature === known.current) return
-      const read = await readFrames(frames)
+      const read = await readFrames(frames, shot)
       if (!current) return
       known.current = signature
       setMade(read)
@@ -55,7 +58,7 @@ export function useFrames(): { made: Made | null; ready: boolean } {
     return () => {
       current = false
     }
-  }, [version, project.has_frames, complain])
+  }, [version, there, shot, complain])
   return { made, ready }
 }
 
