@@ -159,7 +159,9 @@ class PlaneMap {
     ForEachPlane([&](std::size_t pixel, std::size_t place) { spread[pixel] = (*values)[place]; });
     values->swap(spread);
   }
+  /// A slope that nothing says, not a number, is level: a conversion of it is not defined.
   static std::int16_t Tilt(float steps) {
+    if (std::isnan(steps)) return 0;
     return static_cast<std::int16_t>(
         std::clamp(steps + (steps < 0 ? -0.5f : 0.5f), -32767.0f, 32767.0f));
   }
