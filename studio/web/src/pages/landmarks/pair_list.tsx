@@ -3,6 +3,7 @@ import type { ComponentChildren } from 'preact'
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks'
 
 import { cssShare, percent } from '../../words'
+import { RowTools } from './bench_pieces'
 import type { Item } from './markers'
 import type { Picking } from './picking'
 
@@ -110,24 +111,11 @@ function PairRow({ item, picking }: { item: PairItem; picking: Picking }) {
         {missing && <span class="lm-state">{missing}</span>}
         {problem && <span class="hidden">has a problem</span>}
       </RowButton>
-      <span class="lm-tools">
-        <button
-          class="quiet"
-          aria-label={`Rename ${name}`}
-          title="Rename (F2)"
-          onClick={() => picking.setRenaming(name)}
-        >
-          ✎
-        </button>
-        <button
-          class="quiet"
-          aria-label={`Delete ${name}`}
-          title="Delete (Del)"
-          onClick={() => picking.remove(item)}
-        >
-          ×
-        </button>
-      </span>
+      <RowTools
+        name={name}
+        rename={() => picking.setRenaming(name)}
+        remove={() => picking.remove(item)}
+      />
       {problem && <p class="lm-problem">{problem}</p>}
     </li>
   )

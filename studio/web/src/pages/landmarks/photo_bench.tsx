@@ -7,6 +7,7 @@ import { useKeys } from '../../keys'
 import { useStudio } from '../../state'
 import type { Zoom } from '../../view/frame_view'
 import type { Marker } from '../../view/viewer'
+import { LookChoice } from './bench_pieces'
 import { FilesMenu, useImport } from './files_menu'
 import { KeysHelp } from './keys'
 import { PoseChoice, SaveState } from './pick_bench'
@@ -131,15 +132,6 @@ function Foot(props: {
   outline: boolean
   setOutline: (outline: boolean) => void
 }) {
-  const look = (plain: boolean, name: string, title: string) => (
-    <button
-      aria-pressed={props.plain === plain}
-      title={title}
-      onClick={() => props.setPlain(plain)}
-    >
-      {name}
-    </button>
-  )
   return (
     <div class="lm-foot">
       <span role="status" class="lm-hint">
@@ -149,10 +141,7 @@ function Foot(props: {
       <span class="small">
         <SaveState picking={props.picking} />
       </span>
-      <span class="choice" role="group" aria-label="Look">
-        {look(false, 'Textured', "With the clay's colours (P)")}
-        {look(true, 'Plain', 'Only the shape (P)')}
-      </span>
+      <LookChoice plain={props.plain} change={props.setPlain} />
       <button
         aria-pressed={props.outline}
         title="The outline of the mask (O)"

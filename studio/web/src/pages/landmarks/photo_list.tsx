@@ -1,5 +1,6 @@
 // The pairs of a template and photographs as a list, and what the last fit says of each.
 import type { PhotoFit } from '../../api'
+import { RowTools } from './bench_pieces'
 import { RenameField, RowButton, UndoButtons } from './pair_list'
 import { colorOf, residualsOf, stateWords } from './photo_model'
 import type { PhotoPicking } from './photo_picking'
@@ -86,24 +87,11 @@ function PhotoRow(props: {
           {stateWords(pair, picking.template, fit)}
         </span>
       </RowButton>
-      <span class="lm-tools">
-        <button
-          class="quiet"
-          aria-label={`Rename ${name}`}
-          title="Rename (F2)"
-          onClick={() => picking.setRenaming(name)}
-        >
-          ✎
-        </button>
-        <button
-          class="quiet"
-          aria-label={`Delete ${name}`}
-          title="Delete (Del)"
-          onClick={() => picking.remove(name)}
-        >
-          ×
-        </button>
-      </span>
+      <RowTools
+        name={name}
+        rename={() => picking.setRenaming(name)}
+        remove={() => picking.remove(name)}
+      />
       {problem && <p class="lm-problem">{problem}</p>}
       {chosen && <PixelRows {...props} />}
     </li>

@@ -5,6 +5,7 @@ import { useRef, useState } from 'preact/hooks'
 import type { Advice, Pose } from '../../api'
 import { useStudio } from '../../state'
 import type { Hit } from '../../view/viewer'
+import { LookChoice } from './bench_pieces'
 import { DropPlace, FilesMenu, useImport } from './files_menu'
 import { FitCard } from './fit_card'
 import { useKeys } from '../../keys'
@@ -186,15 +187,6 @@ export function PoseChoice(props: { pose: string; poses: Pose[]; onPose: (name: 
 /** What to do next, whether all is saved, and how the views look. */
 function Foot(props: { picking: Picking; surfaces: Surfaces; looks: Looks }) {
   const { picking, surfaces, looks } = props
-  const look = (plain: boolean, name: string, title: string) => (
-    <button
-      aria-pressed={looks.plain === plain}
-      title={title}
-      onClick={() => looks.setPlain(plain)}
-    >
-      {name}
-    </button>
-  )
   return (
     <div class="lm-foot">
       <span role="status" class="lm-hint">
@@ -204,10 +196,7 @@ function Foot(props: { picking: Picking; surfaces: Surfaces; looks: Looks }) {
       <span class="small">
         <SaveState picking={picking} />
       </span>
-      <span class="choice" role="group" aria-label="Look">
-        {look(false, 'Textured', "With the clay's colours (P)")}
-        {look(true, 'Plain', 'Only the shape (P)')}
-      </span>
+      <LookChoice plain={looks.plain} change={looks.setPlain} />
       <button
         aria-pressed={looks.together}
         title="Both views turn at once (T)"
