@@ -16,13 +16,13 @@ import {
   writeFileSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
+import { join } from 'node:path';
 
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -30,19 +30,9 @@ import {
   until,
 } from './studio_driver.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: {
-    pictures: { type: 'string' },
-    keep: { type: 'boolean' },
-    prepared: { type: 'string' },
-  },
+const { bin, options } = readWords('picks_test.mjs', {
+  prepared: { type: 'string' },
 });
-if (positionals.length !== 1) {
-  console.error('usage: node picks_test.mjs BIN_DIR [--pictures DIR] [--keep] [--prepared PROJECT]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
 const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_picks_'));
 const folder = join(scratch, 'limbs');
 const browser = new Browser();

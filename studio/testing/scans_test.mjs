@@ -21,12 +21,12 @@ import {
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { parseArgs } from 'node:util';
 
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -36,20 +36,10 @@ import {
 import { meshOf } from './walk_geometry.mjs';
 import { Landmarks } from './walk_landmarks.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: {
-    pictures: { type: 'string' },
-    keep: { type: 'boolean' },
-    only: { type: 'string', default: 'landmarks,play,load,pickMany' },
-  },
+const { bin, options } = readWords('scans_test.mjs', {
+  only: { type: 'string', default: 'landmarks,play,load,pickMany' },
 });
 const wanted = new Set(['prepare', ...options.only.split(',')]);
-if (positionals.length !== 1) {
-  console.error('usage: node scans_test.mjs BIN_DIR [--pictures DIR] [--keep] [--only PART,PART]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
 const source = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
 const scans = join(process.env.KEYPOSE_DATA ?? join(source, '../shared/data'), 'scans');
 const scratch = mkdtempSync(join(tmpdir(), 'keypose_scans_'));

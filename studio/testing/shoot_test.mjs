@@ -14,13 +14,13 @@ import {
   statSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
+import { join } from 'node:path';
 
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -28,15 +28,7 @@ import {
   until,
 } from './studio_driver.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: { pictures: { type: 'string' }, keep: { type: 'boolean' } },
-});
-if (positionals.length !== 1) {
-  console.error('usage: node shoot_test.mjs BIN_DIR [--pictures DIR] [--keep]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
+const { bin, options } = readWords('shoot_test.mjs');
 const kAngles = 12;
 const kRings = '12, 40';
 const kAll = 2 * kAngles;

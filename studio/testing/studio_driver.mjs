@@ -3,7 +3,8 @@ import { spawn } from 'node:child_process';
 import { mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
+import { parseArgs } from 'node:util';
 
 import { chromium } from 'playwright-core';
 
@@ -22,6 +23,26 @@ const kArguments = [
   '--disable-sync',
 ];
 const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/**
+ * What a test was started with: the folder of the programs, and the options, of which every test
+ * has --pictures and --keep. Ends the program with 2 where the words make no sense.
+ * @param more  further options, as parseArgs takes them
+ */
+export function readWords(test, more = {}) {
+  const known = { pictures: { type: 'string' }, keep: { type: 'boolean' }, ...more };
+  try {
+    const { values, positionals } = parseArgs({ allowPositionals: true, options: known });
+    if (positionals.length === 1) return { bin: resolve(positionals[0]), options: values };
+  } catch (error) {
+    console.error(error.message);
+  }
+  const words = Object.entries(known).map(([name, { type }]) =>
+    type === 'string' ? `[--${name} ${name.toUpperCase()}]` : `[--${name}]`,
+  );
+  console.error(`usage: node ${test} BIN_DIR ${words.join(' ')}`);
+  process.exit(2);
+}
 
 /** @throws Error with these words */
 export function check(condition, words) {

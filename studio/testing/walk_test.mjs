@@ -21,12 +21,12 @@ import {
 } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
 
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -36,24 +36,11 @@ import {
 import { walkLandmarks, walkPaint } from './walk_landmarks.mjs';
 import { picturesStand, walkTimeline } from './walk_timeline.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: {
-    pictures: { type: 'string' },
-    data: { type: 'string' },
-    project: { type: 'string' },
-    from: { type: 'string' },
-    keep: { type: 'boolean' },
-  },
+const { bin, options } = readWords('walk_test.mjs', {
+  data: { type: 'string' },
+  project: { type: 'string' },
+  from: { type: 'string' },
 });
-if (positionals.length !== 1) {
-  console.error(
-    'usage: node walk_test.mjs BIN_DIR [--pictures DIR] [--data DATA] [--project DIR] ' +
-      '[--from PART] [--keep]',
-  );
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
 const kRunSeconds = 900;
 const scratch = mkdtempSync(join(tmpdir(), 'keypose_walk_'));
 const folder = join(scratch, 'creature');
