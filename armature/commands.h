@@ -13,5 +13,7 @@ int ExampleCommand(int argc, char** argv);
 int LiveCommand(int argc, char** argv);
 int BakeCommand(int argc, char** argv);
 int EditCommand(int argc, char** argv);
+int ShowCommand(int argc, char** argv);
+int DraftsCommand(int argc, char** argv);
 
 }  // namespace keypose::armature

@@ -30,7 +30,8 @@ JointCurves Counted(int frames, int step = 1) {
 }
 
 JointCurves After(const std::string& edits, JointCurves curves = Counted(6)) {
-  return EditedCurves(std::move(curves), ParseCurveEdits(edits, "edits.txt", TakenTheropod()));
+  return EditedCurves(TakenTheropod(), std::move(curves),
+                      ParseCurveEdits(edits, "edits.txt", TakenTheropod()));
 }
 
 std::vector<double> Joint(const JointCurves& curves, int joint) {
@@ -78,6 +79,35 @@ TEST(CurveEdits, AreDoneInTheirOrder) {
             (Values{1, 1, 2, 2, 2, 5}));
 }
 
+TEST(CurveEdits, BeyondAJointsLimitsIsRefusedInItsUnits) {
+  Armature limited = MakeTheropod();
+  const auto node = [&](int joint) -> ArmatureNode& {
+    return limited.nodes[limited.joints[joint]];
+  };
+  node(0).low = -0.05, node(0).high = 0.05;
+  node(kTurning).low = -30 * kDegree, node(kTurning).high = 120 * kDegree;
+  const auto after = [&](const std::string& text) -> std::string {
+    JointCurves still = Counted(6);
+    still.values.setZero();
+    try {
+      const JointCurves made = EditedCurves(limited, still, ParseCurveEdits(text, "e", limited));
+      return std::to_string(made.values(2, kTurning) / kDegree);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  const std::string slide = NameOf(0), turning = NameOf(kTurning);
+  EXPECT_EQ(after("set " + turning + " 2 120"), "120.000000") << "a limit itself can be had";
+  EXPECT_EQ(after("set " + turning + " 2 -30"), "-30.000000");
+  EXPECT_EQ(after("set " + turning + " 2 120.5"),
+            "line 1 of the edits: joint '" + turning +
+                "' would be at 120.5 degrees in frame 2, and its limits are -30 to 120");
+  EXPECT_THAT(after("add " + turning + " 0-3 -20\nadd " + turning + " 2 -20"),
+              HasSubstr("line 2 of the edits: joint '" + turning + "' would be at -40 degrees"));
+  EXPECT_THAT(after("set " + slide + " 1-2 51"), HasSubstr("at 51 mm in frame 1"));
+  EXPECT_EQ(after("set " + slide + " 1-2 50"), "0.000000");
+}
+
 TEST(CurveEdits, FaultsAreNamedWithTheirLine) {
   const auto fault = [](const std::string& text) -> std::string {
     try {
@@ -93,6 +123,8 @@ TEST(CurveEdits, FaultsAreNamedWithTheirLine) {
   EXPECT_THAT(fault("hold all 5-3"), HasSubstr("'5-3' is no frame"));
   EXPECT_THAT(fault("hold all"), HasSubstr("is missing"));
   EXPECT_THAT(fault("set all 2 nan"), HasSubstr("'nan' is no number"));
+  EXPECT_THAT(fault("set all 2 3"), HasSubstr("some joints turn and some slide"));
+  EXPECT_THAT(fault("set " + NameOf(0) + " 2 1e300"), HasSubstr("'1e300' is beyond 1000000"));
   EXPECT_THAT(fault("set " + NameOf(0) + " 2 4 5"), HasSubstr("'5' is too much"));
   EXPECT_THAT(fault("move all 2 2"), HasSubstr("'by' is wanted"));
   EXPECT_THAT(fault("step 0"), HasSubstr("'0' is no number of frames from 1"));

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "armature/example/theropod.h"
+#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::armature {
@@ -107,6 +110,23 @@ TEST(DescriptionFile, UnitsTurnLengthsAndSlidesIntoMetres) {
   EXPECT_EQ(rig.counts_per_revolution, 4096);
 }
 
+TEST(DescriptionFile, LimitsAreDegreesAndOfSlidesTheUnit) {
+  const Armature rig = Parse(
+      "units cm node { name a slide 0 0 1 sensor 0 limits -2 5.5 "
+      "node { name b axis 1 0 0 sensor 1 limits -150 0 } node { name c axis 1 0 0 sensor 2 } }");
+  EXPECT_DOUBLE_EQ(rig.nodes[0].low, -0.02);
+  EXPECT_DOUBLE_EQ(rig.nodes[0].high, 0.055);
+  EXPECT_DOUBLE_EQ(rig.nodes[1].low, -150 * kDegree);
+  EXPECT_EQ(rig.nodes[1].high, 0);
+  EXPECT_TRUE(std::isinf(rig.nodes[2].low) && std::isinf(rig.nodes[2].high));
+  const Armature again = Parse(DescriptionText(rig));
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_NEAR(again.nodes[n].low, rig.nodes[n].low, 1e-14);
+    EXPECT_NEAR(again.nodes[n].high, rig.nodes[n].high, 1e-14);
+  }
+  EXPECT_TRUE(std::isinf(again.nodes[2].low));
+}
+
 TEST(DescriptionFile, ChangedScaleChangesNothingElse) {
   DescriptionFile file = DescriptionFile::Parse(kLeg, "leg.txt");
   file.SetScale(2, -10.05);
@@ -147,11 +167,11 @@ TEST(DescriptionText, IsReadAgainAsTheSameArmature) {
 TEST(DescriptionFile, FaultsNameLineAndColumn) {
   EXPECT_EQ(Fault("node {\n  nam a\n}"),
             "leg.txt:2:3: 'nam' is not known here; did you mean 'name'? (known: name, axis, slide, "
-            "sensor, scale, length, rodaxis, node)");
+            "sensor, scale, length, rodaxis, limits, node)");
   EXPECT_EQ(
       Fault("node {\n  name ü axi 1\n}"),
       "leg.txt:2:10: 'axi' is not known here; did you mean 'axis'? (known: name, axis, slide, "
-      "sensor, scale, length, rodaxis, node)");
+      "sensor, scale, length, rodaxis, limits, node)");
   EXPECT_THAT(Fault("unit mm"), HasSubstr("leg.txt:1:1: 'unit' is not known here; did you mean "
                                           "'units'?"));
   EXPECT_THAT(Fault("units feet node { name a }"), HasSubstr("leg.txt:1:7: 'feet'"));
@@ -160,6 +180,9 @@ TEST(DescriptionFile, FaultsNameLineAndColumn) {
   EXPECT_THAT(Fault(Joint("scale inf")), HasSubstr("must be a number"));
   EXPECT_THAT(Fault(Joint("scale 1e300")), HasSubstr("must be a number"));
   EXPECT_THAT(Fault(Joint("scale 1 scale 2")), HasSubstr("'scale' is given twice"));
+  EXPECT_THAT(Fault(Joint("limits 5 -5")), HasSubstr("leg.txt:1:42: the lower limit is above"));
+  EXPECT_THAT(Fault(Joint("limits 5 }")), HasSubstr("the upper limit is missing"));
+  EXPECT_THAT(Fault("node { name a length 1 limits 0 1 }"), HasSubstr("limits, but no axis"));
   EXPECT_THAT(Fault("node { name a axis 0 0 0 sensor 1 }"), HasSubstr("axis has no direction"));
   EXPECT_THAT(Fault("node { name a axis 1 0 0 sensor 1.5 }"), HasSubstr("whole number from 0"));
   EXPECT_THAT(Fault("node { name a axis 1 0 0 sensor -1 }"), HasSubstr("whole number from 0"));

@@ -20,15 +20,15 @@ struct EditOptions {
 StageSpec EditSpec() {
   StageSpec spec;
   spec.name = "armature edit";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Changes a recorded take frame by frame, and writes it as a new one.";
   spec.inputs = {
       {"description", "file", "the armature's description file", "", false, false},
       {"curves", "file", "recorded curves (curves.json of a session)", "", false, false},
       {"edits", "file", "what to change: lines such as `hold neck 3-6`", "", false, false}};
   spec.outputs = {{"take", "folder",
-                   "curves.json, curves.csv, curves.bvh, flipbook.json, flipbook.svg", "take",
-                   false, false}};
+                   "curves.json, curves.csv, curves.bvh, flipbook.json, flipbook.svg, edits.txt",
+                   "take", false, false}};
   spec.memory_gib = 1;
   return spec;
 }
@@ -40,15 +40,16 @@ void RunEdit(StageContext& stage, const EditOptions&) {
       DescriptionFile::Parse(ReadFile(description), PrintableName(description));
   const Armature& armature = file.armature();
   const JointCurves before = ParseCurvesJson(ReadFile(path), PrintableName(path), armature);
-  const std::vector<CurveEdit> edits =
-      ParseCurveEdits(ReadFile(edits_path), PrintableName(edits_path), armature);
-  const JointCurves curves = EditedCurves(before, edits);
+  const std::string text = ReadFile(edits_path);
+  const std::vector<CurveEdit> edits = ParseCurveEdits(text, PrintableName(edits_path), armature);
+  const JointCurves curves = EditedCurves(armature, before, edits);
   const auto take = stage.Output("take");
   WriteFile(take / "curves.json", CurvesJson(armature, curves));
   WriteFile(take / "curves.csv", CurvesCsv(armature, curves));
   WriteFile(take / "curves.bvh", BvhText(CurvesClip(armature, curves)));
   WriteFile(take / "flipbook.json", FlipbookJson(armature, curves));
   WriteFile(take / "flipbook.svg", FlipbookSvg(armature, curves));
+  WriteFile(take / "edits.txt", text);
   stage.Note(fmt::format("{} edits; {} recorded frames on {} became {} on {}", edits.size(),
                          before.frame_count(), before.step, curves.frame_count(), curves.step));
   stage.Report("edits", SizeOf(edits));

@@ -110,9 +110,72 @@ TEST_F(LivePrograms, AnEditedTakeIsANewOne) {
   EXPECT_EQ(edited.values.row(2), old.values.row(2));
   EXPECT_EQ(ReadBvh(folder_ / "take2/curves.bvh").frame_count(), 6);
   EXPECT_TRUE(fs::exists(folder_ / "take2/flipbook.svg"));
+  EXPECT_EQ(ReadFile(folder_ / "take2/edits.txt"), ReadFile(folder_ / "edits.txt"));
   WriteFile(folder_ / "edits.txt", "hold tail 0-1\n");
   EXPECT_EQ(Run(command), 3);
   EXPECT_NE(Err().find("edits.txt, line 1: no joint is called 'tail'"), std::string::npos) << Err();
+}
+
+TEST_F(LivePrograms, ATakeIsDraftedAsItsChangesWouldMakeIt) {
+  WriteCurves(6, 2);
+  WriteFile(folder_ / "edits.txt", "delete 0\nset leftKneeBend 2 -41.5\n");
+  WriteFile(folder_ / "bad.txt", "set leftKneeBend 2 1\n");
+  const auto question = [&](const std::string& edits, const std::string& to) {
+    return nlohmann::json{{"edits", edits}, {"to", Path(to)}}.dump() + "\n";
+  };
+  WriteFile(folder_ / "in", question("", "plain") + question(Path("bad.txt"), "beyond") +
+                                "nonsense\n" + question(Path("edits.txt"), "draft"));
+  ASSERT_EQ(Run("drafts" + Puppet() + " --curves " + Path("curves.json"), Path("in")), 0) << Err();
+  std::istringstream answers(ReadFile(folder_ / "out"));
+  std::vector<nlohmann::json> told;
+  for (std::string line; std::getline(answers, line);) told.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(told.size(), 4u);
+  EXPECT_EQ(told[0]["frames"], 6);
+  EXPECT_NE(told[1]["error"].get<std::string>().find("its limits are -150 to 0"),
+            std::string::npos);
+  EXPECT_NE(told[2]["error"].get<std::string>().find("no question"), std::string::npos);
+  EXPECT_EQ(told[3]["frames"], 5);
+  EXPECT_FALSE(fs::exists(folder_ / "beyond"));
+  const std::string plain_bytes = ReadFile(folder_ / "plain"),
+                    draft_bytes = ReadFile(folder_ / "draft");
+  const std::size_t plain_end = plain_bytes.find('\n') + 1, end = draft_bytes.find('\n') + 1;
+  EXPECT_EQ(plain_end % 4, 0u);
+  EXPECT_EQ(end % 4, 0u);
+  const auto plain = nlohmann::json::parse(plain_bytes.substr(0, plain_end)),
+             draft = nlohmann::json::parse(draft_bytes.substr(0, end));
+  EXPECT_EQ(draft["step"], 2);
+  EXPECT_EQ(draft["fps"], 24);
+  ASSERT_EQ(draft["joints"].size(), 74u);
+  for (std::size_t j = 0; j < 74; ++j) {
+    const nlohmann::json& joint = draft["joints"][j];
+    ASSERT_EQ(joint["values"].size(), 5u);
+    const bool knee = joint["name"] == "leftKneeBend";
+    EXPECT_EQ(joint["unit"], j < 3 ? "mm" : "degrees");
+    EXPECT_EQ(joint["values"][2], knee ? nlohmann::json(-41.5) : plain["joints"][j]["values"][3]);
+    EXPECT_EQ(joint["values"][0], plain["joints"][j]["values"][1]);
+    if (!knee) continue;
+    EXPECT_EQ(joint["low"], -150);
+    EXPECT_EQ(joint["high"], 0);
+  }
+  EXPECT_TRUE(draft["joints"][0]["low"].is_null());
+  // The poses are those of the frames that stay, but for the one that was set.
+  const std::string all = plain_bytes.substr(plain_end), rest = draft_bytes.substr(end);
+  const std::size_t pose = all.size() / 6;
+  ASSERT_EQ(rest.size(), 5 * pose);
+  EXPECT_EQ(pose % 28, 0u);
+  EXPECT_EQ(rest.substr(0, pose), all.substr(pose, pose));
+  EXPECT_NE(rest.substr(2 * pose, pose), all.substr(3 * pose, pose));
+}
+
+TEST_F(LivePrograms, ACharacterIsWrittenForAPage) {
+  ASSERT_EQ(Run("show" + Puppet() + " --mesh " + Path("t/theropod.ply") + " --plate " +
+                Path("t/plate.png") + " --shot " + Path("t/shot.json") + " --page " + Path("page")),
+            0)
+      << Err();
+  const auto view = nlohmann::json::parse(ReadFile(folder_ / "page/view.json"));
+  EXPECT_EQ(view["sensors"].size(), 74u);
+  EXPECT_EQ(view["pictures"].size(), 1u);
+  EXPECT_EQ(fs::file_size(folder_ / "page/weights.bin"), 24 * view["vertices"].get<std::size_t>());
 }
 
 TEST_F(LivePrograms, BakeGoesSmoothlyBetweenKeys) {

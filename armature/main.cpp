@@ -26,6 +26,8 @@ const std::vector<Subcommand> kSubcommands = {
     {"record", "record a puppet frame by frame", RecordCommand},
     {"live", "pose the character while the puppet is moved", LiveCommand},
     {"edit", "change a recorded take, as a new one", EditCommand},
+    {"show", "write what a page needs to show a character", ShowCommand},
+    {"drafts", "answer what a recorded take would be with some changes", DraftsCommand},
     {"bake", "make an animation's frames from recorded curves", BakeCommand},
     {"example", "write the files of a theropod with 74 sensors", ExampleCommand},
 };

@@ -25,9 +25,9 @@ int Mutants() {
 /// in.
 std::string Mutant(const std::string& text, std::mt19937* random) {
   static const char* const kWords[] = {
-      "node {", "}",   "{",        "sensor 3", "scale 0", "axis 0 0 0",
-      "#",      "1e9", "rodaxis",  "units mm", "\xff",    "name pelvis",
-      "chain ", "to",  "physical", "computer", "anchor ", "-1"};
+      "node {",   "}",        "{",        "sensor 3", "scale 0",     "axis 0 0 0", "#",
+      "1e9",      "rodaxis",  "units mm", "\xff",     "name pelvis", "chain ",     "to",
+      "physical", "computer", "anchor ",  "-1",       "limits 3 -1"};
   std::string mutant = text;
   const auto pick = [&](std::size_t count) {
     return static_cast<std::size_t>((*random)() % count);

@@ -170,6 +170,18 @@ TEST_F(Session, SurvivesItsJournalCutOffAtAnyByte) {
   }
 }
 
+TEST_F(Session, DoesNotReplaceATakeThatWasEdited) {
+  const std::string edited = CurvesJson(theropod_, Walk(theropod_, 3, 1));
+  WriteFile(folder_ / "curves.json", edited);
+  try {
+    RecordingSession session(theropod_, folder_, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a take that was edited"));
+  }
+  EXPECT_EQ(ReadFile(folder_ / "curves.json"), edited);
+}
+
 TEST_F(Session, IsLockedWhileItIsOpen) {
   RecordingSession session(theropod_, folder_, {});
   EXPECT_THROW(RecordingSession(theropod_, folder_, {}), LockedError);

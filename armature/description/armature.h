@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,10 @@ struct ArmatureNode {
   /// slide; signed, never 0. The sense that the file was written in is already undone.
   double scale = 1;
   double length = 0;  ///< of a rod, >= 0 [m; the file's own unit if it names none]
-  int line = 0;       ///< of the file, from 1; for messages
+  /// Where the joint's stops are, low <= high [rad; of a slide as `length`]; none: infinite.
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  int line = 0;  ///< of the file, from 1; for messages
   bool moves() const { return kind == NodeKind::kJoint || kind == NodeKind::kSlide; }
 };
 

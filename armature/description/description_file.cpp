@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::armature {
@@ -17,8 +18,8 @@ constexpr std::size_t kMostDepth = 200, kMostNodes = 10000;
 constexpr int kLargestSensor = 4095;
 
 const std::vector<std::string> kHeaderWords = {"units", "rodaxis", "scale_is", "counts", "node"};
-const std::vector<std::string> kNodeWords = {"name",  "axis",   "slide",   "sensor",
-                                             "scale", "length", "rodaxis", "node"};
+const std::vector<std::string> kNodeWords = {"name",   "axis",    "slide",  "sensor", "scale",
+                                             "length", "rodaxis", "limits", "node"};
 
 double MetresOf(WordReader& words) {
   static const std::map<std::string, double> kUnits = {
@@ -131,6 +132,7 @@ class DescriptionParser {
     if (key == "axis" || key == "slide" || key == "rodaxis") node.axis = UnitAxis(words, key);
     if (key == "sensor") ReadSensor(words, n);
     if (key == "scale") ReadScale(words, n);
+    if (key == "limits") ReadLimits(words, n);
     if (key == "length") {
       const Word& place = words.Peek();
       node.length = words.Number("length");
@@ -167,6 +169,14 @@ class DescriptionParser {
     if (!(std::abs(nodes()[n].scale) >= 1e-9)) words.Fail(place, "scale must not be 0");
   }
 
+  void ReadLimits(WordReader& words, std::size_t n) {
+    const Word& place = words.Peek();
+    nodes()[n].low = words.Number("the lower limit");
+    nodes()[n].high = words.Number("the upper limit");
+    if (nodes()[n].low > nodes()[n].high)
+      words.Fail(place, "the lower limit is above the upper one; write the lower one first");
+  }
+
   /// "'rightKneeBend' ", or nothing while it has no name.
   std::string NameOf(std::size_t n) {
     return nodes()[n].name.empty() ? "" : Quoted(nodes()[n].name) + " ";
@@ -186,6 +196,7 @@ class DescriptionParser {
     if (moves && !has("sensor")) fail("turns, but has no sensor; give it `sensor INDEX`");
     if (!moves && has("sensor")) fail("has a sensor, but no axis; give it `axis X Y Z`");
     if (!moves && has("scale")) fail("has a scale, but no axis");
+    if (!moves && has("limits")) fail("has limits, but no axis");
     if (!has("length") && has("rodaxis")) fail("has a rodaxis, but no length");
   }
 
@@ -202,6 +213,9 @@ class DescriptionParser {
     if (!node.moves()) return;
     if (result_.scale_is_ == ScaleSense::kJointPerEncoder) node.scale = 1 / node.scale;
     if (node.kind == NodeKind::kSlide) node.scale /= unit;
+    const double limit_unit = node.kind == NodeKind::kSlide ? unit : kDegree;
+    node.low *= limit_unit;
+    node.high *= limit_unit;
     result_.armature_.joints.push_back(index);
   }
 
@@ -261,6 +275,9 @@ std::string AttributesText(const ArmatureNode& node, double unit, const std::str
   line((slides ? "slide " : "axis ") + AxisText(node.axis));
   line(fmt::format("sensor {}", node.sensor));
   line(fmt::format("scale {}", slides ? node.scale * unit : node.scale));
+  const double limit_unit = slides ? unit : kDegree;
+  if (std::isfinite(node.low))
+    line(fmt::format("limits {} {}", node.low / limit_unit, node.high / limit_unit));
   return text;
 }
 

@@ -38,6 +38,13 @@ class Builder {
     made_.nodes.back().scale = scale;
     return index;
   }
+  /// A hinge that stops where a knee does: it does not bend to the other side.
+  int Knee(int parent, const std::string& name, double scale) {
+    const int index = Joint(parent, name, kX, scale);
+    made_.nodes.back().low = -150 * kDegree;
+    made_.nodes.back().high = 0;
+    return index;
+  }
   /// A carriage on a spindle of 5 mm a turn.
   int Slide(int parent, const std::string& name, const Vector3d& axis) {
     const int index = Add(parent, NodeKind::kSlide, name, axis);
@@ -102,7 +109,7 @@ void AddLeg(Builder* builder, int pelvis, const std::string& side, double sign) 
   at = builder->Joint(at, side + "HipBend", kX, 25);
   at = builder->Joint(at, side + "HipSwivel", kZ, -10 * sign);
   at = builder->Rod(at, side + "Thigh", kThigh_m, -kZ);
-  at = builder->Joint(at, side + "KneeBend", kX, 25);
+  at = builder->Knee(at, side + "KneeBend", 25);
   at = builder->Rod(at, side + "Calve", kShin_m, -kZ);
   at = builder->Joint(at, side + "AnkleSwivel", kZ, -10);
   at = builder->Joint(at, side + "AnkleBend", kX, 25);
@@ -119,7 +126,7 @@ void AddArm(Builder* builder, int chest, const std::string& side, double sign) {
   at = builder->Joint(at, side + "ShoulderBend", kX, 10);
   at = builder->Joint(at, side + "ShoulderSwivel", kZ, -10 * sign);
   at = builder->Rod(at, side + "UpperArm", kUpperArm_m, -kZ);
-  at = builder->Joint(at, side + "ElbowBend", kX, 10);
+  at = builder->Knee(at, side + "ElbowBend", 10);
   at = builder->Rod(at, side + "Forearm", kForearm_m, kY);
   at = builder->Joint(at, side + "WristSwivel", kY, -10);
   at = builder->Joint(at, side + "WristBend", kX, 10);

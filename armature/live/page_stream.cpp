@@ -84,6 +84,14 @@ bool Turns(const Armature& armature, int joint) {
 
 }  // namespace
 
+std::string PoseBytes(const PuppetParts& parts, const std::vector<std::vector<double>>& frames) {
+  PuppetMatcher matcher(parts.armature, parts.plan, parts.skeleton, parts.world_from_armature,
+                        parts.options);
+  std::string bytes;
+  for (const std::vector<double>& values : frames) bytes += BoneBytes(matcher.Update(values));
+  return bytes;
+}
+
 PageStream::PageStream(const PuppetParts& parts, const PlateFiles& plates, bool own_mesh,
                        const fs::path& folder)
     : parts_(parts), folder_(folder) {
@@ -121,11 +129,7 @@ std::string PageStream::ViewText(const PlateFiles& plates) const {
 }
 
 void PageStream::TakeUp(const std::vector<std::vector<double>>& frames) {
-  PuppetMatcher matcher(parts_.armature, parts_.plan, parts_.skeleton, parts_.world_from_armature,
-                        parts_.options);
-  std::string bytes;
-  for (const std::vector<double>& values : frames) bytes += BoneBytes(matcher.Update(values));
-  WriteFileAtomically(folder_ / "frames.bin", bytes);
+  WriteFileAtomically(folder_ / "frames.bin", PoseBytes(parts_, frames));
 }
 
 void PageStream::Record(int frame, const SkeletonPose& pose) {

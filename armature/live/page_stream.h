@@ -20,6 +20,10 @@ struct PageLine {
   int repeats = 0, damaged = 0;
 };
 
+/// The bones in each frame of values, as frames.bin has them. @param frames  of the armature's
+/// joints
+std::string PoseBytes(const PuppetParts& parts, const std::vector<std::vector<double>>& frames);
+
 /// Writes into a folder, little-endian:
 ///
 ///     view.json    sensors, chains, plates with their cameras

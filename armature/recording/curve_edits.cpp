@@ -16,6 +16,8 @@ namespace keypose::armature {
 namespace {
 
 constexpr int kLongestTake = 1000000;  // frames
+constexpr int kLargestAmount = 1000000;
+constexpr double kLimitSlack = 1e-6;
 
 template <class Number>
 std::optional<Number> WholeNumber(const std::string& word) {
@@ -105,13 +107,12 @@ class EditLine {
     const std::string word = Next("an amount");
     const std::optional<double> amount = WholeNumber<double>(word);
     if (!amount || !std::isfinite(*amount)) Refuse(fmt::format("'{}' is no number", word));
-    const auto turns = [&](int j) {
-      return armature_.nodes[armature_.joints[j]].kind == NodeKind::kJoint;
-    };
-    if (joint >= 0 && !turns(joint))
-      return *amount * (armature_.metres_per_unit > 0 ? armature_.metres_per_unit : 1);
-    for (int j = 0; joint < 0 && j < static_cast<int>(armature_.joints.size()); ++j)
-      if (!turns(j)) Refuse("one amount for all does not do: some joints turn and some slide");
+    if (std::abs(*amount) > kLargestAmount)
+      Refuse(fmt::format("'{}' is beyond {}", word, kLargestAmount));
+    if (joint >= 0) return *amount * EditUnitOf(armature_, joint).size;
+    for (const int node : armature_.joints)
+      if (armature_.nodes[node].kind != NodeKind::kJoint)
+        Refuse("one amount for all does not do: some joints turn and some slide");
     return *amount * kDegree;
   }
   [[noreturn]] void Refuse(const std::string& what) const {
@@ -127,7 +128,8 @@ class EditLine {
 /// Does one edit after another.
 class TakeEditor {
  public:
-  explicit TakeEditor(JointCurves* curves) : curves_(*curves), values_(curves->values) {}
+  TakeEditor(const Armature& armature, JointCurves* curves)
+      : armature_(armature), curves_(*curves), values_(curves->values) {}
 
   void Do(const CurveEdit& edit) {
     if (edit.kind == EditKind::kStep) return Step(edit);
@@ -144,9 +146,27 @@ class TakeEditor {
     if (edit.kind == EditKind::kSet) rows.setConstant(edit.amount);
     if (edit.kind == EditKind::kAdd) rows.array() += edit.amount;
     if (edit.kind == EditKind::kMove) Move(edit, part);
+    if (edit.kind == EditKind::kSet || edit.kind == EditKind::kAdd) CheckLimits(edit);
   }
 
  private:
+  void CheckLimits(const CurveEdit& edit) const {
+    const int last = edit.joint < 0 ? static_cast<int>(values_.cols()) - 1 : edit.joint;
+    for (int joint = std::max(edit.joint, 0); joint <= last; ++joint)
+      for (int f = edit.first; f <= edit.last; ++f) CheckLimits(edit, joint, f);
+  }
+  void CheckLimits(const CurveEdit& edit, int joint, int frame) const {
+    const ArmatureNode& node = armature_.nodes[armature_.joints[joint]];
+    const EditUnit unit = EditUnitOf(armature_, joint);
+    const double value = values_(frame, joint);
+    // A limit may be written with fewer digits than it has.
+    const double slack = kLimitSlack * unit.size;
+    if (value >= node.low - slack && value <= node.high + slack) return;
+    Refuse(edit, fmt::format("joint '{}' would be at {:.6g}{}{} in frame {}, and its limits are "
+                             "{:.6g} to {:.6g}",
+                             node.name, value / unit.size, *unit.name ? " " : "", unit.name, frame,
+                             node.low / unit.size, node.high / unit.size));
+  }
   /// Ones to twos keeps every second frame, twos to ones shows each twice.
   void Step(const CurveEdit& edit) {
     const std::int64_t film = std::int64_t{curves_.step} * values_.rows();
@@ -190,6 +210,7 @@ class TakeEditor {
     throw InputError(fmt::format("line {} of the edits: {}", edit.line, what));
   }
 
+  const Armature& armature_;
   JointCurves& curves_;
   Eigen::MatrixXd& values_;
 };
@@ -211,8 +232,17 @@ std::vector<CurveEdit> ParseCurveEdits(const std::string& text, const std::strin
   return edits;
 }
 
-JointCurves EditedCurves(JointCurves curves, const std::vector<CurveEdit>& edits) {
-  TakeEditor editor(&curves);
+EditUnit EditUnitOf(const Armature& armature, int joint) {
+  if (armature.nodes[armature.joints[joint]].kind == NodeKind::kJoint) return {kDegree, "degrees"};
+  const double metres = armature.metres_per_unit;
+  if (metres <= 0) return {1, ""};
+  const char* name = metres == 0.001 ? "mm" : metres == 0.01 ? "cm" : metres == 0.0254 ? "in" : "m";
+  return {metres, name};
+}
+
+JointCurves EditedCurves(const Armature& armature, JointCurves curves,
+                         const std::vector<CurveEdit>& edits) {
+  TakeEditor editor(armature, &curves);
   for (const CurveEdit& edit : edits) editor.Do(edit);
   return curves;
 }

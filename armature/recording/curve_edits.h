@@ -34,7 +34,16 @@ std::vector<CurveEdit> ParseCurveEdits(const std::string& text, const std::strin
                                        const Armature& armature);
 
 /// @throws InputError  a frame that the take does not have at that moment; no frame would be left;
-/// names the line
-JointCurves EditedCurves(JointCurves curves, const std::vector<CurveEdit>& edits);
+/// a value that is set, or added to, beyond the joint's limits; names the line
+JointCurves EditedCurves(const Armature& armature, JointCurves curves,
+                         const std::vector<CurveEdit>& edits);
+
+/// A joint's value as edits and pages write it, and the unit's name: degrees; of a slide the
+/// description's unit.
+struct EditUnit {
+  double size = 1;  ///< in [rad] or [m]
+  const char* name = "";
+};
+EditUnit EditUnitOf(const Armature& armature, int joint);
 
 }  // namespace keypose::armature

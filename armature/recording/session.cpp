@@ -41,6 +41,11 @@ RecordingSession::RecordingSession(const Armature& armature, const fs::path& fol
     throw DiskError(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
   Lock();
   const fs::path path = folder / "journal.jsonl";
+  if (!fs::exists(path) && fs::exists(folder / "curves.json"))
+    throw InputError(fmt::format(
+        "{} has curves, but no journal: it is a take that was edited, and recording would "
+        "replace it; record into another folder",
+        folder.string()));
   const std::string text = fs::exists(path) ? ReadFile(path) : "";
   if (!text.empty()) TakeUp(text);
   journal_.fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
