@@ -45,7 +45,7 @@ Entries MarchAll(const VisualHull& hull, const PreparedView& view, int level) {
 // Least-squares plane through those entries of a 7 x 7 window that belong to the same surface.
 Eigen::Vector2f Slope(const ImageF& nearest, int x, int y, float largest_jump) {
   const float center = *nearest.at(x, y);
-  Eigen::Matrix2f a = Eigen::Matrix2f::Identity() * 1e-6f;
+  Eigen::Matrix2f a = Eigen::Matrix2f::Zero();
   Eigen::Vector2f b = Eigen::Vector2f::Zero();
   for (int dy = -3; dy <= 3; ++dy)
     for (int dx = -3; dx <= 3; ++dx) {
@@ -57,6 +57,9 @@ Eigen::Vector2f Slope(const ImageF& nearest, int x, int y, float largest_jump) {
       a += d * d.transpose();
       b += d * (w - center);
     }
+  // Sums of whole numbers, so the determinant is one too: it is 0 where all entries lie on one line
+  // through the centre, which says the slope along this line only.
+  if (a.determinant() < 0.5f) return b / std::max(a.trace(), 1.0f);
   return a.inverse() * b;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/errors.h"
@@ -133,6 +134,30 @@ TEST(DepthBounds, BracketTheBall) {
     }
   ASSERT_GT(checked, 1000);
   EXPECT_LT(gap / checked, 0.15) << "the hull of 16 views is close to the ball";
+}
+
+TEST(DepthBounds, AThreadThatRunsDiagonallyHasTheSlopeAlongIt) {
+  // One voxel and one coarse pixel thick, so that a window says nothing across the thread.
+  std::vector<PreparedView> views = BallRing(1);
+  for (PreparedView::Level& level : views[0].levels)
+    std::fill(level.grey.data.begin(), level.grey.data.end(), std::uint16_t{0xFFFF});
+  VisualHull hull;
+  hull.cell = 2.0 / 75, hull.size.setConstant(40), hull.origin.setConstant(-20 * hull.cell);
+  hull.inside.assign(40 * 40 * 40, 0);
+  for (std::size_t i = 0; i < 40; ++i) hull.inside[(i * 40 + i) * 40 + i] = 1;
+  const DepthBounds bounds = HullDepthBounds(hull, views[0]);
+  int pixels = 0;
+  for (int y = 0; y < bounds.slope.height; ++y)
+    for (int x = 0; x < bounds.slope.width; ++x) {
+      const float gx = bounds.slope.at(x, y)[0], gy = bounds.slope.at(x, y)[1];
+      ASSERT_TRUE(std::isfinite(gx) && std::isfinite(gy)) << x << " " << y;
+      if (gx == 0 && gy == 0) continue;
+      ++pixels;
+      // Each voxel along the thread is a cell farther or nearer: 1 / z changes by cell / z^2.
+      // Rays enter voxels at corners or at faces, hence the tolerance.
+      EXPECT_NEAR(std::abs(gx) + std::abs(gy), hull.cell / 2500, 0.25 * hull.cell / 2500);
+    }
+  EXPECT_GE(pixels, 30);
 }
 
 TEST(ViewSelection, RingNeighboursComeFirstWhateverTheOrderOfFiles) {
