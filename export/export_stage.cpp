@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/name_list.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "export/formats.h"
@@ -67,7 +68,7 @@ struct ExportOptions {
   std::vector<std::string> Problems() const {
     std::vector<std::string> problems;
     const std::vector<std::string> known = keypose::exporting::FormatNames();
-    const std::vector<std::string> wanted = keypose::exporting::SplitList(formats);
+    const std::vector<std::string> wanted = keypose::NamesIn(formats);
     for (const std::string& name : wanted)
       if (std::find(known.begin(), known.end(), name) == known.end())
         problems.push_back("formats names '" + name + "', but the formats are " + Joined(known));
@@ -185,7 +186,7 @@ nlohmann::json Summary(const Scene& scene, const std::vector<std::string>& textu
 nlohmann::json WriteFormats(keypose::StageContext& stage, const Scene& scene,
                             const ExportOptions& options,
                             const std::vector<std::string>& texture_names) {
-  const std::vector<std::string> wanted = keypose::exporting::SplitList(options.formats);
+  const std::vector<std::string> wanted = keypose::NamesIn(options.formats);
   std::vector<std::string> formats;
   for (const std::string& name : keypose::exporting::FormatNames())
     if (std::find(wanted.begin(), wanted.end(), name) != wanted.end()) formats.push_back(name);
@@ -224,7 +225,7 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
 
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const Scene scene = keypose::exporting::ReadScene(stage, options.playback, options.up == "z",
-                                                    keypose::exporting::SplitList(options.poses));
+                                                    keypose::NamesIn(options.poses));
   const fs::path out = stage.Output("animation");
   const bool per_frame = !scene.frame_texture_names.empty();
   const auto texture_names =

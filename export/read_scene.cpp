@@ -4,7 +4,6 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
 #include "core/io/files.h"
@@ -185,17 +184,6 @@ std::vector<KeyMark> MarkKeys(const FrameNotes& notes, const std::vector<std::st
 }
 
 }  // namespace
-
-std::vector<std::string> SplitList(const std::string& list) {
-  std::vector<std::string> parts;
-  std::istringstream stream(list);
-  for (std::string part; std::getline(stream, part, ',');) {
-    const auto begin = part.find_first_not_of(' ');
-    if (begin == std::string::npos) continue;
-    parts.push_back(part.substr(begin, part.find_last_not_of(' ') - begin + 1));
-  }
-  return parts;
-}
 
 Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
                 const std::vector<std::string>& poses) {

@@ -9,9 +9,6 @@
 
 namespace keypose::exporting {
 
-/// @return the parts of a list like "glb, fbx", without blanks around them and empty parts
-std::vector<std::string> SplitList(const std::string& list);
-
 /// Reads the stage's inputs `frames` and `textures`. Warns if textures cannot be blended because
 /// they do not belong to the frames' keys.
 ///

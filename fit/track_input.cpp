@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <sstream>
 
 #include "core/errors.h"
 #include "core/io/rig_calibration.h"
+#include "core/name_list.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "views/shot/rig.h"
@@ -20,17 +20,6 @@ constexpr double kMaskSide = 500;      // [px] longer side of the reduced masks
 constexpr int kOutlinePoints = 220;    // of a view, that pull at the template
 constexpr int kClockFrames = 90;       // that clocks are compared over
 constexpr double kUsualHeight = 1.72;  // [m] where nothing tells the unit
-
-std::vector<std::string> Words(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) {
-    word.erase(0, word.find_first_not_of(' '));
-    word.erase(word.find_last_not_of(' ') + 1);
-    if (!word.empty()) words.push_back(word);
-  }
-  return words;
-}
 
 std::string Rounded(double x) {
   char text[32];
@@ -87,7 +76,7 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
   const std::vector<std::string> names = shot_.names();
   views_ = MatchedViews(rig, names, "track");
   metres_per_unit_ = rig.metres_per_unit;
-  std::vector<std::string> wanted = Words(options.cameras);
+  std::vector<std::string> wanted = NamesIn(options.cameras);
   for (const std::string& name : wanted)
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw UsageError("track: --cameras names " + name + ", but the shot has " + Listed(names));

@@ -2,28 +2,17 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/rig_calibration.h"
+#include "core/name_list.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "views/shot/rig.h"
 
 namespace keypose {
 namespace {
-
-std::vector<std::string> NamesIn(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) {
-    word.erase(0, word.find_first_not_of(' '));
-    word.erase(word.find_last_not_of(' ') + 1);
-    if (!word.empty()) words.push_back(word);
-  }
-  return words;
-}
 
 /// Takes the shot's cameras of these names, all where none are given.
 std::vector<ShotCamera> Chosen(const Shot& shot, const FilmsRequest& request) {
