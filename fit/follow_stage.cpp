@@ -61,20 +61,10 @@ StageSpec Spec() {
   spec.name = "follow";
   spec.version = "1";
   spec.summary = "Bends a moving mesh, frame by frame, until it agrees with the films.";
-  spec.inputs = {
-      {"frames", "folder", "frames of the moving mesh, in the calibration's space", "", false,
-       false},
-      {"video", "folder", "one folder of numbered pictures, or one video, for each camera", "",
-       false, false},
-      {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices",
-       "", false, false},
-      {"masks", "folder", "masks/CAMERA/ of the films; by default those beside the films", "", true,
-       false},
-      {"clocks", "file", "clocks.json of track: offsets between the films", "", true, false},
-      {"layout", "file", "the mesh with texture coordinates, where the frames have none", "", true,
-       false},
-      {"texture", "file", "the mesh's own texture, which is then compared with the films too", "",
-       true, false}};
+  spec.inputs = MovingMeshPorts();
+  spec.inputs.push_back({"texture", "file",
+                         "the mesh's own texture, which is then compared with the films too", "",
+                         true, false});
   spec.outputs = {{"followed", "folder", "the bent frames: frame_0000.ply ..., distortion.json",
                    "followed", false, false},
                   {"confidence", "file",

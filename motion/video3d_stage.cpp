@@ -88,22 +88,13 @@ StageSpec Spec() {
   spec.name = "video3d";
   spec.version = "1";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
-  spec.inputs = {
-      {"frames", "folder", "frames of the moving mesh, in the calibration's space", "", false,
-       false},
-      {"video", "folder", "one folder of numbered pictures, or one video, for each camera", "",
-       false, false},
-      {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices",
-       "", false, false},
-      {"masks", "folder", "masks/CAMERA/ of the films; by default those beside the films", "", true,
-       false},
-      {"clocks", "file", "clocks.json of track: offsets between the films", "", true, false},
-      {"layout", "file", "the mesh with texture coordinates, where the frames have none", "", true,
-       false},
-      {"texture", "file", "the mesh's own texture, for what no camera ever sees", "", true, false},
+  spec.inputs = MovingMeshPorts();
+  spec.inputs.push_back(
+      {"texture", "file", "the mesh's own texture, for what no camera ever sees", "", true, false});
+  spec.inputs.push_back(
       {"camera_path", "path",
        "the film's camera: a path (.json), or a calibration whose first camera is meant", "", true,
-       false}};
+       false});
   spec.outputs = {
       {"textures", "folder", "frame_0000.png ..., one for each frame", "textures", false, false},
       {"film", "file", "the textured mesh from a free viewpoint (.mp4)", "free_view.mp4", true,

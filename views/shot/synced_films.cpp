@@ -35,6 +35,20 @@ void TakeMasks(const Shot& shot, ShotCamera& camera) {
 
 }  // namespace
 
+std::vector<Port> MovingMeshPorts() {
+  return {{"frames", "folder", "frames of the moving mesh, in the calibration's space", "", false,
+           false},
+          {"video", "folder", "one folder of numbered pictures, or one video, for each camera", "",
+           false, false},
+          {"calibration", "path",
+           "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices", "", false, false},
+          {"masks", "folder", "masks/CAMERA/ of the films; by default those beside the films", "",
+           true, false},
+          {"clocks", "file", "clocks.json of track: offsets between the films", "", true, false},
+          {"layout", "file", "the mesh with texture coordinates, where the frames have none", "",
+           true, false}};
+}
+
 SyncedFilms::~SyncedFilms() = default;
 SyncedFilms::SyncedFilms(SyncedFilms&&) noexcept = default;
 

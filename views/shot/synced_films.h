@@ -13,6 +13,10 @@
 
 namespace keypose {
 
+/// The inputs of a stage that looks at a moving mesh in films: `frames` and `layout`, which it
+/// reads itself, and those that SyncedFilms opens.
+std::vector<Port> MovingMeshPorts();
+
 /// What a stage that reads films says of itself and of them.
 struct FilmsRequest {
   std::string stage;    ///< its name, for messages
