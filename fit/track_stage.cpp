@@ -14,6 +14,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/parallel.h"
 #include "core/render.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -21,6 +22,7 @@
 #include "fit/track_input.h"
 #include "fit/track_output.h"
 #include "fit/tracking/actor_fit.h"
+#include "fit/tracking/calm_take.h"
 #include "fit/tracking/tracker.h"
 
 namespace keypose::fit {
@@ -38,6 +40,7 @@ struct TrackOptions {
   double height_m = 0;
   double fps = 0;
   int sync_frames = 10;
+  double calm = 1;
 
   void Describe(OptionVisitor& visit) {
     visit("actor_frame", actor_frame,
@@ -72,6 +75,13 @@ struct TrackOptions {
            0,
            1000,
            {}});
+    visit("calm", calm,
+          {"how much of the fits' trembling from frame to frame is taken out: a factor on the "
+           "noise that the take itself shows; 0: none, each frame as it was fitted",
+           "",
+           0,
+           10,
+           {}});
   }
   TrackInputOptions Input() const { return {cameras, up, height_m, sync_frames, actor_frame}; }
 };
@@ -79,7 +89,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",
@@ -98,7 +108,7 @@ StageSpec Spec() {
        true, false},
       {"picture", "file", "the template over the film (.jpg)", "tracked.jpg", true, false}};
   spec.memory_gib = 1;
-  spec.common = {"actor_frame", "cameras", "height_m", "fps"};
+  spec.common = {"actor_frame", "cameras", "height_m", "fps", "calm"};
   return spec;
 }
 
@@ -123,6 +133,51 @@ std::vector<TrackedFrame> TrackAll(TrackInput& input, const BodyShape& shape, co
     }
   }
   return frames;
+}
+
+/// Mean second difference in time of the joints' places [m/frame^2].
+double SecondDifference(const std::vector<BodyPose>& poses, const BodyShape& shape) {
+  std::vector<PosedBody> bodies;
+  for (const BodyPose& pose : poses) bodies.push_back(Posed(pose, shape));
+  double sum = 0;
+  for (std::size_t f = 0; f + 2 < bodies.size(); ++f)
+    for (int j = 0; j < kJoints; ++j)
+      sum += (bodies[f].position[j] - 2 * bodies[f + 1].position[j] + bodies[f + 2].position[j])
+                 .norm();
+  return sum / kJoints / std::max(1.0, SizeOf(bodies) - 2.0);
+}
+
+/// Agreement with the masks, after poses were changed.
+void CoverAgain(TrackInput& input, const BodyShape& shape, std::vector<TrackedFrame>* frames,
+                Progress* progress) {
+  const LocalSurface surface = SurfaceOf(shape);
+  for (int f = 0; f < input.frames(); f += kBatch) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    const int batch = std::min(kBatch, input.frames() - f);
+    const auto silhouettes = input.Read(f, batch);
+    ParallelFor(batch, [&](std::int64_t i) {
+      TrackedFrame& frame = (*frames)[f + i];
+      frame.coverage = CoverageOf(silhouettes[i], surface, Posed(frame.pose, shape));
+    });
+    ReportProgress(progress, static_cast<double>(f + batch) / input.frames(), "comparing");
+  }
+}
+
+/// All frames made calm in time together.
+void Calm(StageContext& stage, const BodyShape& shape, double strength,
+          std::vector<TrackedFrame>* frames) {
+  std::vector<FittedFrame> fitted;
+  std::vector<BodyPose> before;
+  for (const TrackedFrame& frame : *frames) {
+    fitted.push_back({frame.pose, frame.evidence});
+    before.push_back(frame.pose);
+  }
+  const CalmedTake take = CalmTake(fitted, strength);
+  for (int f = 0; f < SizeOf(*frames); ++f) (*frames)[f].pose = take.poses[f];
+  stage.Report("fit_noise", take.noise);
+  const double trembled = SecondDifference(before, shape);
+  if (trembled > 0)
+    stage.Report("second_difference_ratio", SecondDifference(take.poses, shape) / trembled);
 }
 
 struct Actor {
@@ -307,7 +362,8 @@ void Run(StageContext& stage, const TrackOptions& options) {
   SubProgress starting(stage.progress(), 0, 0.2);
   Actor actor = FirstActor(input, options, has_actor ? &known : nullptr, &starting);
   const int at = std::min(options.actor_frame, input.frames() - 1);
-  SubProgress first(stage.progress(), 0.2, 0.5), second(stage.progress(), 0.6, 1);
+  SubProgress first(stage.progress(), 0.2, 0.5), second(stage.progress(), 0.6, 0.95),
+      last(stage.progress(), 0.95, 1);
   if (!has_actor && options.actor_frames > 1 && input.frames() > 1) {
     const std::vector<TrackedFrame> rough = TrackAll(input, actor.shape, actor.pose, at, &first);
     SubProgress refining(stage.progress(), 0.5, 0.6);
@@ -315,12 +371,14 @@ void Run(StageContext& stage, const TrackOptions& options) {
   }
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cores = std::clock();
-  const std::vector<TrackedFrame> frames = TrackAll(input, actor.shape, actor.pose, at, &second);
+  std::vector<TrackedFrame> frames = TrackAll(input, actor.shape, actor.pose, at, &second);
+  if (options.calm > 0) Calm(stage, actor.shape, options.calm, &frames);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   stage.Report("frames_per_second", input.frames() / seconds.count());
   stage.Report("core_seconds_per_frame",
                static_cast<double>(std::clock() - cores) / CLOCKS_PER_SEC / input.frames());
   stage.Report("actor_height_m", actor.shape.height());
+  if (options.calm > 0) CoverAgain(input, actor.shape, &frames, &last);
   ReportQuality(stage, input, frames);
   WarnOfUnseen(stage, frames);
   CompareOthers(stage, input, actor.shape, frames, at);

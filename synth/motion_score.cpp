@@ -43,6 +43,30 @@ TrueJoints ReadJoints(const fs::path& path) {
   return frames;
 }
 
+/// Places of the joints in one frame, in one column, in the order of Performer::JointNames.
+using JointPlaces = Eigen::VectorXd;
+
+/// Mean length over joints and frames of second differences in time.
+double MeanSecondDifference(const std::vector<JointPlaces>& frames) {
+  double sum = 0;
+  for (std::size_t f = 0; f + 2 < frames.size(); ++f)
+    sum += (frames[f] - 2 * frames[f + 1] + frames[f + 2])
+               .reshaped(3, frames[f].size() / 3)
+               .colwise()
+               .norm()
+               .mean();
+  return frames.size() > 2 ? sum / static_cast<double>(frames.size() - 2) : 0;
+}
+
+void ScoreTrembling(const std::vector<JointPlaces>& tracked, const std::vector<JointPlaces>& truth,
+                    MotionScore* score) {
+  std::vector<JointPlaces> errors;
+  for (std::size_t f = 0; f < tracked.size(); ++f) errors.push_back(tracked[f] - truth[f]);
+  const double real = MeanSecondDifference(truth);
+  if (real > 0) score->second_difference = MeanSecondDifference(tracked) / real;
+  score->trembling_m = MeanSecondDifference(errors);
+}
+
 void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   const TrueJoints truth = ReadJoints(command.performance / "truth" / "joints.csv");
   const MotionClip clip = ReadBvh(command.motion);
@@ -52,6 +76,8 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   score->frames = SizeOf(truth);
   score->joint_means_m.assign(Performer::JointNames().size(), 0);
   int count = 0;
+  const auto joint_count = static_cast<Eigen::Index>(Performer::JointNames().size());
+  std::vector<JointPlaces> tracked(truth.size(), JointPlaces(3 * joint_count)), real = tracked;
   for (int f = 0; f < SizeOf(truth); ++f) {
     const std::vector<Rigid3> joints = JointFrames(clip, f);
     double worst = 0;
@@ -60,7 +86,10 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
       const int joint = clip.Find(name);
       if (joint < 0) throw InputError("synth: the motion has no joint named " + name);
       const Eigen::Vector3d& p = joints[joint].translation;  // y up
-      const double error = (Eigen::Vector3d(p.x(), -p.z(), p.y()) - truth[f].at(name)).norm();
+      const auto place = 3 * static_cast<Eigen::Index>(j);
+      tracked[f].segment<3>(place) = Eigen::Vector3d(p.x(), -p.z(), p.y());
+      real[f].segment<3>(place) = truth[f].at(name);
+      const double error = (tracked[f] - real[f]).segment<3>(place).norm();
       worst = std::max(worst, error);
       if (f < command.from) continue;
       score->joint_mean_m += error, score->joint_means_m[j] += error, ++count;
@@ -69,6 +98,7 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
     }
     score->frame_worst_m.push_back(worst);
   }
+  ScoreTrembling(tracked, real, score);
   score->joint_mean_m /= std::max(1, count);
   for (double& mean : score->joint_means_m) mean /= std::max(1, score->frames - command.from);
 }
@@ -115,6 +145,8 @@ std::string ToJson(const MotionScore& score) {
   json["iou_mean"] = score.iou_mean;
   json["iou_least"] = score.iou_least;
   json["iou_held_out"] = score.iou_held_out;
+  json["second_difference"] = score.second_difference;
+  json["trembling_mm"] = 1000 * score.trembling_m;
   for (std::size_t j = 0; j < score.joint_means_m.size(); ++j)
     json["joints_mm"][Performer::JointNames()[j]] = 1000 * score.joint_means_m[j];
   json["frame_worst_mm"] = nlohmann::json::array();

@@ -20,8 +20,13 @@ struct MotionScore {
   std::string worst;                   ///< joint and frame
   double iou_mean = 0, iou_least = 1;  ///< to the masks without noise, of the shot's cameras
   double iou_held_out = 0;             ///< in the camera that the shot lacks
-  std::vector<double> joint_means_m;   ///< by Performer::JointNames
-  std::vector<double> frame_worst_m;   ///< by frame: the joint that is farthest off
+  /// mean second difference in time of the joints' places, over that of the true ones: above 1 they
+  /// tremble
+  double second_difference = 0;
+  /// mean second difference of the joints' errors [m/frame^2]: what trembles or is smeared
+  double trembling_m = 0;
+  std::vector<double> joint_means_m;  ///< by Performer::JointNames
+  std::vector<double> frame_worst_m;  ///< by frame: the joint that is farthest off
 };
 
 /// @throws InputError  files missing, or of different length

@@ -118,6 +118,22 @@ TEST_F(TrackProgram, WritesTheFolderThatInterpolateWrites) {
   EXPECT_EQ(ReadFile(film / "frames/actor.json"), ReadFile(film / "actor.json"));
 }
 
+TEST_F(TrackProgram, TremblingIsTakenOutUnlessItIsAskedToStay) {
+  const fs::path film = Copy("calm", 16);
+  RunResult run = Track(film, {"--actor_frames", "1"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const nlohmann::json calm = Report(film)["measurements"];
+  // The actor stands, and then begins to move: nearly all of it is noise.
+  EXPECT_LT(calm["second_difference_ratio"], 0.5);
+  const std::string motion = ReadFile(film / "motion.bvh");
+  run = Track(film, {"--actor_frames", "1", "--calm", "0", "--overwrite"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const nlohmann::json fits = Report(film)["measurements"];
+  EXPECT_FALSE(fits.contains("second_difference_ratio"));
+  EXPECT_NE(ReadFile(film / "motion.bvh"), motion);
+  EXPECT_NEAR(calm["iou_mean"], fits["iou_mean"].get<double>(), 0.005);
+}
+
 TEST_F(TrackProgram, ACameraInMillimetresAmongMetresIsNamed) {
   const fs::path film = Copy("one_mm", 2);
   ScaleCameras(film, 2, 1000, true);

@@ -15,6 +15,19 @@ double RelativeDifference(const Coverage& c) { return c.Difference() / std::max(
 
 }  // namespace
 
+PoseSystem FrameEvidence(const PoseFit& fit, const BodyShape& shape) {
+  PoseSystem system = fit.data;
+  AddQuadratic(RestPrior(), fit.pose.q, &system);
+  AddLimits(fit.pose.q, &system);
+  AddOverlaps(Posed(fit.pose, shape), shape, &system);
+  // The root's numbers turn the chart; after it is moved, they turn the root itself.
+  DofMatrix old_from_new = DofMatrix::Identity();
+  old_from_new.block<3, 3>(3, 3) = LeftJacobian(fit.pose.q.segment<3>(3)).inverse();
+  system.matrix = old_from_new.transpose() * system.matrix * old_from_new;
+  system.gradient = old_from_new.transpose() * system.gradient;
+  return system;
+}
+
 Tracker::Tracker(const BodyShape& shape, const BodyPose& start)
     : shape_(shape), surface_(SurfaceOf(shape)), start_(start.Recharted()) {}
 
@@ -100,6 +113,7 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   usual_ = usual_ == 0 ? difference : usual_ + follow * (std::min(difference, 2 * usual_) - usual_);
   frame.pose = fit.pose.Recharted();
   frame.deviations = StandardDeviations(fit);
+  frame.evidence = FrameEvidence(fit, shape_);
   frame.unexplained = fit.unexplained;
   // A limb that jumped has no speed: the jump must not go on.
   if (frame.found.empty())

@@ -22,10 +22,15 @@ struct TrackerTuning {
 struct TrackedFrame {
   BodyPose pose;
   DofVector deviations;  ///< standard deviations of the 38 numbers; StandardDeviations
+  PoseSystem evidence;   ///< FrameEvidence at `pose`
   Coverage coverage;
   double unexplained = 0;   ///< share of the outlines that no part of the template is near
   std::vector<Limb> found;  ///< limbs that were lost and searched for with success
 };
+
+/// What a frame by itself tells about its pose, without the frames before: outlines [px^2], limits,
+/// overlaps and the rest pose, linearised at `fit.pose`, in the chart of the recharted pose.
+PoseSystem FrameEvidence(const PoseFit& fit, const BodyShape& shape);
 
 class Tracker {
  public:

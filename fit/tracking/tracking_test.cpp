@@ -294,6 +294,22 @@ TEST(Tracker, AnElbowThatWasFollowedTheWrongWayIsTurnedAround) {
   EXPECT_NEAR(frame.pose.q[Joints()[kElbowL].first_dof], 0.9, 0.15);  // pixels are 8 mm
 }
 
+TEST(FrameEvidence, IsThatOfTheRechartedPose) {
+  const BodyShape shape = AverageShape();
+  BodyPose pose = Standing();
+  pose.q.segment<3>(3) = Eigen::Vector3d(0.3, -0.2, 0.5);
+  pose.q[Joints()[kElbowL].first_dof] = -0.2;  // beyond a limit
+  const std::vector<Silhouette> silhouettes = Filmed(Ring(4), shape, pose);
+  PoseOptions options;
+  options.rounds = 1, options.steps = 0;
+  const auto evidence = [&](const BodyPose& at) {
+    return FrameEvidence(SolvePose(silhouettes, shape, SurfaceOf(shape), at, options), shape);
+  };
+  const PoseSystem moved = evidence(pose), direct = evidence(pose.Recharted());
+  EXPECT_LT((moved.matrix - direct.matrix).norm(), 1e-6 * direct.matrix.norm());
+  EXPECT_LT((moved.gradient - direct.gradient).norm(), 1e-6 * direct.gradient.norm());
+}
+
 TEST(FitActor, FindsLengthsAndGirthsOfAnotherBody) {
   BodyShape truth = Scaled(AverageShape(), 1.06);
   truth.lengths[kThigh] *= 1.05, truth.lengths[kThigh + kRight] *= 1.05;
