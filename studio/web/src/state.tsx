@@ -70,7 +70,9 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   const notice = useCallback((text: string, bad: boolean, away = false) => {
     const id = nextNotice.current++
     const added: Notice = { id, text, bad, away }
-    setNotices((old) => [...old.filter((one) => one.text !== text), added].slice(-4))
+    // Good news take the place of older ones: they have one line, and none of it is lost work.
+    const stays = (one: Notice) => one.text !== text && (bad || one.bad)
+    setNotices((old) => [...old.filter(stays), added].slice(-4))
     if (!bad) setTimeout(() => setNotices((old) => old.filter((one) => one.id !== id)), 5000)
   }, [])
   const tell = useCallback((text: string) => notice(text, false), [notice])
@@ -140,7 +142,7 @@ export function StudioState({ children }: { children: ComponentChildren }) {
       <div class="notices" role="status" aria-live="polite">
         {notices.map((one) => (
           <div key={one.id} class={one.bad ? 'bad' : ''}>
-            <span>{one.text}</span>
+            <span title={one.bad ? undefined : one.text}>{one.text}</span>
             <button
               class="quiet"
               aria-label="Dismiss"
