@@ -10,6 +10,7 @@
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
+#include "studio/meshes/frame_colours.h"
 #include "studio/meshes/mesh_bytes.h"
 
 namespace keypose::studio {
@@ -71,17 +72,20 @@ json FramesJson(Snapshot& snapshot, const std::string& shot) {
   const json distortion = json::parse(ReadFile(folder / "distortion.json"), nullptr, false);
   const json frames =
       distortion.is_object() ? distortion.value("frames", json::array()) : json::array();
-  return {{"count", files.size()},
-          {"fps", distortion.is_object() ? distortion.value("fps", snapshot.file().fps)
-                                         : snapshot.file().fps},
-          {"vertices", ReadMesh(files.front()).vertex_count()},
-          {"area", Column(frames, "area")},
-          {"volume", Column(frames, "volume")},
-          {"linear_area", Column(frames, "linear_area")},
-          {"linear_volume", Column(frames, "linear_volume")},
-          {"times", TimesOf(frames, files.size())},
-          {"poses", snapshot.graph().keys},
-          {"keys", KeysOf(distortion, snapshot.graph().keys, files.size())}};
+  const Mesh first = ReadMesh(files.front());
+  return {
+      {"count", files.size()},
+      {"fps",
+       distortion.is_object() ? distortion.value("fps", snapshot.file().fps) : snapshot.file().fps},
+      {"vertices", first.vertex_count()},
+      {"colours", shot.empty() ? json() : FrameColoursJson(snapshot, shot, first, files.size())},
+      {"area", Column(frames, "area")},
+      {"volume", Column(frames, "volume")},
+      {"linear_area", Column(frames, "linear_area")},
+      {"linear_volume", Column(frames, "linear_volume")},
+      {"times", TimesOf(frames, files.size())},
+      {"poses", snapshot.graph().keys},
+      {"keys", KeysOf(distortion, snapshot.graph().keys, files.size())}};
 }
 
 std::string FramePositions(Snapshot& snapshot, const std::string& shot) {
@@ -111,7 +115,8 @@ std::string FramePositions(Snapshot& snapshot, const std::string& shot) {
 std::string FirstFrame(Snapshot& snapshot, const std::string& shot) {
   const std::vector<fs::path> files = FrameFiles(FramesFolder(snapshot, shot));
   if (files.empty()) throw UsageError("there are no frames yet");
-  return MeshBytes(ReadMesh(files.front()));
+  Mesh first = ReadMesh(files.front());
+  return MeshBytes(shot.empty() ? first : FrameWithLayout(snapshot, shot, std::move(first)));
 }
 
 }  // namespace keypose::studio

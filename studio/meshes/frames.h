@@ -8,7 +8,7 @@
 
 namespace keypose::studio {
 
-/// Count, rate, area and volume of the last frames.
+/// Count, rate, area and volume of the last frames; of a shot also its colours (frame_colours.h).
 /// @param shot  "" for the animation between the keys
 /// @throws UsageError  there are none yet
 nlohmann::json FramesJson(Snapshot& snapshot, const std::string& shot);
@@ -17,7 +17,8 @@ nlohmann::json FramesJson(Snapshot& snapshot, const std::string& shot);
 /// @throws UsageError  there are none yet, or more than fit into 1 GiB
 std::string FramePositions(Snapshot& snapshot, const std::string& shot);
 
-/// The first frame as a mesh (mesh_bytes.h); the others have its faces.
+/// The first frame as a mesh (mesh_bytes.h), of a shot with the layout of its textures; the others
+/// have its faces.
 /// @throws UsageError  there are none yet
 std::string FirstFrame(Snapshot& snapshot, const std::string& shot);
 

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "core/io/mesh_io.h"
+#include "studio/meshes/frame_colours.h"
 #include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
@@ -16,7 +17,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kMostCloudPoints = 1'000'000;
+constexpr int kMostCloudPoints = 1'000'000, kMostTextures = 1'000'000, kWidestTexture = 100'000;
 
 }  // namespace
 
@@ -123,6 +124,16 @@ void Routes::AddFrames() {
   Add("GET", "/api/frames/first", [this](const Question& question) {
     const std::string shot = question.Get("shot");
     return BytesAnswer(With([&](Snapshot& now) { return FirstFrame(now, shot); }));
+  });
+  // Without a frame: the scan's own texture.
+  Add("GET", "/api/frames/texture", [this](const Question& question) {
+    const std::string shot = question.Need("shot"), frame = question.Get("frame");
+    const int number = frame.empty() ? 0 : WholeNumber(frame, 0, kMostTextures);
+    const int width = WholeNumber(question.Get("width", "0"), 0, kWidestTexture);
+    const fs::path file = With([&](Snapshot& now) {
+      return frame.empty() ? OwnTexture(now, shot) : FrameTexture(now, shot, number);
+    });
+    return PictureAnswer(PictureFile(PictureFolder(), file, width));
   });
 }
 

@@ -213,6 +213,17 @@ export interface Timeline {
   other: Record<string, unknown>
 }
 
+/** The colours that a performance's shot can be shown in. */
+export interface FrameColours {
+  /** a texture, colours of the vertices, or none */
+  own: 'texture' | 'vertices' | ''
+  /** why there are none, and what to do; or '' */
+  own_problem: string
+  /** a texture for each frame; null: none */
+  video: { width: number; height: number; version: string } | null
+  video_problem: string
+}
+
 export interface Frames {
   count: number
   fps: number
@@ -228,6 +239,8 @@ export interface Frames {
   times: number[]
   /** per key: its pose */
   poses: string[]
+  /** of a performance's shot; null for the animation */
+  colours: FrameColours | null
 }
 
 /** As the flags of `keypose shoot` say. */
@@ -387,6 +400,13 @@ export const api = {
     new Float32Array(await (await ask(`/api/frames/positions?${q({ shot })}`)).arrayBuffer()),
   firstFrame: async (shot: string) =>
     (await ask(`/api/frames/first?${q({ shot })}`)).arrayBuffer(),
+  /** The texture of a frame of the video; `version`: a new one has another address. */
+  frameTexture: async (shot: string, frame: number, width: number, version: string) => {
+    const asked = { shot, frame: String(frame), width: String(width), version }
+    return (await ask(`/api/frames/texture?${q(asked)}`)).blob()
+  },
+  ownTextureUrl: (shot: string, version: number) =>
+    `/api/frames/texture?${q({ shot, version: String(version) })}`,
   results: () => get<{ path: string; label: string; bytes: number }[]>('/api/results'),
   /** Shows the folder in the desktop's file manager. */
   reveal: (path: string) => send<{ shown: boolean }>('POST', '/api/reveal', { path }),

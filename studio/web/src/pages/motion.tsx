@@ -8,6 +8,8 @@ import { parseMesh } from '../view/mesh_data'
 import { ViewerStage } from '../view/stage'
 import type { Viewer } from '../view/viewer'
 import { percent } from '../words'
+import { ColoursBar } from './motion/colours_bar'
+import { useColours } from './motion/use_colours'
 import { useFrame, usePlaying } from './timeline/desk'
 import { Player } from './timeline/player'
 import { useShortcuts } from './timeline/shortcuts'
@@ -97,8 +99,8 @@ function Playing({ shot, made }: { shot: string; made: Made }) {
   useFrame(player, (frame) => {
     if (shown) viewer.current?.setPositions(made.positions[frame])
   })
+  const { next, ...colours } = useColours({ viewer, shown, shot, made, player })
   useEffect(() => {
-    player.beforeStart = async () => viewer.current?.runUp(1000 / player.fps)
     if (!playing) viewer.current?.comeToRest()
   }, [player, playing])
   useShortcuts({
@@ -108,10 +110,12 @@ function Playing({ shot, made }: { shot: string; made: Made }) {
     Home: () => player.seek(0),
     End: () => player.seek(player.length - 1),
     r: () => setRepeat(!repeat),
+    c: next,
   })
   return (
     <>
       <ViewerStage label={`The motion of ${shot}`} ready={(one) => (viewer.current = one)} />
+      <ColoursBar shot={shot} {...colours} />
       <div class="tl-transport" role="toolbar" aria-label="Transport">
         <PlayButtons player={player} repeat={repeat} setRepeat={setRepeat} />
         <Readings player={player} made={made} />

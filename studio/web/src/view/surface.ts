@@ -11,10 +11,11 @@ import {
   Points,
   PointsMaterial,
   SRGBColorSpace,
+  Texture,
   TextureLoader,
   Vector3,
 } from 'three'
-import type { Material, Raycaster, Texture } from 'three'
+import type { Material, Raycaster } from 'three'
 import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh'
 
 import { scaleColor } from './colors'
@@ -48,6 +49,26 @@ export async function loadedTexture(url: string): Promise<Texture> {
   texture.colorSpace = SRGBColorSpace
   texture.anisotropy = drawnByProcessor() ? 1 : 4
   return texture
+}
+
+/** A picture that was decoded upside down, as graphics cards take it. */
+export function decodedTexture(picture: ImageBitmap): Texture {
+  const texture = new Texture(picture)
+  texture.colorSpace = SRGBColorSpace
+  texture.anisotropy = drawnByProcessor() ? 1 : 4
+  texture.flipY = false
+  texture.needsUpdate = true
+  // Of the picture itself both are 0 once it is freed.
+  texture.userData.size = `${picture.width} ${picture.height}`
+  return texture
+}
+
+/** Puts another decoded picture of the same size on a texture; false: another size, or texture. */
+export function changePicture(texture: Texture | null, picture: ImageBitmap): boolean {
+  if (texture?.userData.size !== `${picture.width} ${picture.height}`) return false
+  texture.image = picture
+  texture.needsUpdate = true
+  return true
 }
 
 const kMapChunk = '#include <map_fragment>'

@@ -24,7 +24,7 @@ import { boxOf } from './mesh_data'
 import type { MeshData } from './mesh_data'
 import { scalePicture } from './scale_picture'
 import type { GreyPicture } from './scale_picture'
-import { loadedTexture, Surface } from './surface'
+import { changePicture, decodedTexture, loadedTexture, Surface } from './surface'
 import type { Hit, Look, Pictures } from './surface'
 import { turnedByKey } from './turn'
 import type { Turn } from './turn'
@@ -163,6 +163,15 @@ export class Viewer {
   /** The texture for the look 'texture', loaded from an address. */
   async loadTexture(url: string): Promise<void> {
     this.setPicture('texture', await loadedTexture(url))
+  }
+
+  /**
+   * A texture that the caller has decoded, upside down. It may be freed once another one was shown;
+   * pictures of one size follow each other at the cost of a copy.
+   */
+  showTexture(picture: ImageBitmap): void {
+    if (changePicture(this.pictures.texture, picture)) this.draw()
+    else this.setPicture('texture', decodedTexture(picture))
   }
 
   /** Textures by name, for blendTextures. */
