@@ -109,6 +109,7 @@ void Routes::Changed() {
 
 /// What somebody has asked to change must be seen by the next question, and by the other tabs.
 void Routes::Tell(const std::string& path) {
+  if (path == "/api/shot/quick") return;  // an answer that changes nothing of the project
   stale_ = true;
   // Photographs come by the hundred; the watch tells of all of them together.
   if (path == "/api/photos" || path.starts_with("/api/shoot") || path.starts_with("/api/armature"))

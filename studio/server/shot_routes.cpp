@@ -1,16 +1,48 @@
 // The filmed shot: its film, clicks, camera and result.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+
 #include "core/errors.h"
+#include "pipeline/session.h"
 #include "studio/project/photographs.h"
 #include "studio/project/shot.h"
+#include "studio/project/shot_clicks.h"
+#include "studio/project/shot_setup.h"
+#include "studio/runs/children.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 namespace {
 
 constexpr int kMostFrames = 1'000'000'000, kMostWidth = 100'000;
+constexpr double kQuickSeconds = 30;
+
+/// The last line that says something.
+std::string LastLine(const std::string& text) {
+  const std::size_t end = text.find_last_not_of(" \n");
+  if (end == std::string::npos) return "";
+  const std::size_t begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+}
+
+/// Runs `keypose locate --quick`. Clicks that do not agree are no fault of the request: their words
+/// come as "problem".
+json QuickAnswer(const fs::path& folder, std::vector<std::string> flags, const QuickFiles& files) {
+  flags.insert(flags.begin(), (pipeline::ProgramFolder() / "keypose-locate").string());
+  const auto begin = std::chrono::steady_clock::now();
+  const ChildResult result = RunChild(flags, folder, kQuickSeconds);
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+  json answer = result.exit_code == 0 ? QuicklyLocatedJson(files) : json::object();
+  answer["problem"] = result.exit_code == 0 ? "" : LastLine(result.output);
+  answer["seconds"] = passed.count();
+  return answer;
+}
 
 }  // namespace
 
@@ -31,6 +63,16 @@ void Routes::AddShot() {
   };
   Add("PUT", "/api/shot", change(SaveShot));
   Add("PUT", "/api/shot/clicks", change(SaveClicks));
+  Add("POST", "/api/shot/quick", [this](const Question& question) {
+    static std::atomic<int> number = 0;
+    const int frame = question.Json().at("frame"), mine = number++ % kMostFrames;
+    const QuickFiles files = QuickFilesOf(folder_, mine);
+    const auto flags = With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
+    json answer = QuickAnswer(folder_, flags, files);
+    answer["frame"] = frame;
+    answer["number"] = mine;
+    return JsonAnswer(answer);
+  });
   Add("GET", "/api/shot/frame", [this](const Question& question) {
     const int frame = WholeNumber(question.Need("frame"), 0, kMostFrames);
     const int width = WholeNumber(question.Get("width", "0"), 0, kMostWidth);

@@ -2,8 +2,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
+
+#include "core/camera.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/render.h"
+#include "core/testing_shapes.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
@@ -19,6 +25,43 @@ constexpr char kProject[] =
     "# by hand\nname: dance\nposes: {rest: photos/rest, wave: photos/wave}\ntemplate: rest\n";
 constexpr char kShot[] =
     "shot:\n  film: films/take1  # on twos\n  fps: 12\n  shows: {0: rest, 4: wave}\n";
+
+/// The template's mesh comes from the test; what else would make it is off.
+constexpr char kUnwrapped[] = R"(options: {locate: {focal_35mm: 60}}
+steps:
+  capture: {enabled: false}
+  sfm: {enabled: false}
+  masks: {enabled: false}
+  dense: {enabled: false}
+  mesh: {enabled: false}
+  refine: {enabled: false}
+  cleanup: {enabled: false}
+  unwrap: {program: tools/unwrap, inputs: {clean: ./ball.obj}}
+  register: {inputs: {target: ./ball.obj}}
+  bake: {enabled: false}
+  complete: {enabled: false}
+  locate: {inputs: {textures: null}}
+  composite: {enabled: false}
+  export: {enabled: false}
+  report: {enabled: false}
+)";
+
+/// A stage whose output is its input.
+constexpr char kUnwrap[] = R"sh(#!/bin/sh
+if [ "$1" = --describe ]; then
+  cat "$(readlink -f "$0").json"
+  exit
+fi
+while [ $# -gt 1 ]; do
+  case "$1" in
+    --clean) clean="$2" ;;
+    --unwrapped) unwrapped="$2" ;;
+    --report) echo '{"schema": 1, "measurements": {}}' > "$2" ;;
+  esac
+  shift 2
+done
+cp "$clean" "$unwrapped"
+)sh";
 
 class ShotRoutes : public testing::Test {
  protected:
@@ -54,6 +97,50 @@ class ShotRoutes : public testing::Test {
   Answer Put(const std::string& path, const json& body) {
     return Ask({"PUT", path, {}, body.dump()});
   }
+  /// One of each kind that may stand beside the film.
+  void AddParts() {
+    fs::create_directories(folder_ / "films/plates");
+    for (const char* name : {"films/empty.png", "films/plates/0000.png", "films/plates/0001.png"})
+      WriteImage(folder_ / name, Image8(64, 36, 3, 120));
+    WriteFile(folder_ / "films/set.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    WriteFile(folder_ / "films/mattes.mov", std::string("\0\0\0\x14", 4) + "ftypqt  \0\0\0\0qt  ");
+  }
+  /// Runs until the template has a mesh.
+  void AddTemplate() {
+    fs::create_directories(folder_ / "tools");
+    WriteMesh(folder_ / "ball.obj", ball_);
+    const fs::path program = folder_ / "tools/unwrap";
+    WriteFile(program, kUnwrap);
+    fs::permissions(program, fs::perms::owner_all);
+    const json input = {{"name", "clean"}, {"kind", "file"}};
+    const json output = {{"name", "unwrapped"}, {"kind", "file"}, {"file", "unwrapped.obj"}};
+    const json description = {{"schema", 1},
+                              {"stage", "unwrap"},
+                              {"version", "1"},
+                              {"summary", "copies"},
+                              {"inputs", json::array({input})},
+                              {"outputs", json::array({output})},
+                              {"options", json::array()}};
+    WriteFile(program.string() + ".json", description.dump());
+    const fs::path log = place_ / "log.txt";
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+                                folder_.string() + " --until unwrap > " + log.string() + " 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
+  }
+  static View Camera() {
+    View view;
+    view.camera.width = 64, view.camera.height = 36;
+    view.camera.fx = view.camera.fy = 60.0 / 36 * 64;
+    view.camera.cx = 32, view.camera.cy = 18;
+    view.camera_from_world = LookAt({5, 4, 2}, Eigen::Vector3d::Zero());
+    return view;
+  }
+  static json PixelOf(const Eigen::Vector2d& at) { return {at.x(), at.y()}; }
+  json Changed(const json& parts) const {
+    json change = NewShot("films/take1");
+    change.update(parts);
+    return change;
+  }
   json Shot() { return json::parse(Get("/api/shot").bytes); }
   json NewShot(const std::string& film) const {
     return {{"film", film},
@@ -73,15 +160,23 @@ class ShotRoutes : public testing::Test {
   }
 
   const fs::path place_, folder_ = place_ / "dance";
+  const Mesh ball_ = MakeIcosphere(1);
   std::unique_ptr<Routes> routes_;
 };
 
-TEST_F(ShotRoutes, WithoutAShotFoldersOfNumberedPicturesAreOffered) {
+TEST_F(ShotRoutes, WhatMayBeAPartOfAShotIsOffered) {
   Project("");
   fs::create_directory_symlink(place_ / "outside", folder_ / "films/link");
+  AddParts();
+  WriteFile(folder_ / "photos/rest/scan.obj", "not for a shot");
+  WriteFile(folder_ / "films/.hidden.mov", "hidden");
   const json shot = Shot();
   EXPECT_TRUE(shot.at("shot").is_null());
-  EXPECT_EQ(shot.at("folders"), json::parse(R"([{"path": "films/take1", "pictures": 3}])"));
+  EXPECT_EQ(shot.at("offers"), json::parse(R"({
+      "folders": [{"path": "films/plates", "pictures": 2}, {"path": "films/take1", "pictures": 3}],
+      "videos": ["films/mattes.mov"],
+      "pictures": ["films/empty.png"],
+      "meshes": ["films/set.obj"]})"));
 }
 
 TEST_F(ShotRoutes, ANewShotIsAddedBelowWhatIsThere) {
@@ -145,6 +240,87 @@ TEST_F(ShotRoutes, NonsenseIsRefusedAndNothingIsWritten) {
   EXPECT_EQ(Text(), before);
 }
 
+TEST_F(ShotRoutes, PartsBesideTheFilmAreNamedAndTakenOutAgain) {
+  Project(kShot);
+  AddParts();
+  const json parts = {{"plate", "films/plates"},
+                      {"mattes", "films/mattes.mov"},
+                      {"holdout", "films/empty.png"},
+                      {"set", "films/set.obj"}};
+  const Answer answer = Put("/api/shot", Changed(parts));
+  ASSERT_EQ(answer.status, 200) << answer.bytes;
+  EXPECT_EQ(Text(), std::string(kProject) + kShot +
+                        "  plate: films/plates\n  mattes: films/mattes.mov\n"
+                        "  holdout: films/empty.png\n  set: films/set.obj\n");
+  const json shot = json::parse(answer.bytes).at("shot");
+  for (const auto& [name, path] : parts.items()) EXPECT_EQ(shot.at(name), path) << name;
+  // What a change does not speak of stays.
+  ASSERT_EQ(Put("/api/shot", Changed({{"mattes", ""}, {"set", ""}})).status, 200);
+  EXPECT_EQ(Text(),
+            std::string(kProject) + kShot + "  plate: films/plates\n  holdout: films/empty.png\n");
+}
+
+TEST_F(ShotRoutes, ANewShotMayHaveAllParts) {
+  Project("");
+  AddParts();
+  const Answer answer =
+      Put("/api/shot",
+          Changed({{"plate", "films/plates"}, {"set", "films/set.obj"}, {"camera", "moving"}}));
+  ASSERT_EQ(answer.status, 200) << answer.bytes;
+  EXPECT_EQ(Text(), std::string(kProject) +
+                        "shot:\n  film: films/take1\n  fps: 12\n  shows: {0: rest, 4: wave}\n"
+                        "  plate: films/plates\n  set: films/set.obj\n"
+                        "options: {locate: {camera: moving}}\n");
+  EXPECT_EQ(json::parse(answer.bytes).at("shot").at("camera"), "moving");
+}
+
+TEST_F(ShotRoutes, ACameraThatStandsAgainNeedsNoWord) {
+  const std::string options = "options:\n  locate: {focal_35mm: 50}  # the lens\n";
+  Project(kShot + options);
+  EXPECT_EQ(Shot().at("shot").at("camera"), "still");
+  ASSERT_EQ(Put("/api/shot", Changed({{"camera", "moving"}})).status, 200);
+  EXPECT_THAT(Text(), HasSubstr("camera: moving"));
+  EXPECT_THAT(Text(), HasSubstr("# the lens"));
+  EXPECT_EQ(Shot().at("shot").at("camera"), "moving");
+  ASSERT_EQ(Put("/api/shot", Changed({{"camera", "still"}})).status, 200);
+  EXPECT_EQ(Text(), std::string(kProject) + kShot + options);
+}
+
+TEST_F(ShotRoutes, APartOfTheWrongKindOrPlaceIsRefused) {
+  Project(kShot);
+  AddParts();
+  WriteFile(folder_ / "films/fake.mp4", "no film");
+  fs::create_symlink(place_ / "outside/0000.png", folder_ / "films/link.png");
+  for (const json& parts :
+       {json{{"plate", "films/set.obj"}}, json{{"plate", "none.png"}}, json{{"plate", "films"}},
+        json{{"mattes", "films/empty.png"}}, json{{"mattes", "films/fake.mp4"}},
+        json{{"holdout", "films/plates"}}, json{{"set", "films/empty.png"}},
+        json{{"set", "pipeline.yaml"}}, json{{"plate", (place_ / "outside/0000.png").string()}},
+        json{{"plate", "../outside/0000.png"}}, json{{"holdout", "films/link.png"}},
+        json{{"plate", 3}}, json{{"camera", "shaking"}}, json{{"camera", 1}}})
+    EXPECT_EQ(Put("/api/shot", Changed(parts)).status, 400) << parts;
+  EXPECT_EQ(Text(), std::string(kProject) + kShot);
+}
+
+TEST_F(ShotRoutes, AMovingCameraNeedsMoreThanOnePlate) {
+  AddParts();
+  Project(std::string(kShot) + "  plate: films/empty.png\n");
+  const Answer answer = Put("/api/shot", Changed({{"camera", "moving"}}));
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_THAT(answer.bytes, HasSubstr("one picture, but the camera moves"));
+  const json both = {{"camera", "moving"}, {"plate", "films/plates"}};
+  EXPECT_EQ(Put("/api/shot", Changed(both)).status, 200);
+}
+
+TEST_F(ShotRoutes, WhatAnEditorHasNamedOutsideOfTheProjectStays) {
+  Project(std::string(kShot) + "  plate: ../outside  # of the rig\n");
+  json change = NewShot("films/take1");
+  change["plate"] = "../outside";
+  change["shows"].push_back({{"frame", 2}, {"pose", "wave"}});
+  ASSERT_EQ(Put("/api/shot", change).status, 200);
+  EXPECT_THAT(Text(), HasSubstr("plate: ../outside  # of the rig"));
+}
+
 TEST_F(ShotRoutes, TheFirstClickMakesTheFileAndTheLastTakesItAway) {
   Project(kShot);
   Answer answer = Put("/api/shot/clicks", Clicks(json::array({Click(12)})));
@@ -205,6 +381,49 @@ TEST_F(ShotRoutes, AWrongClickIsRefused) {
   EXPECT_THAT(Text(), Not(HasSubstr("clicks")));
 }
 
+TEST_F(ShotRoutes, TheCameraOfAFrameIsAskedForByFourClicksOnAPosesMesh) {
+  Project(kShot);
+  const auto ask = [&](int frame) {
+    return Ask({"POST", "/api/shot/quick", {}, json{{"frame", frame}}.dump()});
+  };
+  EXPECT_THAT(ask(2).bytes, HasSubstr("frame 2 shows no pose"));
+  EXPECT_THAT(ask(4).bytes, HasSubstr("has no mesh yet"));
+  EXPECT_EQ(Ask({"POST", "/api/shot/quick", {}, "{}"}).status, 400);
+  Project(std::string(kShot) + kUnwrapped);
+  AddTemplate();
+  EXPECT_THAT(ask(0).bytes, HasSubstr("has 0 clicks; four are needed"));
+}
+
+TEST_F(ShotRoutes, FourClicksGiveTheCameraAtOnceAndItsOutlines) {
+  Project(std::string(kShot) + kUnwrapped);
+  AddTemplate();
+  const View truth = Camera();
+  json clicks = json::array();
+  for (const int vertex : {0, 3, 5, 8, 11})
+    clicks.push_back({{"frame", 0},
+                      {"vertex", vertex},
+                      {"pixel", PixelOf(truth.Project(ball_.points.row(vertex).transpose()))}});
+  ASSERT_EQ(Put("/api/shot/clicks", Clicks(clicks)).status, 200);
+  const std::string before = Text();
+  const Answer answer = Ask({"POST", "/api/shot/quick", {}, R"({"frame": 0})"});
+  ASSERT_EQ(answer.status, 200) << answer.bytes;
+  const json found = json::parse(answer.bytes);
+  EXPECT_EQ(found.at("problem"), "");
+  EXPECT_NEAR(found.at("focal_px").get<double>(), truth.camera.fx, 1);
+  EXPECT_TRUE(found.at("iou").is_null()) << "no mattes";
+  const Answer picture =
+      Get("/api/shot/picture", {{"what", "quick"}, {"number", found.at("number").dump()}});
+  ASSERT_EQ(picture.status, 200);
+  EXPECT_EQ(ReadImage(picture.file, 3).width, 64);
+  EXPECT_EQ(Text(), before);
+  // Clicks that cannot be true are told in words.
+  clicks[1]["pixel"] = {60, 1};
+  clicks[2]["pixel"] = {2, 33};
+  ASSERT_EQ(Put("/api/shot/clicks", Clicks(clicks)).status, 200);
+  const json wrong = json::parse(Ask({"POST", "/api/shot/quick", {}, R"({"frame": 0})"}).bytes);
+  EXPECT_THAT(wrong.at("problem").get<std::string>(), HasSubstr("click"));
+}
+
 TEST_F(ShotRoutes, FramesAreGivenByTheirNumbersOnly) {
   Project(kShot);
   fs::create_symlink(place_ / "outside/0000.png", folder_ / "films/take1/a_0006.png");
@@ -216,7 +435,8 @@ TEST_F(ShotRoutes, FramesAreGivenByTheirNumbersOnly) {
   EXPECT_EQ(Get("/api/shot/frame", {{"frame", "6"}}).status, 404);
   for (const char* frame : {"../../pipeline.yaml", "-1", "1e3", "", "0x2", "99999999999999999999"})
     EXPECT_EQ(Get("/api/shot/frame", {{"frame", frame}}).status, 400) << frame;
-  for (const char* what : {"located", "plate", "result", "compare", "../../pipeline.yaml", ""})
+  for (const char* what :
+       {"located", "quick", "plate", "result", "compare", "../../pipeline.yaml", ""})
     EXPECT_EQ(Get("/api/shot/picture", {{"what", what}}).status, 404) << what;
 }
 

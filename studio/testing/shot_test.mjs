@@ -1,6 +1,7 @@
-// A filmed shot on the studio's page: a film is added, frames get their poses, four clicks beside
-// the textured mesh, undo, the camera, the finished pictures played, an editor's change, markup in
-// a folder's name. The shot is generated, and so is what it is compared with.
+// A filmed shot on the studio's page: a film is added with its mattes, frames get their poses, the
+// set-up is changed and changed back, four clicks beside the textured mesh and the outlines that
+// they give at once, undo, the camera, the finished pictures played, an editor's change, markup in a
+// folder's name. The shot is generated, and so is what it is compared with.
 //
 //   node shot_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
@@ -15,8 +16,8 @@ import {
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { parseArgs } from 'node:util';
-import { crc32, deflateSync } from 'node:zlib';
 
+import { plainPng } from './png.mjs';
 import {
   Browser,
   check,
@@ -60,27 +61,10 @@ const clicks = () => JSON.parse(readFileSync(clicksFile, 'utf8')).clicks;
 const button = (name) => page.getByRole('button', { name, exact: true });
 const ask = async (path) =>
   (await page.request.get(new URL(path, page.url()).href)).json();
+/** Labels will not do: that of a choice has the names of all folders in it. */
+const part = (name) => page.locator(`select[aria-describedby="part-${name}"]`);
 const frameSheet = () => page.locator('.frame-sheet');
 const meshCanvas = () => page.locator('.shot-pose canvas');
-
-/** A picture of one colour, as the character's texture. */
-function writePlainPng(file, size, colour) {
-  const row = Buffer.concat([Buffer.from([0]), Buffer.from(Array(size).fill(colour).flat())]);
-  const part = (type, data) => {
-    const body = Buffer.concat([Buffer.from(type), data]);
-    const ends = [Buffer.alloc(4), Buffer.alloc(4)];
-    ends[0].writeUInt32BE(data.length);
-    ends[1].writeUInt32BE(crc32(body));
-    return Buffer.concat([ends[0], body, ends[1]]);
-  };
-  const head = Buffer.from([0, 0, 0, 0, 0, 0, 0, 0, 8, 2, 0, 0, 0]);
-  head.writeUInt32BE(size, 0);
-  head.writeUInt32BE(size, 4);
-  const data = deflateSync(Buffer.concat(Array(size).fill(row)));
-  const mark = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]);
-  const parts = [part('IHDR', head), part('IDAT', data), part('IEND', Buffer.alloc(0))];
-  writeFileSync(file, Buffer.concat([mark, ...parts]));
-}
 
 /** The true surfaces stand for scans, which other tests make: the steps before are off. */
 function projectText() {
@@ -113,7 +97,9 @@ async function prepare() {
   copy(join(world, 'film'), `films/${kMarkup}`);
   copy(join(truth, 'mattes'), 'films/mattes');
   copy(join(world, 'plate.png'), 'films/empty.png');
-  writePlainPng(join(folder, 'texture.png'), 64, [176, 120, 84]);
+  const prop = 'v 0.3 0.3 0\nv 0.4 0.3 0\nv 0.3 0.3 0.1\nf 1 2 3\n';
+  writeFileSync(join(folder, 'films/set.obj'), prop);
+  writeFileSync(join(folder, 'texture.png'), plainPng(64, [176, 120, 84]));
   writeFileSync(pipelineFile, projectText());
   execFileSync(join(bin, 'keypose'), ['run', '-C', folder, '--until', 'interpolate'], {
     stdio: ['ignore', 'ignore', 'inherit'],
@@ -138,11 +124,15 @@ async function addFilm() {
   await page.getByLabel('Filmed pictures a second').fill('12');
   await page.getByLabel('Folder of the film').selectOption('films/take1');
   await record(page, 'shot_setup', options.pictures);
+  await page.getByText('Moving camera, empty set, mattes, props').click();
+  await part('mattes').selectOption('films/mattes');
+  await record(page, 'shot_setup_parts', options.pictures);
   await button('Add the film').click();
   await page.locator('.shot-strip').waitFor();
   const text = pipelineText();
   check(text.startsWith(kComment), 'the comment is gone');
   check(/film: films\/take1/.test(text) && /0: rest, 4: wave/.test(text), `written:\n${text}`);
+  check(text.includes('\n  mattes: films/mattes\n'), `the mattes are not written:\n${text}`);
   check((await page.locator('.shot-strip li').count()) === 5, 'the strip has not five frames');
 }
 
@@ -157,11 +147,39 @@ async function showPoses() {
   check(/\{0: rest, 2: wave\}/.test(pipelineText()), 'one frame alone was written');
   check((await page.getByLabel('Pose of frame 0').inputValue()) === 'rest', 'the choice stays');
   await page.getByRole('button', { name: 'Dismiss' }).first().click();
-  const film = '\n  film: films/take1\n';
-  check(pipelineText().includes(film), `the film has no line of its own:\n${pipelineText()}`);
-  const more = `${film}  mattes: films/mattes  # by hand\n  plate: films/empty.png\n`;
-  writeFileSync(pipelineFile, pipelineText().replace(film, more));
-  await page.getByText('mattes films/mattes').waitFor();
+  const mattes = '\n  mattes: films/mattes\n';
+  check(pipelineText().includes(mattes), `they have no line of their own:\n${pipelineText()}`);
+  const more = '\n  mattes: films/mattes  # by hand\n  plate: films/empty.png\n';
+  writeFileSync(pipelineFile, pipelineText().replace(mattes, more));
+  await page.getByText('empty set films/empty.png').waitFor();
+}
+
+const setUpIs = async (words, test) => {
+  await button('Save the set-up').click();
+  await until(words, () => test(pipelineText()));
+  check(pipelineText().includes('# by hand'), 'the comment of the editor is gone');
+};
+
+/** A camera that moves, props, and back again. */
+async function setUp() {
+  await page.getByRole('button', { name: 'Set-up', exact: true }).click();
+  const before = pipelineText();
+  check(await button('Save the set-up').isDisabled(), 'nothing has changed, and may be saved');
+  await button('moves').click();
+  await page.getByText('one picture of the empty set is not enough').waitFor();
+  check(await button('Save the set-up').isDisabled(), 'one plate for a moving camera may be saved');
+  await part('plate').selectOption(`films/${kMarkup}`);
+  await part('set').selectOption('films/set.obj');
+  await record(page, 'shot_setup_moving', options.pictures);
+  await setUpIs('all of it is written', (text) =>
+    /set: films\/set\.obj/.test(text) && /locate: \{camera: moving\}/.test(text),
+  );
+  await page.getByText('moving camera').waitFor();
+  await button('stands still').click();
+  await part('plate').selectOption('films/empty.png');
+  await part('set').selectOption('');
+  await setUpIs('it is as before', (text) => text === before);
+  await button('Film').click();
 }
 
 const turned = ([w, x, y, z], [a, b, c]) => {
@@ -243,7 +261,47 @@ async function addClicks() {
   check(/clicks: clicks\.json/.test(pipelineText()), 'pipeline.yaml does not name the clicks');
   check(pipelineText().includes('# by hand'), 'the comment of the editor is gone');
   check((await page.locator('.frame-mark').count()) === 4, 'not four marks');
+  await outlinesAtOnce();
   await record(page, 'shot', options.pictures);
+}
+
+const outlines = () => page.locator('.frame-over image');
+const quickWords = async () => (await page.locator('.shot-hint p').textContent()) ?? '';
+
+/** Four clicks give the camera and the mesh's outlines; another place of a click, others. */
+async function outlinesAtOnce() {
+  const overlap = async () => Number(/overlap ([\d.]+) %/.exec(await quickWords())?.[1] ?? 0);
+  await until('the outlines are there', async () => (await overlap()) > 90);
+  const first = await outlines().getAttribute('href');
+  // A mark by a pixel, and what it takes until the new outlines are loaded.
+  await page.locator('.shot-clicks li').first().getByRole('button').first().click();
+  await frameSheet().focus();
+  await page.evaluate(() => {
+    const image = document.querySelector('.frame-over image');
+    globalThis.began = performance.now();
+    const told = () => (globalThis.took ??= performance.now() - globalThis.began);
+    image.addEventListener('load', told, { once: true });
+  });
+  await page.keyboard.press('ArrowRight');
+  const took = await until('other outlines', () => page.evaluate(() => globalThis.took));
+  check((await outlines().getAttribute('href')) !== first, 'the outlines are the same ones');
+  const quick = await page.request.post(new URL('/api/shot/quick', page.url()).href, {
+    headers: { 'X-Keypose': '1' },
+    data: { frame: 0 },
+  });
+  const { seconds } = await quick.json();
+  console.log(
+    `    outlines ${(took / 1000).toFixed(2)} s after a click was moved, of which the program ` +
+      `takes ${seconds.toFixed(2)} s; ${(await quickWords()).split('Rough: ')[1]}`,
+  );
+  await frameSheet().focus();
+  await page.keyboard.press('ArrowLeft');
+  await until('it is back', async () => (await overlap()) > 90);
+  await page.keyboard.press('o');
+  check((await outlines().count()) === 0, 'outlines that were switched off are shown');
+  await page.keyboard.press('o');
+  await outlines().waitFor();
+  await frameSheet().evaluate((one) => one.blur());
 }
 
 async function undoAndDelete() {
@@ -341,6 +399,25 @@ async function makePictures() {
   );
 }
 
+/** The card tells of a camera that moves, as soon as it was looked for so. */
+async function movingCamera() {
+  await page.getByRole('button', { name: 'Set-up', exact: true }).click();
+  await button('moves').click();
+  await part('plate').selectOption('');
+  await page.getByText('no pictures can be made').waitFor();
+  await setUpIs('it moves', (text) => /camera: moving/.test(text));
+  await button('Camera').click();
+  await page.getByText('The set-up now says that it moves').waitFor();
+  await button('Find the camera').or(button('Find the camera again')).click();
+  await runEnds('locate');
+  await page.locator('.shot-camera').getByText('moving').waitFor();
+  const { located } = await ask('/api/shot');
+  console.log(`    moving: ${located.frames.length} frames, ${JSON.stringify(located.measured)}`);
+  check(!located.still && located.frames.length === 3, 'not a camera for each frame between keys');
+  await page.getByText('its jitter cannot be told').waitFor();
+  await record(page, 'shot_moving', options.pictures);
+}
+
 /** The last click takes the file and its name in pipeline.yaml along. */
 async function deleteAll() {
   await button('Film').click();
@@ -359,10 +436,12 @@ async function walk() {
     prepare,
     addFilm,
     showPoses,
+    setUp,
     addClicks,
     undoAndDelete,
     findCamera,
     makePictures,
+    movingCamera,
     deleteAll,
   };
   await runParts(Object.entries(parts));

@@ -4,9 +4,18 @@ import { test } from 'node:test'
 import { ClickFile, nameOf, nextName, replaced, without } from '../src/pages/shot/click_file'
 import { withShow } from '../src/pages/shot/film_strip'
 import { withinFrame } from '../src/view/frame_view'
+import { faultOf, kNoParts, lackOf, optionsOf, partWords } from '../src/pages/shot/parts'
 import { firstShows } from '../src/pages/shot/setup_form'
-import type { Click, Finished, Located } from '../src/pages/shot/shot_api'
-import { countWords, focalWords, gradeOf, pictureWords } from '../src/pages/shot/words'
+import type { Click, Finished, Located, Measured, Offers } from '../src/pages/shot/shot_api'
+import {
+  cameraWords,
+  countWords,
+  focalWords,
+  gradeOf,
+  pictureWords,
+  quickWords,
+  seenWords,
+} from '../src/pages/shot/words'
 
 const click = (name: string): Click => ({
   name,
@@ -150,4 +159,67 @@ test('a picture says whether it was filmed or made, and between which', () => {
   assert.equal(pictureWords(finished, 1), 'in-between, made: from 0000.png to 0001.png')
   assert.equal(pictureWords(finished, 2), 'filmed: 0001.png')
   assert.equal(pictureWords(finished, 9), '')
+})
+
+const kOffers: Offers = {
+  folders: [
+    { path: 'films/plates', pictures: 9 },
+    { path: 'films/take1', pictures: 9 },
+  ],
+  videos: ['films/mattes.mov'],
+  pictures: ['films/empty.png'],
+  meshes: ['films/set.obj'],
+}
+
+test('each part is chosen from what it can be, and never the film itself', () => {
+  const of = (part: 'plate' | 'mattes' | 'holdout' | 'set', camera: 'still' | 'moving', now = '') =>
+    optionsOf(part, kOffers, camera, now, 'films/take1').map(({ path }) => path)
+  assert.deepEqual(of('plate', 'still'), ['films/empty.png', 'films/plates', 'films/mattes.mov'])
+  assert.deepEqual(of('plate', 'moving'), ['films/plates', 'films/mattes.mov'])
+  assert.deepEqual(of('mattes', 'still'), ['films/plates', 'films/mattes.mov'])
+  assert.deepEqual(of('holdout', 'still'), ['films/empty.png'])
+  assert.deepEqual(of('set', 'moving'), ['films/set.obj'])
+  // What an editor has named stays to be seen.
+  assert.deepEqual(of('set', 'still', '../rig/set.ply'), ['../rig/set.ply', 'films/set.obj'])
+})
+
+test('a moving camera asks for plates, and is not saved with one picture of the set', () => {
+  const moving = { ...kNoParts, camera: 'moving' as const }
+  assert.equal(faultOf(kNoParts, kOffers), '')
+  assert.equal(faultOf({ ...kNoParts, plate: 'films/empty.png' }, kOffers), '')
+  assert.notEqual(faultOf({ ...moving, plate: 'films/empty.png' }, kOffers), '')
+  assert.equal(faultOf({ ...moving, plate: 'films/plates' }, kOffers), '')
+  assert.ok(lackOf(moving).includes('no pictures can be made'))
+  assert.equal(lackOf({ ...moving, plate: 'films/plates' }), '')
+  assert.ok(lackOf({ ...moving, plate: 'films/plates', holdout: 'x.png' }).includes('holdout'))
+  assert.equal(partWords('moving')[0].label, 'Plates of the empty set')
+  for (const { when } of [...partWords('still'), ...partWords('moving')]) assert.ok(when.length > 40)
+})
+
+test('the card says whether the camera moves, and how much it jitters', () => {
+  const measured: Measured = {
+    focal_seen: 0.043,
+    one_place: true,
+    jitter_px: 0,
+    camera_jitter_px: null,
+  }
+  const frames = Array.from({ length: 5 }, (_, frame) => ({ frame }))
+  const still = { still: true, measured, frames } as Located
+  assert.ok(cameraWords(still).endsWith('nothing jitters.'))
+  const apart = { ...still, measured: { ...measured, one_place: false, jitter_px: 0.714 } }
+  assert.ok(cameraWords(apart).includes('at most 0.71 px'))
+  const moving = { ...still, still: false, measured: { ...measured, camera_jitter_px: 0.304 } }
+  assert.ok(cameraWords(moving).includes('jitters by 0.30 px'))
+  const short = { ...moving, frames: moving.frames.slice(1) }
+  assert.ok(cameraWords(short).includes('cannot be told'))
+  assert.equal(seenWords(still), 'The pictures alone show it to 4.3 %.')
+  assert.equal(seenWords({ ...still, measured: { ...measured, focal_seen: null } }), '')
+})
+
+test('what four clicks give is called rough; clicks that do not agree are told', () => {
+  const quick = { frame: 0, number: 1, seconds: 0.3, problem: '', focal_px: 853.4, focal: 'kept' }
+  assert.ok(quickWords({ ...quick, contour_px: null, iou: null }).startsWith('Rough'))
+  assert.ok(quickWords({ ...quick, contour_px: 1.52, iou: 0.951 }).includes('overlap 95.1 %'))
+  const wrong = 'click 3 does not agree with the others'
+  assert.equal(quickWords({ ...quick, problem: wrong }), 'Click 3 does not agree with the others.')
 })

@@ -7,6 +7,8 @@ import { count } from '../words'
 import { CameraCard } from './shot/camera_card'
 import { ClickBench, ClickList, hintOf, useClicking } from './shot/click_bench'
 import { FilmStrip, withShow } from './shot/film_strip'
+import { PartsForm } from './shot/parts_fields'
+import { QuickLine, useQuick } from './shot/quick'
 import { ResultCard, ResultView } from './shot/result_view'
 import { SetupForm } from './shot/setup_form'
 import { shotApi } from './shot/shot_api'
@@ -16,7 +18,7 @@ import type { ShotDesk } from './shot/use_shot'
 import '../view/frame_view.css'
 import './shot/shot.css'
 
-const kModes = ['Film', 'Camera', 'Result'] as const
+const kModes = ['Film', 'Camera', 'Result', 'Set-up'] as const
 type Mode = (typeof kModes)[number]
 
 /** Changes with each new result of a step: another picture needs another address. */
@@ -45,9 +47,11 @@ function ModeChoice(props: { mode: Mode; set: (mode: Mode) => void }) {
 
 function FilmCard({ film }: { film: Film }) {
   const other = [
+    film.camera === 'moving' && 'moving camera',
     film.mattes && `mattes ${film.mattes}`,
     film.plate && `empty set ${film.plate}`,
     film.holdout && `holdout ${film.holdout}`,
+    film.set && `set ${film.set}`,
   ].filter(Boolean)
   return (
     <section class="stack" aria-label="Film">
@@ -96,6 +100,7 @@ function Desk({ shot, film, desk }: { shot: Shot; film: Film; desk: ShotDesk }) 
   )
   const frame = film.frames[at]?.frame ?? 0
   const clicking = useClicking(desk, frame)
+  const quick = useQuick(desk, film, frame, clicking.here.length)
   const located = useResultVersion('locate')
   const made = useResultVersion('composite')
   const choose = (next: number) => {
@@ -110,6 +115,8 @@ function Desk({ shot, film, desk }: { shot: Shot; film: Film; desk: ShotDesk }) 
     '1': () => setMode('Film'),
     '2': () => setMode('Camera'),
     '3': () => setMode('Result'),
+    '4': () => setMode('Set-up'),
+    o: quick.toggle,
     PageUp: () => step(-1),
     PageDown: () => step(1),
     ...(mode === 'Film' ? { ArrowLeft: () => step(-1), ArrowRight: () => step(1) } : {}),
@@ -122,19 +129,24 @@ function Desk({ shot, film, desk }: { shot: Shot; film: Film; desk: ShotDesk }) 
         <ModeChoice mode={mode} set={setMode} />
         {mode === 'Film' && <FilmCard film={film} />}
         {mode === 'Film' && <ClickList clicking={clicking} desk={desk} />}
-        {mode !== 'Result' && (
-          <CameraCard located={shot.located} frame={frame} choose={choose} />
+        {(mode === 'Film' || mode === 'Camera') && (
+          <CameraCard located={shot.located} film={film} frame={frame} choose={choose} />
         )}
+        {mode === 'Set-up' && <FilmCard film={film} />}
         {mode === 'Result' && <ResultCard finished={shot.finished} />}
         {shot.clicks?.problem && <p class="small warn">{shot.clicks.problem}</p>}
       </div>
       <div class="shot-work">
         {mode === 'Film' && (
           <>
-            <ClickBench film={film} desk={desk} clicking={clicking} frame={frame} />
-            <p class="shot-hint small" role="status">
-              {hintOf(clicking, shows)}
-            </p>
+            <ClickBench
+              film={film}
+              desk={desk}
+              clicking={clicking}
+              frame={frame}
+              outlines={quick.picture}
+            />
+            <QuickLine quick={quick} hint={hintOf(clicking, shows)} />
             <FilmStrip
               film={film}
               poses={project.poses.map((pose) => pose.name)}
@@ -142,7 +154,7 @@ function Desk({ shot, film, desk }: { shot: Shot; film: Film; desk: ShotDesk }) 
               current={frame}
               choose={setWanted}
               show={(number, pose) =>
-                desk.save(({ shot: now }) => ({
+                void desk.save(({ shot: now }) => ({
                   film: now!.film,
                   fps: now!.fps,
                   shows: withShow(now!.shows, number, pose),
@@ -151,6 +163,7 @@ function Desk({ shot, film, desk }: { shot: Shot; film: Film; desk: ShotDesk }) 
             />
           </>
         )}
+        {mode === 'Set-up' && <PartsForm film={film} offers={shot.offers} desk={desk} />}
         {mode === 'Camera' && <CameraView shot={shot} version={located} />}
         {mode === 'Result' &&
           (shot.finished ? (

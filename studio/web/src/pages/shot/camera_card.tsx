@@ -2,8 +2,8 @@
 import { api } from '../../api'
 import { useStudio } from '../../state'
 import { percent } from '../../words'
-import type { Located } from './shot_api'
-import { focalWords, gradeOf, methodWords } from './words'
+import type { Film, Located } from './shot_api'
+import { cameraWords, focalWords, gradeOf, methodWords, seenWords } from './words'
 
 const kSteps = ['locate', 'composite'] as const
 const kWords = { good: 'fits', look: 'look at it', wrong: 'does not fit' }
@@ -71,6 +71,7 @@ export function Warnings({ step }: { step: string }) {
 
 export function CameraCard(props: {
   located: Located | null
+  film: Film
   frame: number
   choose: (frame: number) => void
 }) {
@@ -81,8 +82,13 @@ export function CameraCard(props: {
       {located ? (
         <>
           <p class="small">
-            Focal length {focalWords(located)}.{' '}
-            {located.still ? 'The camera stands still.' : 'The camera moves.'}
+            <b class={`tag shot-camera ${located.still ? '' : 'warn'}`}>
+              {located.still ? 'still' : 'moving'}
+            </b>{' '}
+            {cameraWords(located)}
+          </p>
+          <p class="small">
+            Focal length {focalWords(located)}. {seenWords(located)}
           </p>
           <table class="small number">
             <thead>
@@ -119,7 +125,16 @@ export function CameraCard(props: {
           </table>
         </>
       ) : (
-        <p class="small soft">Not found yet.</p>
+        <p class="small soft">
+          Not found yet. It {props.film.camera === 'moving' ? 'moves' : 'stands still'}, says the
+          set-up.
+        </p>
+      )}
+      {located && located.still !== (props.film.camera === 'still') && (
+        <p class="small warn">
+          The set-up now says that it {props.film.camera === 'moving' ? 'moves' : 'stands still'}:
+          find it again.
+        </p>
       )}
       <Warnings step="locate" />
       <RunStep

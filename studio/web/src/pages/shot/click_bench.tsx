@@ -107,6 +107,8 @@ export function ClickBench(props: {
   desk: ShotDesk
   clicking: Clicking
   frame: number
+  /** a picture of the mesh's outlines over the frame, or '' */
+  outlines: string
 }) {
   const { film, desk, clicking, frame } = props
   const { project } = useStudio()
@@ -159,7 +161,11 @@ export function ClickBench(props: {
         onPick={clicking.pickPixel}
         onChoose={clicking.choose}
         onMove={clicking.movePixel}
-      />
+      >
+        {props.outlines && (
+          <image href={props.outlines} width={film.width} height={film.height} />
+        )}
+      </FrameView>
       <PoseView
         pose={pose}
         places={places}

@@ -1,8 +1,11 @@
-// A project without a film: which folder it is in, and which frames show which pose.
+// A project without a film: which folder it is in, which frames show which pose, and what stands
+// beside the film.
 import { useState } from 'preact/hooks'
 
 import { useStudio } from '../../state'
 import { count } from '../../words'
+import { faultOf, kNoParts } from './parts'
+import { PartsFields } from './parts_fields'
 import type { Shot, Show } from './shot_api'
 import type { ShotDesk } from './use_shot'
 
@@ -18,11 +21,13 @@ export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
   const poses = project.poses.map((pose) => pose.name)
   const [chosen, setChosen] = useState('')
   const [fps, setFps] = useState('12')
-  const folder = shot.folders.find((one) => one.path === chosen) ?? shot.folders[0]
+  const [parts, setParts] = useState(kNoParts)
+  const { folders } = shot.offers
+  const folder = folders.find((one) => one.path === chosen) ?? folders[0]
   const number = Number(fps)
   const fits = number > 0 && Number.isInteger(Math.round((1e6 * project.fps) / number) / 1e6)
   return (
-    <main class="empty">
+    <main class="empty shot-new">
       <h1>Put the character into a filmed shot</h1>
       <p>
         Film the animated figure, photograph some of its poses on the turntable, and Keypose makes
@@ -39,16 +44,16 @@ export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
           onSubmit={(event) => {
             event.preventDefault()
             const shows = firstShows(poses, folder.pictures)
-            desk.save(() => ({ film: folder.path, fps: number, shows }))
+            void desk.save(() => ({ film: folder.path, fps: number, shows, ...parts }))
           }}
         >
           <label>
-            Folder of the film
+            <b>Folder of the film</b>
             <select
               value={folder.path}
               onChange={(event) => setChosen(event.currentTarget.value)}
             >
-              {shot.folders.map((one) => (
+              {folders.map((one) => (
                 <option key={one.path} value={one.path}>
                   {one.path} · {count(one.pictures, 'picture')}
                 </option>
@@ -56,19 +61,30 @@ export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
             </select>
           </label>
           <label>
-            Filmed pictures a second
+            <b>Filmed pictures a second</b>
             <input
               inputMode="decimal"
               value={fps}
               onInput={(event) => setFps(event.currentTarget.value)}
             />
           </label>
+          <details>
+            <summary>Moving camera, empty set, mattes, props</summary>
+            <div class="shot-fields">
+              <PartsFields
+                parts={parts}
+                offers={shot.offers}
+                film={folder.path}
+                change={setParts}
+              />
+            </div>
+          </details>
           <p class="small">
             {fits
               ? 'Next you say which frames show which pose.'
               : `The project has ${project.fps} pictures a second, which must be a multiple.`}
           </p>
-          <button class="main" disabled={!fits || desk.saving}>
+          <button class="main" disabled={!fits || desk.saving || faultOf(parts, shot.offers) !== ''}>
             Add the film
           </button>
         </form>

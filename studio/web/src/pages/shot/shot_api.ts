@@ -22,6 +22,7 @@ export interface Show {
   frame: number
   pose: string
 }
+export type CameraKind = 'still' | 'moving'
 export interface Film {
   /** folder, as pipeline.yaml has it */
   film: string
@@ -30,6 +31,9 @@ export interface Film {
   mattes: string
   clicks: string
   holdout: string
+  /** a mesh of props */
+  set: string
+  camera: CameraKind
   shows: Show[]
   frames: { frame: number; name: string }[]
   width: number
@@ -46,6 +50,17 @@ export interface LocatedFrame {
   iou: number | null
   inliers: number | null
 }
+/** As `locate` reports it; null where it does not say. */
+export interface Measured {
+  /** how well the pictures alone show the focal length, over it */
+  focal_seen: number | null
+  /** one place of the character fits all frames */
+  one_place: boolean | null
+  /** the largest change between neighbouring frames of one pose */
+  jitter_px: number | null
+  /** of a moving camera: how far it is from a smooth way */
+  camera_jitter_px: number | null
+}
 export interface Located {
   width: number
   height: number
@@ -54,6 +69,7 @@ export interface Located {
   focal: string
   focal_uncertainty: number
   still: boolean
+  measured: Measured
   has_picture: boolean
   frames: LocatedFrame[]
 }
@@ -85,13 +101,46 @@ export interface Finished {
   video: string
 }
 
+/** Of the project: what may be a part of the shot. Paths, but for folders. */
+export interface Offers {
+  folders: { path: string; pictures: number }[]
+  videos: string[]
+  pictures: string[]
+  meshes: string[]
+}
+
+/** The camera of one frame, by its clicks alone. */
+export interface Quick {
+  frame: number
+  /** of the answer; its picture has the same */
+  number: number
+  seconds: number
+  /** why there is none, or '' */
+  problem: string
+  focal_px?: number
+  focal?: string
+  contour_px?: number | null
+  iou?: number | null
+}
+
+/** What pipeline.yaml says of the shot; parts that are left out stay as they are. */
+export interface ShotChange {
+  film: string
+  fps: number
+  shows: Show[]
+  plate?: string
+  mattes?: string
+  holdout?: string
+  set?: string
+  camera?: CameraKind
+}
+
 export interface Shot {
   /** of pipeline.yaml */
   revision: string
   /** null: the project has no filmed shot */
   shot: Film | null
-  /** folders of the project that may be a film */
-  folders: { path: string; pictures: number }[]
+  offers: Offers
   clicks: Clicks | null
   located: Located | null
   finished: Finished | null
@@ -104,8 +153,8 @@ const q = (values: Record<string, string | number>): string =>
 
 export const shotApi = {
   shot: () => get<Shot>('/api/shot'),
-  save: (change: { film: string; fps: number; shows: Show[]; revision: string }) =>
-    send<Shot>('PUT', '/api/shot', change),
+  save: (change: ShotChange & { revision: string }) => send<Shot>('PUT', '/api/shot', change),
+  quick: (frame: number) => send<Quick>('POST', '/api/shot/quick', { frame }),
   saveClicks: (clicks: readonly Click[], revision: string) =>
     send<Shot>('PUT', '/api/shot/clicks', { clicks, revision }),
   /** width 0: full size. `of` is only there so that another film has other addresses. */

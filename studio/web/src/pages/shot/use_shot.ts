@@ -4,17 +4,17 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 import { useStudio } from '../../state'
 import { ClickFile } from './click_file'
 import { shotApi } from './shot_api'
-import type { Shot, Show } from './shot_api'
+import type { Shot, ShotChange } from './shot_api'
 
 /** What to write, from what the file then has. */
-type Change = (now: Shot) => { film: string; fps: number; shows: Show[] }
+type Change = (now: Shot) => ShotChange
 
 export interface ShotDesk {
   /** null: not read yet */
   shot: Shot | null
   clicks: ClickFile
-  /** Writes film, fps and shown poses to pipeline.yaml. */
-  save: (change: Change) => void
+  /** Writes what the shot consists of to pipeline.yaml; false: it was refused, and that was told. */
+  save: (change: Change) => Promise<boolean>
   saving: boolean
 }
 
@@ -55,16 +55,20 @@ export function useShot(): ShotDesk {
   // One after the other: each begins with the file that the one before has made.
   const save = (change: Change) => {
     setSaving(true)
-    const next = chain.current
+    const next: Promise<boolean> = chain.current
       .then(() => shotApi.save({ ...change(latest.current!), revision: latest.current!.revision }))
-      .then(take)
+      .then((now) => {
+        take(now)
+        return true
+      })
       .catch(async (error: unknown) => {
         complain(error)
-        take(await shotApi.shot())
+        await shotApi.shot().then(take).catch(complain)
+        return false
       })
-      .catch(complain)
       .finally(() => chain.current === next && setSaving(false))
     chain.current = next
+    return next
   }
   return { shot, clicks, save, saving }
 }
