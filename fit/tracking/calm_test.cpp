@@ -13,7 +13,8 @@
 namespace keypose::fit {
 namespace {
 
-const int kElbow = Joints()[kElbowL].first_dof;
+/// The place of the left elbow in a pose.
+int Elbow() { return Joints()[kElbowL].first_dof; }
 
 class Noise {
  public:
@@ -165,28 +166,28 @@ TEST(CalmTake, AHardStopStaysInItsFrame) {
   Noise noise(5);
   std::vector<BodyPose> truth(60);
   constexpr int kStop = 30;
-  for (int f = 0; f < 60; ++f) truth[f].q[kElbow] = 0.1 * std::min(f, kStop);
+  for (int f = 0; f < 60; ++f) truth[f].q[Elbow()] = 0.1 * std::min(f, kStop);
   const double deviation = 0.01;
   const CalmedTake calmed = CalmTake(Fitted(truth, deviation, &noise), 1);
   // Means over five frames would be off by 0.06 there, six standard deviations of a fit.
   for (int f = kStop - 4; f <= kStop + 4; ++f)
-    EXPECT_NEAR(calmed.poses[f].q[kElbow], truth[f].q[kElbow], 2 * deviation) << f;
+    EXPECT_NEAR(calmed.poses[f].q[Elbow()], truth[f].q[Elbow()], 2 * deviation) << f;
   EXPECT_LT(ErrorOf(calmed.poses, truth), 0.5 * deviation);
 }
 
 TEST(CalmTake, FramesThatTellNothingOfAnArmComeFromTheirNeighbours) {
   Noise noise(9);
   std::vector<BodyPose> truth(60);
-  for (int f = 0; f < 60; ++f) truth[f].q[kElbow] = 1 + 0.8 * std::sin(0.1 * f);
+  for (int f = 0; f < 60; ++f) truth[f].q[Elbow()] = 1 + 0.8 * std::sin(0.1 * f);
   std::vector<FittedFrame> fitted = Fitted(truth, 0.01, &noise);
   for (int f = 30; f < 36; ++f) {
-    fitted[f].evidence.matrix.row(kElbow).setZero(),
-        fitted[f].evidence.matrix.col(kElbow).setZero();
-    fitted[f].pose.q[kElbow] += 0.15;
+    fitted[f].evidence.matrix.row(Elbow()).setZero(),
+        fitted[f].evidence.matrix.col(Elbow()).setZero();
+    fitted[f].pose.q[Elbow()] += 0.15;
   }
   const CalmedTake calmed = CalmTake(fitted, 1);
   for (int f = 28; f < 38; ++f)
-    EXPECT_NEAR(calmed.poses[f].q[kElbow], truth[f].q[kElbow], 0.05) << f;
+    EXPECT_NEAR(calmed.poses[f].q[Elbow()], truth[f].q[Elbow()], 0.05) << f;
 }
 
 TEST(CalmTake, AnActorWhoTurnsRoundAndRoundIsLeftAsHeIs) {
