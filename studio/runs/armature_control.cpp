@@ -20,8 +20,6 @@ constexpr std::size_t kMostArmatureEvents = 5000;
 /// A hand does not move faster than a page can show.
 constexpr int kReadings = 60, kPoses = 30;
 
-fs::path ArmatureProgram() { return pipeline::ProgramFolder() / "keypose-armature"; }
-
 /// --NAME=VALUE in one word, so that no value can be taken for another flag.
 void AddWord(const char* name, const std::string& value, std::vector<std::string>* words) {
   if (!value.empty()) words->push_back(fmt::format("--{}={}", name, value));
@@ -51,21 +49,14 @@ std::vector<std::string> LiveWords(const ArmatureSetup& setup, const fs::path& p
 
 std::vector<std::string> BakeWords(const ArmatureSetup& setup, const fs::path& take,
                                    const std::string& between) {
-  // A stage takes flag and value as two words, the value whatever it is.
   std::vector<std::string> words = {ArmatureProgram().string(), "bake", "--overwrite"};
-  const auto add = [&](const char* name, const std::string& value) {
-    if (!value.empty()) words.insert(words.end(), {std::string("--") + name, value});
-  };
-  add("description", setup.description);
-  add("chains", setup.chains);
-  add("skeleton", setup.skeleton);
-  add("mesh", setup.mesh);
-  add("weights", setup.weights);
-  add("curves", (take / "curves.json").string());
-  add("between", between);
+  AddPuppetFiles(setup, true, &words);
+  AddFlag("curves", (take / "curves.json").string(), &words);
+  AddFlag("between", between, &words);
   const bool keys = between == "keys";
-  add("frames", (take / (keys ? "keys" : "frames")).string());
-  add(keys ? "timeline" : "motion", (take / (keys ? "timeline.json" : "motion.bvh")).string());
+  AddFlag("frames", (take / (keys ? "keys" : "frames")).string(), &words);
+  AddFlag(keys ? "timeline" : "motion", (take / (keys ? "timeline.json" : "motion.bvh")).string(),
+          &words);
   return words;
 }
 
@@ -80,6 +71,21 @@ void KeepArmatureEvent(const std::string& event, std::vector<std::string>* event
 }
 
 }  // namespace
+
+fs::path ArmatureProgram() { return pipeline::ProgramFolder() / "keypose-armature"; }
+
+void AddFlag(const char* name, const std::string& value, std::vector<std::string>* words) {
+  if (!value.empty()) words->insert(words->end(), {std::string("--") + name, value});
+}
+
+void AddPuppetFiles(const ArmatureSetup& setup, bool with_mesh, std::vector<std::string>* words) {
+  AddFlag("description", setup.description, words);
+  AddFlag("chains", setup.chains, words);
+  AddFlag("skeleton", setup.skeleton, words);
+  if (!with_mesh) return;
+  AddFlag("mesh", setup.mesh, words);
+  AddFlag("weights", setup.weights, words);
+}
 
 ArmatureControl::ArmatureControl(fs::path project, Listener listener)
     : project_(std::move(project)),

@@ -31,6 +31,12 @@ struct ArmatureStory : SessionStory {
   bool baking = false;
 };
 
+std::filesystem::path ArmatureProgram();
+/// Adds flag and value as two words, as a stage takes them; nothing for an empty value.
+void AddFlag(const char* name, const std::string& value, std::vector<std::string>* words);
+/// Adds the flags of the puppet's files. @param with_mesh  also of its mesh and the weights
+void AddPuppetFiles(const ArmatureSetup& setup, bool with_mesh, std::vector<std::string>* words);
+
 class ArmatureControl {
  public:
   /// Called from the control's own threads.

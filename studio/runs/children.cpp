@@ -131,12 +131,21 @@ int StartChild(const std::vector<std::string>& arguments, const fs::path& folder
 std::string WhatItSaid(const fs::path& error, int exit_code) {
   std::string text;
   try {
-    text = WithoutOddBytes(ReadFile(error));
+    text = ReadFile(error);
   } catch (const Error&) {
     // the file is gone: the exit code says something
   }
-  const std::string mark = "keypose: error: ";
-  if (const auto at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
+  return ErrorIn(text, exit_code);
+}
+
+std::string ErrorIn(const std::string& said, int exit_code) {
+  std::string text = WithoutOddBytes(said);
+  // "keypose: error: ..." or, of a stage, "keypose armature edit: error: ...".
+  const std::string mark = ": error: ";
+  const auto at = text.find(mark);
+  const auto line = at == std::string::npos ? at : text.rfind('\n', at) + 1;
+  if (line != std::string::npos && text.compare(line, 7, "keypose") == 0)
+    text.erase(0, at + mark.size());
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text.empty() && exit_code != 0
              ? fmt::format("the program ended with exit code {}", exit_code)

@@ -22,6 +22,9 @@ ChildResult RunChild(const std::vector<std::string>& arguments, const std::files
 int StartChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                const std::filesystem::path& output, const std::filesystem::path& error);
 
+/// The words of the error in what a program that failed has said.
+std::string ErrorIn(const std::string& said, int exit_code);
+
 /// What a program that failed has said, without the lines that only a terminal needs.
 /// @param error  the file of its standard error
 std::string WhatItSaid(const std::filesystem::path& error, int exit_code);

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "core/errors.h"
 #include "core/file_names.h"
@@ -15,6 +13,7 @@
 #include "pipeline/text.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/photographs.h"
+#include "studio/server/armature_setup.h"
 #include "studio/server/routes.h"
 #include "studio/server/serial_ports.h"
 #include "studio/server/session_answers.h"
@@ -28,103 +27,6 @@ namespace {
 
 constexpr std::size_t kMostListed = 500;
 constexpr int kMostDepth = 4;
-
-/// A file that the form names, and whether there can be a session without it.
-struct SetupFile {
-  const char* name;
-  std::string ArmatureSetup::*value;
-  bool needed = false, may_be_folder = false;
-};
-constexpr std::array<SetupFile, 9> kSetupFiles = {{
-    {"description", &ArmatureSetup::description, true},
-    {"chains", &ArmatureSetup::chains, true},
-    {"skeleton", &ArmatureSetup::skeleton},
-    {"mesh", &ArmatureSetup::mesh},
-    {"weights", &ArmatureSetup::weights},
-    {"texture", &ArmatureSetup::texture},
-    {"plate", &ArmatureSetup::plate, false, true},
-    {"shot", &ArmatureSetup::shot},
-    {"set", &ArmatureSetup::set},
-}};
-
-/// @throws UsageError  it lies outside of the project @throws NotFound  it is not there
-fs::path FileOfProject(const fs::path& project, const std::string& name, bool may_be_folder) {
-  const fs::path file = project / name;
-  std::error_code error;
-  const bool there =
-      StaysBelow(name) && !pipeline::RealDisk().LeadsOutside(file, project) &&
-      (fs::is_regular_file(file, error) || (may_be_folder && fs::is_directory(file, error)));
-  if (!there)
-    throw NotFound(
-        fmt::format("there is no {} in the project; put the puppet's files into its "
-                    "folder 'armature'",
-                    name));
-  return file;
-}
-
-double WithinRange(const json& value, double least, double most, const char* what) {
-  const double number = value;
-  if (!(number >= least && number <= most))
-    throw UsageError(fmt::format("{} is {}; it can be {} to {}", what, number, least, most));
-  return number;
-}
-
-std::string TakeFrom(const json& body) {
-  const std::string take = body.at("take");
-  if (!pipeline::IsName(take) || take == "example")
-    throw UsageError(
-        fmt::format("a take's name may have {}; '{}' cannot be one", pipeline::kNameRule, take));
-  return take;
-}
-
-std::string PortFrom(const json& body, const std::string& calibration) {
-  const std::string port = body.at("port");
-  const bool device = port.starts_with("/dev/") && port.find("..") == std::string::npos;
-  if (port != "simulated" && !device)
-    throw UsageError(
-        fmt::format("'{}' is no serial port; one is called such as /dev/ttyACM0, or "
-                    "choose a simulated puppet",
-                    port));
-  if (device && !StaysBelow(calibration))
-    throw UsageError(
-        "name the file of the puppet's calibration, such as armature/puppet.json; "
-        "`keypose armature calibrate` makes it");
-  return port;
-}
-
-ArmatureSetup ArmatureSetupFrom(const json& body, const fs::path& project) {
-  ArmatureSetup setup;
-  setup.take = TakeFrom(body);
-  for (const SetupFile& file : kSetupFiles) {
-    const std::string name = body.value(file.name, std::string());
-    if (name.empty() && file.needed)
-      throw UsageError(fmt::format("which file is the {}?", file.name));
-    if (!name.empty()) FileOfProject(project, name, file.may_be_folder);
-    setup.*file.value = name;
-  }
-  setup.calibration = body.value("calibration", std::string());
-  setup.port = PortFrom(body, setup.calibration);
-  if (setup.port == "simulated") setup.calibration.clear();
-  if (!setup.calibration.empty() &&
-      pipeline::RealDisk().LeadsOutside(project / setup.calibration, project))
-    throw UsageError(fmt::format("{} leads out of the project", setup.calibration));
-  setup.fps = WithinRange(body.at("fps"), 1, 1000, "the number of frames a second");
-  setup.step = static_cast<int>(WithinRange(body.at("step"), 1, 100, "frames for each recorded"));
-  const fs::path take = project / "armature" / setup.take;
-  if (pipeline::RealDisk().LeadsOutside(take, project))
-    throw UsageError(fmt::format("the take {} leads out of the project", setup.take));
-  return setup;
-}
-
-json ArmatureSetupJson(const ArmatureSetup& setup) {
-  json all = {{"take", setup.take},
-              {"port", setup.port},
-              {"calibration", setup.calibration},
-              {"fps", setup.fps},
-              {"step", setup.step}};
-  for (const SetupFile& file : kSetupFiles) all[file.name] = setup.*file.value;
-  return all;
-}
 
 /// The setup of the theropod that `keypose armature example` makes.
 json ExampleSetup() {
@@ -145,25 +47,27 @@ json ExampleSetup() {
           {"set", folder + "set.ply"}};
 }
 
-/// Files below the folder 'armature', from the project's folder, and the takes in it.
-void ListArmature(const fs::path& project, json* files, json* takes) {
+/// Files below the folder 'armature', from the project's folder; the takes that were recorded into
+/// it, and those that were edited.
+void ListArmature(const fs::path& project, json* answer) {
   std::error_code error;
-  *files = json::array();
-  *takes = json::array();
+  json files = json::array(), takes = json::array(), edited = json::array();
   fs::recursive_directory_iterator at(project / "armature", error);
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     const fs::path& path = at->path();
     const std::string name = WithoutOddBytes(path.lexically_relative(project).string());
     if (at->is_directory(error)) {
-      const bool take = fs::exists(path / "journal.jsonl", error);
-      if (take && at.depth() == 0) takes->push_back(WithoutOddBytes(path.filename().string()));
+      const bool recorded = fs::exists(path / "journal.jsonl", error);
+      const bool take = recorded || fs::exists(path / "curves.json", error);
+      if (take && at.depth() == 0)
+        (recorded ? takes : edited).push_back(WithoutOddBytes(path.filename().string()));
       if (take || at.depth() >= kMostDepth) at.disable_recursion_pending();
-    } else if (files->size() < kMostListed) {
-      files->push_back(name);
+    } else if (files.size() < kMostListed) {
+      files.push_back(name);
     }
   }
-  std::sort(files->begin(), files->end());
-  std::sort(takes->begin(), takes->end());
+  for (json* list : {&files, &takes, &edited}) std::sort(list->begin(), list->end());
+  answer->update({{"files", files}, {"takes", takes}, {"edited", edited}});
 }
 
 int FrameFrom(const json& body) {
@@ -201,14 +105,14 @@ void Routes::FollowArmature() {
 }
 
 void Routes::AddArmature() {
-  const fs::path last = folder_ / ".keypose/studio/armature.json";
+  const fs::path last = LastSetupFile(folder_);
   Add("GET", "/api/armature", [this, last](const Question&) {
     const ArmatureStory story = armature_->Story();
     json answer = StoryJson(story);
     answer["baking"] = story.baking;
     answer["ports"] = SerialPorts();
     answer["setup"] = SavedJson(last);
-    ListArmature(folder_, &answer["files"], &answer["takes"]);
+    ListArmature(folder_, &answer);
     return JsonAnswer(answer);
   });
   Add("POST", "/api/armature/example", [this](const Question&) {
@@ -225,8 +129,15 @@ void Routes::AddArmature() {
   });
   Add("POST", "/api/armature/start", [this, last](const Question& question) {
     const ArmatureSetup setup = ArmatureSetupFrom(question.Json(), folder_);
+    const fs::path take = armature_->TakeFolder(setup.take);
+    if (fs::exists(take / "curves.json") && !fs::exists(take / "journal.jsonl"))
+      throw UsageError(
+          fmt::format("{} is a take that was edited, and recording does not go on with it; choose "
+                      "another name",
+                      setup.take));
     armature_->Start(setup);
     WriteFileAtomically(last, ArmatureSetupJson(setup).dump());
+    KeepSetupOfTake(folder_, setup);
     return JsonAnswer({{"started", true}});
   });
   Add("POST", "/api/armature/command", [this](const Question& question) {
@@ -238,23 +149,30 @@ void Routes::AddArmature() {
     return JsonAnswer({{"sent", true}});
   });
   Add("POST", "/api/armature/bake", [this, last](const Question& question) {
-    const std::string between = question.Json().at("between");
+    const json body = question.Json();
+    const std::string between = body.at("between");
     if (between != "hold" && between != "linear" && between != "smooth" && between != "keys")
       throw UsageError("between frames it can hold, go linear or smooth; or make keys");
-    const ArmatureSetup setup = ArmatureSetupFrom(SavedJson(last), folder_);
-    FileOfProject(folder_, fmt::format("armature/{}/curves.json", setup.take), false);
-    armature_->Bake(setup, between);
+    const json take = body.contains("take") ? body.at("take") : SavedJson(last).at("take");
+    armature_->Bake(SetupOfTake(folder_, TakeName(take)), between);
     return JsonAnswer({{"started", true}});
   });
   AddArmatureViews();
 }
 
 void Routes::AddArmatureViews() {
-  const auto setup = [this] {
-    return ArmatureSetupFrom(SavedJson(folder_ / ".keypose/studio/armature.json"), folder_);
+  // Of the session, or of a take that is named.
+  const auto setup = [this](const Question& question) {
+    const std::string take = question.Get("take");
+    if (!take.empty()) return SetupOfTake(folder_, take);
+    return ArmatureSetupFrom(SavedJson(LastSetupFile(folder_)), folder_);
   };
-  const auto page_file = [this](const char* name) {
-    const fs::path file = armature_->PageFolder() / name;
+  const auto page_folder = [this](const Question& question) {
+    const std::string take = question.Get("take");
+    return take.empty() ? armature_->PageFolder() : takes_->CharacterFolder(TakeName(take));
+  };
+  const auto page_file = [page_folder](const Question& question, const char* name) {
+    const fs::path file = page_folder(question) / name;
     if (!fs::is_regular_file(file)) throw NotFound("no session has begun");
     return ReadFile(file);
   };
@@ -263,33 +181,34 @@ void Routes::AddArmatureViews() {
     const std::string pose = armature_->Pose(static_cast<std::uint64_t>(after));
     return Answer{200, "application/json", pose.empty() ? "null" : pose, {}, {}};
   });
-  Add("GET", "/api/armature/view", [page_file](const Question&) {
-    return Answer{200, "application/json", page_file("view.json"), {}, {}};
+  Add("GET", "/api/armature/view", [page_file](const Question& question) {
+    return Answer{200, "application/json", page_file(question, "view.json"), {}, {}};
   });
-  Add("GET", "/api/armature/weights",
-      [page_file](const Question&) { return BytesAnswer(page_file("weights.bin")); });
+  Add("GET", "/api/armature/weights", [page_file](const Question& question) {
+    return BytesAnswer(page_file(question, "weights.bin"));
+  });
   Add("GET", "/api/armature/frames", [page_file](const Question& question) {
-    const std::string all = page_file("frames.bin");
+    const std::string all = page_file(question, "frames.bin");
     const auto from =
         static_cast<std::size_t>(WholeNumber(question.Get("from", "0"), 0, 2147483647));
     return BytesAnswer(from < all.size() ? all.substr(from) : "");
   });
-  Add("GET", "/api/armature/mesh", [this, setup](const Question& question) {
-    const ArmatureSetup now = setup();
+  Add("GET", "/api/armature/mesh", [this, setup, page_folder](const Question& question) {
+    const ArmatureSetup now = setup(question);
     const bool set = question.Get("what") == "set";
     const std::string& name = set ? now.set : now.mesh;
     if (set && name.empty()) throw NotFound("the set has no geometry");
     return BytesAnswer(
-        MeshBytes(ReadMesh(name.empty() ? armature_->PageFolder() / "rest.ply" : folder_ / name)));
+        MeshBytes(ReadMesh(name.empty() ? page_folder(question) / "rest.ply" : folder_ / name)));
   });
-  Add("GET", "/api/armature/texture", [this, setup](const Question&) {
-    const ArmatureSetup now = setup();
+  Add("GET", "/api/armature/texture", [this, setup](const Question& question) {
+    const ArmatureSetup now = setup(question);
     if (now.texture.empty()) throw NotFound("the character has no texture");
     return PictureAnswer(PictureFile(PictureFolder(), folder_ / now.texture, 0));
   });
   Add("GET", "/api/armature/plate", [this, page_file](const Question& question) {
     const int index = WholeNumber(question.Get("index", "0"), 0, 1000000);
-    const json pictures = json::parse(page_file("view.json")).at("pictures");
+    const json pictures = json::parse(page_file(question, "view.json")).at("pictures");
     if (pictures.empty()) throw NotFound("there is no plate");
     const fs::path file =
         pictures.at(std::min(static_cast<std::size_t>(index), pictures.size() - 1))

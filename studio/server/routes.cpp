@@ -64,6 +64,7 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddShoot();
   AddShot();
   AddArmature();
+  AddTakes();
   Follow();
   FollowShoot();
   FollowArmature();

@@ -12,6 +12,7 @@
 #include "studio/runs/armature_control.h"
 #include "studio/runs/run_control.h"
 #include "studio/runs/shoot_control.h"
+#include "studio/runs/take_desk.h"
 #include "studio/server/answers.h"
 #include "studio/server/event_hub.h"
 #include "studio/server/project_watch.h"
@@ -45,6 +46,7 @@ class Routes {
   void AddShot();
   void AddArmature();
   void AddArmatureViews();
+  void AddTakes();
   void Add(const std::string& method, const std::string& path, Handler handler);
   /// Calls `use` with the project as it is now; one caller at a time.
   template <class Use>
@@ -77,6 +79,7 @@ class Routes {
   std::unique_ptr<RunControl> run_;
   std::unique_ptr<ShootControl> shoot_;
   std::unique_ptr<ArmatureControl> armature_;
+  std::unique_ptr<TakeDesk> takes_;
   std::unique_ptr<ProjectWatch> watch_;
 };
 

@@ -127,6 +127,9 @@ CHANGES = [
     ('POST', '/api/armature/start'),
     ('POST', '/api/armature/command'),
     ('POST', '/api/armature/bake'),
+    ('POST', '/api/armature/take/open'),
+    ('POST', '/api/armature/take/draft'),
+    ('POST', '/api/armature/take/save'),
 ]
 LOOKS = [
     '/api/project',
@@ -156,12 +159,14 @@ def path_tricks(studio, pick):
         ('GET', f'/api/shot/frame?frame={path}'),
         ('GET', f'/api/shot/picture?what={path}'),
         ('GET', f'/api/shot/picture?what=result&number={path}'),
-        ('GET', f'/api/armature/plate?index={path}'),
-        ('GET', f'/api/armature/mesh?what={path}'),
-        ('GET', f'/api/armature/frames?from={path}'),
         ('GET', f'/api/shot/picture?what=quick&number={path}'),
         ('GET', f'/api/frames/texture?shot={path}'),
         ('GET', f'/api/frames/texture?shot=rest&frame={path}'),
+        ('GET', f'/api/armature/plate?index={path}'),
+        ('GET', f'/api/armature/mesh?what={path}'),
+        ('GET', f'/api/armature/frames?from={path}'),
+        ('GET', f'/api/armature/view?take={path}'),
+        ('GET', f'/api/armature/mesh?take={path}'),
         ('GET', f'/api/confidence?pose={path}'),
         ('GET', f'/api/landmarks/fit?pose={path}'),
         ('GET', f'/api/landmarks/photographs?pose={path}'),
@@ -181,6 +186,11 @@ def puppet(**changed):
         'fps': 24,
         'step': 2,
     } | changed
+
+
+def saving(**changed):
+    """What keeps a take as a new one, with another value for a field."""
+    return {'take': 'take1', 'name': 'take2', 'edits': ['hold all 0-1']} | changed
 
 
 def shot(**changed):
@@ -212,6 +222,10 @@ def writing_outside(studio, pick):
         ('POST', '/api/armature/start', json.dumps(puppet(take=path)).encode()),
         ('POST', '/api/armature/start', json.dumps(puppet(plate=path)).encode()),
         ('POST', '/api/armature/start', json.dumps(puppet(port=f'/dev/{path}')).encode()),
+        ('POST', '/api/armature/take/open', json.dumps({'take': path}).encode()),
+        ('POST', '/api/armature/take/draft', json.dumps({'take': path, 'edits': []}).encode()),
+        ('POST', '/api/armature/take/save', json.dumps(saving(name=path)).encode()),
+        ('POST', '/api/armature/take/save', json.dumps(saving(edits=[path])).encode()),
     ]
     method, way, body = pick.choice(ways)
     status, _, words = studio.ask(method, way, body=body)

@@ -21,6 +21,7 @@ const story = (events: ArmatureEvent[], more: Partial<ArmatureStory> = {}): Arma
   setup: null,
   files: [],
   takes: [],
+  edited: [],
   ...more,
 })
 const session = { event: 'session', at: 3, frames: 3, fps: 25, step: 2 }

@@ -1,6 +1,6 @@
 // The puppet as an input device: set up, then pose it, frame after frame, over the plate. The
 // session is `keypose armature live`.
-import { useState } from 'preact/hooks'
+import { useEffect, useState } from 'preact/hooks'
 
 import { useStudio } from '../state'
 import { sentence } from '../words'
@@ -9,12 +9,29 @@ import type { ArmatureSetup, ArmatureStory } from './armature/armature_api'
 import './shoot/shoot.css'
 import './armature/armature.css'
 import { Desk } from './armature/desk'
-import { kFirstSetup, kSimulated, problemsOf } from './armature/setup'
+import { kFirstSetup, kSimulated, problemsOf, takeOfAddress } from './armature/setup'
 import { SetupFields } from './armature/setup_form'
 import type { Sitting } from './armature/sitting'
 import { useSitting } from './armature/use_sitting'
+import { TakeList, TakePage } from './take'
+
+/** The take that the address names, or '' for the puppet itself. */
+function useTakeOfAddress(): string {
+  const [take, setTake] = useState(takeOfAddress(location.hash))
+  useEffect(() => {
+    const changed = () => setTake(takeOfAddress(location.hash))
+    addEventListener('hashchange', changed)
+    return () => removeEventListener('hashchange', changed)
+  }, [])
+  return take
+}
 
 export function ArmaturePage() {
+  const take = useTakeOfAddress()
+  return take ? <TakePage key={take} name={take} /> : <PuppetPage />
+}
+
+function PuppetPage() {
   const at = useSitting()
   const { sitting, story, load } = at
   if (!sitting || !story) return <main class="empty">Looks for a session …</main>
@@ -90,6 +107,7 @@ function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Prom
               )}
             </div>
           )}
+          <TakeList recorded={story.takes} edited={story.edited} />
           <Advice />
           {!setup.description && (
             <div class="shoot-say" role="status">

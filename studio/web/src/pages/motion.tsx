@@ -17,6 +17,7 @@ import { Sound } from './timeline/sound'
 import { PlayButtons } from './timeline/transport'
 import { useFrames } from './timeline/use_frames'
 import type { Made } from './timeline/use_frames'
+import { usePauseWhileHidden } from './timeline/use_player'
 import './timeline/timeline.css'
 import './motion/motion.css'
 
@@ -48,14 +49,7 @@ function usePlayerOf(made: Made): Player {
   const player = useMemo(() => new Player(new Sound()), [])
   player.fps = made.frames.fps
   player.length = player.range = made.frames.count
-  useEffect(() => {
-    const hidden = () => document.hidden && player.pause()
-    document.addEventListener('visibilitychange', hidden)
-    return () => {
-      document.removeEventListener('visibilitychange', hidden)
-      player.pause()
-    }
-  }, [player])
+  usePauseWhileHidden(player)
   return player
 }
 

@@ -29,6 +29,7 @@ import {
 import { Transport } from './timeline/transport'
 import { useFrames, useStale } from './timeline/use_frames'
 import type { Made } from './timeline/use_frames'
+import { usePauseWhileHidden } from './timeline/use_player'
 import { useSound } from './timeline/use_sound'
 import { useTimeline } from './timeline/use_timeline'
 import type { Editing } from './timeline/use_timeline'
@@ -137,14 +138,7 @@ function usePlayer(player: Player, made: Made | null, timeline: Timeline, total:
   player.length = timeline.loop && frames > 1 ? frames - 1 : frames
   player.fps = timeline.fps
   player.range = Math.max(total, frames)
-  useEffect(() => {
-    const hidden = () => document.hidden && player.pause()
-    document.addEventListener('visibilitychange', hidden)
-    return () => {
-      document.removeEventListener('visibilitychange', hidden)
-      player.pause()
-    }
-  }, [player])
+  usePauseWhileHidden(player)
 }
 
 function Desktop({ editing, made }: { editing: Editing; made: Made | null }) {

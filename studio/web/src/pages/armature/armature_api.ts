@@ -42,6 +42,8 @@ export interface ArmatureStory {
   /** below the folder 'armature' */
   files: string[]
   takes: string[]
+  /** takes that were edited: recording does not go on with them */
+  edited: string[]
 }
 
 /** A camera as in core/camera.h; motions are w x y z of the turn, then the shift. */
@@ -93,6 +95,12 @@ export interface ArmaturePose {
 
 const bytesOf = async (path: string) => (await ask(`/api/armature/${path}`)).arrayBuffer()
 
+/** Of the session, if no take is named. */
+const ofTake = (take: string, more: Record<string, string> = {}) => {
+  const query = new URLSearchParams(take ? { ...more, take } : more).toString()
+  return query ? `?${query}` : ''
+}
+
 export const armatureApi = {
   story: () => get<ArmatureStory>('/api/armature'),
   example: () => send<ArmatureSetup>('POST', '/api/armature/example', {}),
@@ -100,18 +108,20 @@ export const armatureApi = {
   tell: (command: { command: string; frame?: number; joint?: string }) =>
     send<object>('POST', '/api/armature/command', command),
   interrupt: () => send<object>('POST', '/api/armature/interrupt', {}),
-  bake: (between: string) => send<object>('POST', '/api/armature/bake', { between }),
+  /** Of the last session's take, if none is named. */
+  bake: (between: string, take?: string) =>
+    send<object>('POST', '/api/armature/bake', { between, take }),
   /** Waits for one that is not number `after`; null after a second without one. */
   pose: (after: number) =>
     get<{ number: number; pose: ArmaturePose } | null>(`/api/armature/pose?after=${after}`),
   view: () => get<ArmatureView>('/api/armature/view'),
-  weights: () => bytesOf('weights'),
-  mesh: () => bytesOf('mesh'),
-  set: () => bytesOf('mesh?what=set'),
+  weights: (take = '') => bytesOf(`weights${ofTake(take)}`),
+  mesh: (take = '') => bytesOf(`mesh${ofTake(take)}`),
+  set: (take = '') => bytesOf(`mesh${ofTake(take, { what: 'set' })}`),
   /** All recorded frames from a byte on. */
   frames: (from: number) => bytesOf(`frames?from=${from}`),
-  textureUrl: '/api/armature/texture',
+  textureUrl: (take = '') => `/api/armature/texture${ofTake(take)}`,
   /** `session` is another number for each session, as its plates may be other ones. */
-  plateUrl: (index: number, session: number) =>
-    `/api/armature/plate?index=${index}&session=${session}`,
+  plateUrl: (index: number, session: number, take = '') =>
+    `/api/armature/plate${ofTake(take, { index: String(index), session: String(session) })}`,
 }

@@ -7,8 +7,11 @@ import { count, sentence } from '../../words'
 import { Act } from '../shoot/controls'
 import { armatureApi } from './armature_api'
 import type { ArmaturePose, ArmatureSetup } from './armature_api'
-import { PuppetView } from './puppet_view'
+import { BakeChoice } from './bake_choice'
+import { PuppetStage } from './puppet_stage'
+import type { PuppetView } from './puppet_view'
 import { Readings } from './readings'
+import { addressOfTake } from './setup'
 import { plateOf } from './sitting'
 import type { Sitting } from './sitting'
 import { useCharacter, useFrames } from './use_character'
@@ -66,6 +69,7 @@ function ReadyDesk({ at, sitting, setup, loaded }: DeskProps & { loaded: Loaded 
   const live = useRef<ArmaturePose | null>(null)
   const puppet = useRef<PuppetView | null>(null)
   const readAt = useRef(0)
+  const [session] = useState(at.story?.number ?? 0)
   const flip = useFlipbook(frames.length, rate)
   const tell = (command: string, more: { frame?: number; joint?: string } = {}) =>
     void armatureApi.tell({ command, ...more }).catch(complain)
@@ -154,32 +158,26 @@ function ReadyDesk({ at, sitting, setup, loaded }: DeskProps & { loaded: Loaded 
           {...{ rate, setRate, onion, setOnion, free, setFree, set, setSet }}
           hasSet={setup.set !== ''}
         />
-        <div class="stack" style="gap:6px">
-          <label for="armature-between">Baked, between recorded frames</label>
-          <div class="row">
-            <select
-              id="armature-between"
-              value={between}
-              onChange={(event) => setBetween(event.currentTarget.value)}
-            >
-              <option value="hold">hard stops</option>
-              <option value="linear">even pace</option>
-              <option value="smooth">smooth curves</option>
-              <option value="keys">keys only</option>
-            </select>
-            <Act disabled={at.baking || sitting.frames === 0} act={acts.bake}>
-              {at.baking ? 'Bakes …' : 'Bake'}
-            </Act>
-          </div>
-          <p class="small soft">
-            {between === 'keys' ? 'Keys and timeline.json, for interpolate' : 'Frames and motion.bvh'}
-            , in <span class="mono">armature/{setup.take}</span>
-          </p>
-        </div>
+        <BakeChoice
+          {...{ between, setBetween }}
+          take={setup.take}
+          baking={at.baking}
+          disabled={sitting.frames === 0}
+          bake={acts.bake}
+        />
+        {sitting.frames > 0 && (
+          <a class="button" href={addressOfTake(setup.take)}>
+            Edit the take
+          </a>
+        )}
         <Act act={() => tell('end')}>End</Act>
       </aside>
       <div class="work">
-        <Stage {...{ loaded, plate, free, number: at.story?.number ?? 0 }} take={puppet} />
+        <PuppetStage
+          {...{ loaded, plate, free }}
+          plateUrl={(index) => armatureApi.plateUrl(index, session)}
+          puppet={puppet}
+        />
         <div class="shoot-foot">
           <div class="words">
             <Words sitting={sitting} reading={reading} simulated={setup.port === 'simulated'} />
@@ -298,43 +296,5 @@ function Words(props: { sitting: Sitting; reading: ArmaturePose | null; simulate
         ? 'The simulated puppet takes its pose for each frame. Space records it.'
         : 'Pose the puppet. Space records it as soon as it rests.'}
     </p>
-  )
-}
-
-/** The plate, and the puppet over it, in the picture's shape. */
-function Stage(props: {
-  loaded: Loaded
-  plate: number
-  free: boolean
-  number: number
-  take: { current: PuppetView | null }
-}) {
-  const { loaded, plate, take } = props
-  const { view, character } = loaded
-  const host = useRef<HTMLDivElement>(null)
-  const [session] = useState(props.number)
-  const camera = view.views[Math.min(plate, view.views.length - 1)]
-  useEffect(() => {
-    const made = new PuppetView(host.current!, character)
-    take.current = made
-    return () => {
-      take.current = null
-      made.dispose()
-    }
-  }, [character, take])
-  useEffect(() => take.current?.setCamera(camera), [camera, take])
-  return (
-    <div class="shoot-screen">
-      <div class="shoot-picture">
-        <div class="frame" style={`--shape:${camera.width / camera.height}`}>
-          {view.pictures.length > 0 && !props.free ? (
-            <img alt={`Plate ${plate + 1}`} src={armatureApi.plateUrl(plate, session)} />
-          ) : (
-            <div class="armature-backdrop" />
-          )}
-          <div ref={host} class="armature-canvas" />
-        </div>
-      </div>
-    </div>
   )
 }

@@ -20,6 +20,18 @@ export const kFirstSetup: ArmatureSetup = {
   step: 2,
 }
 
+/** The page on which a take is edited. */
+export const addressOfTake = (take: string): string => `#/armature/${encodeURIComponent(take)}`
+
+/** The take that an address names, or ''. */
+export function takeOfAddress(hash: string): string {
+  try {
+    return decodeURIComponent(hash.replace(/^#\/?/, '').split('/')[1] ?? '')
+  } catch {
+    return ''
+  }
+}
+
 export interface FileField {
   name: keyof ArmatureSetup & string
   label: string

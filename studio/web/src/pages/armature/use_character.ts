@@ -14,6 +14,25 @@ export interface Loaded {
   character: Character
 }
 
+/** @param has  what there is besides the mesh @param take  none: the session's */
+export async function loadCharacter(
+  has: { set: boolean; texture: boolean },
+  take = '',
+): Promise<Character> {
+  const [mesh, weights, set] = await Promise.all([
+    armatureApi.mesh(take),
+    armatureApi.weights(take),
+    has.set ? armatureApi.set(take) : null,
+  ])
+  const body = parseMesh(mesh)
+  return {
+    mesh: body,
+    weights: parseWeights(weights, body.vertices),
+    set: set && parseMesh(set),
+    textureUrl: has.texture ? armatureApi.textureUrl(take) : '',
+  }
+}
+
 /** @param setup  null while there is nothing to load yet */
 export function useCharacter(setup: ArmatureSetup | null): Loaded | null {
   const { complain } = useStudio()
@@ -22,21 +41,9 @@ export function useCharacter(setup: ArmatureSetup | null): Loaded | null {
     if (!setup) return undefined
     let ended = false
     const load = async () => {
-      const [view, mesh, weights, set] = await Promise.all([
-        armatureApi.view(),
-        armatureApi.mesh(),
-        armatureApi.weights(),
-        setup.set ? armatureApi.set() : null,
-      ])
-      const body = parseMesh(mesh)
-      if (ended) return
-      const character = {
-        mesh: body,
-        weights: parseWeights(weights, body.vertices),
-        set: set && parseMesh(set),
-        textureUrl: setup.texture && armatureApi.textureUrl,
-      }
-      setLoaded({ view, character })
+      const has = { set: setup.set !== '', texture: setup.texture !== '' }
+      const [view, character] = await Promise.all([armatureApi.view(), loadCharacter(has)])
+      if (!ended) setLoaded({ view, character })
     }
     load().catch(complain)
     return () => {
@@ -44,6 +51,15 @@ export function useCharacter(setup: ArmatureSetup | null): Loaded | null {
     }
   }, [setup, complain])
   return loaded
+}
+
+/** The bones of each frame, of bytes as `frames.bin` has them. */
+export function framesOf(bytes: ArrayBuffer, from: number, bones: number): Float32Array[] {
+  const numbers = new Float32Array(bytes, from, Math.floor((bytes.byteLength - from) / 4))
+  const one = kBoneNumbers * bones
+  return Array.from({ length: Math.floor(numbers.length / one) }, (_, f) =>
+    numbers.subarray(f * one, (f + 1) * one),
+  )
 }
 
 /** The bones of all recorded frames. @param changes  another number when one was recorded */
@@ -54,14 +70,8 @@ export function useFrames(bones: number, frames: number, changes: number): Float
     if (bones === 0) return undefined
     let ended = false
     const load = async () => {
-      const bytes = await armatureApi.frames(0)
-      const numbers = new Float32Array(bytes, 0, Math.floor(bytes.byteLength / 4))
-      const one = kBoneNumbers * bones
-      const there = Math.min(frames, Math.floor(numbers.length / one))
-      const parts = Array.from({ length: there }, (_, f) =>
-        numbers.subarray(f * one, (f + 1) * one),
-      )
-      if (!ended) setAll(parts)
+      const parts = framesOf(await armatureApi.frames(0), 0, bones)
+      if (!ended) setAll(parts.slice(0, frames))
     }
     load().catch(complain)
     return () => {

@@ -4,6 +4,7 @@ import { useEffect, useRef } from 'preact/hooks'
 import { cssColor } from '../../css_color'
 import { clearedCanvas, useFrame, useTheme } from './desk'
 import type { Desk } from './desk'
+import type { Player } from './player'
 import { keysOf, lengthOf, secondsOf } from './timeline_model'
 import { frameAt, labelStep, xOf } from './view_window'
 import type { ViewWindow } from './view_window'
@@ -38,20 +39,26 @@ function drawRuler(canvas: HTMLCanvasElement, view: ViewWindow, fps: number, end
   }
 }
 
-export function Ruler(props: { desk: Desk; add: (frame: number, x: number) => void }) {
-  const { player, timeline, view } = props.desk
+/** `end`: where the ruler is empty from; `words`: what is at a frame, for those who hear it. */
+export function FrameRuler(props: {
+  player: Player
+  view: ViewWindow
+  fps: number
+  end: number
+  title: string
+  words: (frame: number) => string
+  add?: (frame: number, x: number) => void
+}) {
+  const { player, view, fps, end } = props
   const canvas = useRef<HTMLCanvasElement>(null)
   const slider = useRef<HTMLDivElement>(null)
   const theme = useTheme()
-  const end = lengthOf(timeline)
   useEffect(() => {
-    if (canvas.current) drawRuler(canvas.current, view, timeline.fps, end)
-  }, [view, timeline.fps, end, theme])
+    if (canvas.current) drawRuler(canvas.current, view, fps, end)
+  }, [view, fps, end, theme])
   useFrame(player, (frame) => {
     slider.current?.setAttribute('aria-valuenow', String(frame))
-    const key = keysOf(timeline).find((one) => one.at === secondsOf(timeline, frame))
-    const seconds = (frame / timeline.fps).toFixed(2)
-    const words = `frame ${frame}, ${seconds} seconds${key ? `, key ${key.pose}` : ''}`
+    const words = `frame ${frame}, ${(frame / fps).toFixed(2)} seconds${props.words(frame)}`
     slider.current?.setAttribute('aria-valuetext', words)
   })
 
@@ -74,10 +81,10 @@ export function Ruler(props: { desk: Desk; add: (frame: number, x: number) => vo
       aria-label="Playhead"
       aria-valuemin={0}
       aria-valuemax={view.total - 1}
-      title="Drag to scrub; double-click adds a key"
+      title={props.title}
       onPointerDown={press}
       onPointerMove={move}
-      onDblClick={(event) => props.add(at(event), event.clientX)}
+      onDblClick={(event) => props.add?.(at(event), event.clientX)}
       onKeyDown={(event) => {
         const by = { ArrowLeft: -1, ArrowRight: 1, PageUp: 10, PageDown: -10 }[event.key] ?? 0
         if (by === 0) return
@@ -87,5 +94,24 @@ export function Ruler(props: { desk: Desk; add: (frame: number, x: number) => vo
     >
       <canvas ref={canvas} />
     </div>
+  )
+}
+
+export function Ruler(props: { desk: Desk; add: (frame: number, x: number) => void }) {
+  const { player, timeline, view } = props.desk
+  const keyWords = (frame: number) => {
+    const key = keysOf(timeline).find((one) => one.at === secondsOf(timeline, frame))
+    return key ? `, key ${key.pose}` : ''
+  }
+  return (
+    <FrameRuler
+      player={player}
+      view={view}
+      fps={timeline.fps}
+      end={lengthOf(timeline)}
+      title="Drag to scrub; double-click adds a key"
+      words={keyWords}
+      add={props.add}
+    />
   )
 }

@@ -5,11 +5,13 @@ import { Curves } from './curves'
 import { kGutter, swatchOf, useFrame } from './desk'
 import type { Desk } from './desk'
 import { KeyLane } from './key_lane'
+import type { Player } from './player'
 import { Ruler } from './ruler'
 import { addKey } from './timeline_model'
 import type { SoundState } from './use_sound'
 import type { Zooming } from './use_view_window'
 import { xOf } from './view_window'
+import type { ViewWindow } from './view_window'
 import { SoundLane } from './wave'
 
 export interface Asked {
@@ -75,8 +77,7 @@ function PoseMenu(props: { desk: Desk; asked: Asked; close: () => void }) {
 }
 
 /** The line through all lanes, and the number at its head. */
-function Playhead({ desk }: { desk: Desk }) {
-  const { player, view } = desk
+export function Playhead({ player, view }: { player: Player; view: ViewWindow }) {
   const line = useRef<HTMLDivElement>(null)
   const head = useRef<HTMLSpanElement>(null)
   useFrame(player, (frame) => {
@@ -93,7 +94,7 @@ function Playhead({ desk }: { desk: Desk }) {
   )
 }
 
-function ScrollBar({ zooming }: { zooming: Zooming }) {
+export function ScrollBar({ zooming }: { zooming: Zooming }) {
   const bar = useRef<HTMLDivElement>(null)
   const { view, zoom, setStart } = zooming
   // Scroll events come late: those of our own scrolling would undo the next zoom.
@@ -159,7 +160,7 @@ export function Sheet(props: {
         </div>
         <SoundLane desk={desk} state={props.sound} />
         <Curves desk={desk} />
-        <Playhead desk={desk} />
+        <Playhead player={desk.player} view={view} />
         {props.asked && (
           <PoseMenu
             key={props.asked.frame}

@@ -34,7 +34,10 @@ export function useShortcuts(actions: Actions): void {
   }, [])
 }
 
-const kHelp: [string, string][] = [
+/** Keys, and what they do. */
+export type HelpLines = [string, string][]
+
+const kHelp: HelpLines = [
   ['Space', 'play, pause'],
   [', .', 'a frame back, on'],
   ['Home End', 'first, last frame'],
@@ -52,7 +55,7 @@ const kHelp: [string, string][] = [
   ['wheel', 'scrolls the ruler; Ctrl zooms'],
 ]
 
-export function Help({ close }: { close: () => void }) {
+export function Help({ close, lines = kHelp }: { close: () => void; lines?: HelpLines }) {
   const box = useRef<HTMLDivElement>(null)
   useEffect(() => box.current?.focus(), [])
   return (
@@ -65,7 +68,7 @@ export function Help({ close }: { close: () => void }) {
       onKeyDown={(event) => event.key === 'Escape' && close()}
     >
       <dl>
-        {kHelp.map(([keys, what]) => (
+        {lines.map(([keys, what]) => (
           <div key={keys}>
             <dt>{keys}</dt>
             <dd>{what}</dd>

@@ -7,10 +7,10 @@ import { Icon } from './icons'
 import type { IconName } from './icons'
 import { NumberField } from './number_field'
 import type { Player } from './player'
-import { lengthOf, secondsOf, setFps } from './timeline_model'
+import { lengthOf, setFps } from './timeline_model'
 import type { Editing, Saving } from './use_timeline'
 
-function Sign(props: {
+export function Sign(props: {
   icon: IconName
   label: string
   keys: string
@@ -32,17 +32,18 @@ function Sign(props: {
   )
 }
 
-function Counter({ player, timeline }: { player: Player; timeline: Timeline }) {
+/** The playhead's frame of those up to `last`, and its time. */
+export function Counter({ player, fps, last }: { player: Player; fps: number; last: number }) {
   const frame = useRef<HTMLSpanElement>(null)
   const time = useRef<HTMLSpanElement>(null)
   useFrame(player, (now) => {
     if (frame.current) frame.current.textContent = String(now)
-    if (time.current) time.current.textContent = `${secondsOf(timeline, now).toFixed(2)} s`
+    if (time.current) time.current.textContent = `${(now / fps).toFixed(2)} s`
   })
   return (
     <div class="tl-counter number">
       <span class="tl-now" ref={frame} />
-      <span class="soft">/ {Math.max(0, lengthOf(timeline) - 1)}</span>
+      <span class="soft">/ {last}</span>
       <span class="tl-time" ref={time} />
     </div>
   )
@@ -69,12 +70,14 @@ export interface TransportProps {
   setHelp: (help: boolean) => void
 }
 
+/** `by`: frames of a step; a take on twos goes by two. */
 export function PlayButtons(props: {
   player: Player
   repeat: boolean
   setRepeat: (repeat: boolean) => void
+  by?: number
 }) {
-  const { player, repeat, setRepeat } = props
+  const { player, repeat, setRepeat, by = 1 } = props
   const playing = usePlaying(player)
   return (
     <div class="tl-group">
@@ -83,7 +86,7 @@ export function PlayButtons(props: {
         icon="back"
         label="A frame back"
         keys=","
-        act={() => player.seek(player.frame - 1, true)}
+        act={() => player.seek(player.frame - by, true)}
       />
       <button
         class="main tl-play"
@@ -97,7 +100,7 @@ export function PlayButtons(props: {
         icon="forward"
         label="A frame on"
         keys="."
-        act={() => player.seek(player.frame + 1, true)}
+        act={() => player.seek(player.frame + by, true)}
       />
       <Sign
         icon="last"
@@ -113,6 +116,39 @@ export function PlayButtons(props: {
         act={() => setRepeat(!repeat)}
       />
     </div>
+  )
+}
+
+/** Undo and redo of what is edited. */
+export function History(props: {
+  editing: Pick<Editing, 'canUndo' | 'canRedo' | 'undo' | 'redo'>
+}) {
+  const { editing } = props
+  return (
+    <div class="tl-group">
+      <Sign icon="undo" label="Undo" keys="Ctrl+Z" disabled={!editing.canUndo} act={editing.undo} />
+      <Sign
+        icon="redo"
+        label="Redo"
+        keys="Ctrl+Shift+Z"
+        disabled={!editing.canRedo}
+        act={editing.redo}
+      />
+    </div>
+  )
+}
+
+export function HelpButton({ help, setHelp }: Pick<TransportProps, 'help' | 'setHelp'>) {
+  return (
+    <button
+      class="tl-sign"
+      aria-label="Keys of the keyboard"
+      title="Keys of the keyboard (?)"
+      aria-pressed={help}
+      onClick={() => setHelp(!help)}
+    >
+      ?
+    </button>
   )
 }
 
@@ -152,7 +188,7 @@ function Whole({ timeline, edit, setLoop }: TransportProps) {
   )
 }
 
-function Zoom({ zoom, setZoom }: TransportProps) {
+export function Zoom({ zoom, setZoom }: Pick<TransportProps, 'zoom' | 'setZoom'>) {
   return (
     <div class="choice" role="group" aria-label="Zoom of the ruler">
       <button
@@ -182,7 +218,7 @@ export function Transport(props: TransportProps) {
   return (
     <div class="tl-transport" role="toolbar" aria-label="Transport">
       <PlayButtons {...props} />
-      <Counter player={player} timeline={timeline} />
+      <Counter player={player} fps={timeline.fps} last={Math.max(0, lengthOf(timeline) - 1)} />
       <Whole {...props} />
       <div class="tl-right">
         <span
@@ -192,32 +228,9 @@ export function Transport(props: TransportProps) {
         >
           {kSavingWords[editing.saving]}
         </span>
-        <div class="tl-group">
-          <Sign
-            icon="undo"
-            label="Undo"
-            keys="Ctrl+Z"
-            disabled={!editing.canUndo}
-            act={editing.undo}
-          />
-          <Sign
-            icon="redo"
-            label="Redo"
-            keys="Ctrl+Shift+Z"
-            disabled={!editing.canRedo}
-            act={editing.redo}
-          />
-        </div>
+        <History editing={editing} />
         <Zoom {...props} />
-        <button
-          class="tl-sign"
-          aria-label="Keys of the keyboard"
-          title="Keys of the keyboard (?)"
-          aria-pressed={props.help}
-          onClick={() => props.setHelp(!props.help)}
-        >
-          ?
-        </button>
+        <HelpButton {...props} />
       </div>
     </div>
   )

@@ -1,0 +1,283 @@
+// A recorded take on its page: curves and puppet, a level pulled, frames held, moved, taken out,
+// ones and twos, undo, a page that is loaded again, a new take that is saved and baked.
+//
+//   node take_test.mjs BIN_DIR [--pictures DIR] [--keep]
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import {
+  Browser,
+  check,
+  checkFaults,
+  readWords,
+  record,
+  runParts,
+  runTest,
+  StudioProgram,
+  until as untilWithin,
+} from './studio_driver.mjs';
+
+const { bin, options } = readWords('take_test.mjs');
+const kFrames = 10;
+const kJoint = 'leftKneeBend';
+// Drawn by the processor, on a machine that does other things too.
+const kPatience_s = 150;
+const until = (words, probe) => untilWithin(words, probe, kPatience_s);
+const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_take_'));
+const folder = join(scratch, 'theropod');
+const browser = new Browser();
+const studio = new StudioProgram(bin, folder);
+let page;
+
+const button = (name) => page.getByRole('button', { name, exact: true });
+const field = (name) => page.getByLabel(name, { exact: true });
+const tab = (name) => page.getByRole('tab', { name });
+const plot = () => page.locator('.take-plot');
+const value = async () => Number(await plot().getAttribute('aria-valuenow'));
+const curves = (take) =>
+  JSON.parse(readFileSync(join(folder, 'armature', take, 'curves.json'), 'utf8'));
+/** A joint's degrees in a take's file. */
+const degrees = (take, joint) =>
+  curves(take).joints[joint].values.map((one) => (180 / Math.PI) * one);
+const near = (a, b) => Math.abs(a - b) < 1e-6;
+/** What the canvas shows, as a text that differs when it does. */
+const shown = async () =>
+  (await page.locator('.armature-canvas canvas').screenshot()).toString('base64');
+const still = () =>
+  until('the puppet rests', async () => !(await page.getByText('Poses …').count()));
+const pressed = async (name) => (await button(name).getAttribute('aria-pressed')) === 'true';
+
+async function enter() {
+  mkdirSync(join(folder, 'armature'), { recursive: true });
+  const example = join(folder, 'armature/example');
+  const words = ['armature', 'example', '--folder', example, '--vertices', '3000'];
+  execFileSync(join(bin, 'keypose'), words, { stdio: ['ignore', 'ignore', 'inherit'] });
+  const address = await studio.start();
+  page = await browser.tab();
+  page.setDefaultTimeout(1000 * kPatience_s);
+  await page.goto(address);
+  await page.getByRole('link', { name: 'Armature' }).click();
+  await button('Use the example').click();
+  await until('the form is filled', async () => (await field('Description').inputValue()) !== '');
+  await field('Take').fill('walk');
+  await button('Begin').click();
+  await page.locator('.armature-page').waitFor();
+  for (let frame = 0; frame < kFrames; ++frame) {
+    await page.keyboard.press('Space');
+    await page.getByText(`Frame ${frame + 1} is next`).waitFor();
+  }
+}
+
+async function look() {
+  await page.getByRole('link', { name: 'Edit the take' }).click();
+  await page.locator('.take-page').waitFor();
+  await page.getByText(`/ ${2 * kFrames - 1}`).waitFor();
+  check((await page.locator('.take-joints li').count()) === 74, 'not all joints are listed');
+  await field('Find a joint').fill('kneeb');
+  check((await page.locator('.take-joints li').count()) === 2, 'the list is not filtered');
+  await page.locator('.take-joints button', { hasText: kJoint }).click();
+  await page.getByRole('heading', { name: kJoint }).waitFor();
+  check(near(await value(), degrees('walk', kJoint)[0]), 'it is not the recorded value');
+  const first = await shown();
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('.');
+  await page.keyboard.press('ArrowRight');
+  await page.getByText('in frame 3', { exact: false }).waitFor();
+  check(near(await value(), degrees('walk', kJoint)[3]), 'the playhead is not at frame 3');
+  await until('the puppet is posed as the frame', async () => (await shown()) !== first);
+  await field('Find a joint').fill('');
+  const others = page.locator('.take-joints li:not(:has([aria-pressed="true"])) input:checked');
+  while (await others.count()) await others.first().uncheck();
+}
+
+/** Where the level of a recorded frame is: the pointer says so. */
+async function levelOf(frame) {
+  const box = await plot().boundingBox();
+  const wide = await page.locator('.tl-playhead').evaluate((one) => parseFloat(one.style.width));
+  const x = box.x + (2 * frame + 1) * wide;
+  for (let y = box.y + 4; y < box.y + box.height - 4; y += 4) {
+    await page.mouse.move(x, y);
+    const cursor = await plot().evaluate((one) => one.style.cursor);
+    if (cursor === 'ns-resize') return { x, y: y + 8 };
+  }
+  throw new Error('no level can be taken hold of');
+}
+
+async function pull() {
+  const before = await value();
+  const puppet = await shown();
+  const { x, y } = await levelOf(3);
+  await page.mouse.down();
+  await page.mouse.move(x, y + 20, { steps: 4 });
+  await page.mouse.move(x, y + 45, { steps: 4 });
+  await page.locator('.take-tip').waitFor();
+  await until('the puppet follows the pull', async () => (await shown()) !== puppet);
+  await page.mouse.up();
+  await still();
+  check((await value()) < before - 1, `the value was not pulled down: ${before}, ${await value()}`);
+  await tab('1 change').waitFor();
+  await record(page, 'take_pulled', options.pictures);
+  const pulled = await value();
+  await page.keyboard.press('Control+z');
+  await until('it is undone', async () => near(await value(), before));
+  await button('Redo').click();
+  await until('it is done again', async () => near(await value(), pulled));
+  await page.keyboard.press('Control+z');
+  await until('it is undone again', async () => near(await value(), before));
+}
+
+/** A knee does not bend to the other side: said in words, and the value stops there. */
+async function stops() {
+  const number = field(`Value of ${kJoint} in recorded frame 3`);
+  await number.fill('30');
+  await number.press('Enter');
+  await page.getByText(`${kJoint} stops at -150° and 0°.`).waitFor();
+  await until('it stops at 0', async () => (await value()) === 0);
+  await number.fill('-41.5');
+  await number.press('Enter');
+  await until('it is set', async () => (await value()) === -41.5);
+  await plot().focus();
+  for (const key of ['ArrowUp', 'ArrowUp', 'ArrowUp']) await page.keyboard.press(key);
+  await until('it is nudged', async () => (await value()) === -38.5);
+  await still();
+  await page.keyboard.press('Control+z');
+  await until('three presses are undone at once', async () => (await value()) === -41.5);
+}
+
+/** Frames 3 to 5 stand as 3, then go a frame later; 8 is taken out, 0 shown longer. */
+async function dopeSheet() {
+  const before = degrees('walk', kJoint);
+  await page.keyboard.press('Shift+ArrowRight');
+  await page.keyboard.press('Shift+ArrowRight');
+  check((await field('Last frame that is changed').inputValue()) === '5', '5 is not selected');
+  await page.keyboard.press('h');
+  await still();
+  await button('All joints').click();
+  await page.keyboard.press(']');
+  await still();
+  check((await field('First frame that is changed').inputValue()) === '4', 'the selection stays');
+  await page.keyboard.press('Escape');
+  await field('First frame that is changed').fill('8');
+  await field('First frame that is changed').press('Enter');
+  await field('Last frame that is changed').fill('8');
+  await field('Last frame that is changed').press('Enter');
+  await button('Take out Del').click();
+  await page.getByText(`/ ${2 * kFrames - 3}`).waitFor();
+  await page.keyboard.press('Home');
+  await page.getByText('in frame 0', { exact: false }).waitFor();
+  await page.keyboard.press('d');
+  await page.getByText(`/ ${2 * kFrames - 1}`).waitFor();
+  await tab(/changes/).click();
+  await page.getByText('all joints, frames 3-5: 1 later').waitFor();
+  await record(page, 'take_changed', options.pictures);
+  await tab('Joints').click();
+  // Once more 0; 3 as 2, then what was pulled and held; without 8.
+  return [before[0], ...before.slice(0, 3), before[2], -41.5, -41.5, -41.5, before[7], before[9]];
+}
+
+async function onesAndTwos() {
+  await page.keyboard.press('1');
+  await until('it is on ones', () => pressed('Ones'));
+  await page.getByText(`/ ${2 * kFrames - 1}`).waitFor();
+  await still();
+  await button('Undo').click();
+  await until('on twos again', () => pressed('Twos'));
+}
+
+async function play() {
+  await page.keyboard.press('Home');
+  await page.locator('.take-page').click({ position: { x: 300, y: 300 } });
+  const seen = new Set();
+  await page.keyboard.press('Space');
+  await until('it plays', async () => {
+    seen.add(await page.locator('.tl-now').textContent());
+    return seen.size > 4;
+  });
+  await page.keyboard.press('Space');
+}
+
+async function loadedAgain() {
+  await page.reload();
+  await page.locator('.take-page').waitFor();
+  await tab('6 changes').waitFor();
+}
+
+async function save(wanted) {
+  const before = readFileSync(join(folder, 'armature/walk/curves.json'), 'utf8');
+  await page.keyboard.press('Control+s');
+  await until('a name is offered', async () => (await field('New take').inputValue()) === 'walk_2');
+  await field('New take').fill('walk');
+  await page.getByText('There is a take walk already.').waitFor();
+  await field('New take').fill('walk_2');
+  await record(page, 'take_save', null);
+  await page.keyboard.press('Enter');
+  await page.getByRole('heading', { name: 'walk_2' }).waitFor();
+  await tab('Changes').waitFor();
+  check(
+    readFileSync(join(folder, 'armature/walk/curves.json'), 'utf8') === before,
+    'the recorded take was changed',
+  );
+  const made = degrees('walk_2', kJoint);
+  check(
+    made.length === wanted.length && made.every((one, f) => near(one, wanted[f])),
+    `other values were saved:\n${made}\n${wanted}`,
+  );
+}
+
+async function bake() {
+  await tab('Bake').click();
+  await button('Bake').click();
+  await page.getByText('The frames are baked.').waitFor();
+  const baked = readdirSync(join(folder, 'armature/walk_2/frames'));
+  const count = baked.filter((name) => name.endsWith('.ply')).length;
+  check(count === 2 * kFrames, `${count} frames are baked`);
+}
+
+async function takes() {
+  await page.getByRole('link', { name: 'Armature' }).first().click();
+  await button('End').click();
+  await button('Go on with walk').waitFor();
+  await page.getByRole('link', { name: 'walk_2' }).waitFor();
+  await record(page, 'takes', options.pictures);
+  browser.expected = /take\/open/;
+  await page.goto(page.url().replace(/#.*/, '#/armature/nobody'));
+  await page.getByRole('heading', { name: 'nobody cannot be shown' }).waitFor();
+  await page.getByRole('link', { name: 'Back to the armature' }).click();
+  await page.getByRole('link', { name: 'walk', exact: true }).click();
+  await page.locator('.take-page').waitFor();
+}
+
+async function walk() {
+  await browser.start();
+  let wanted = [];
+  await runParts(
+    Object.entries({
+      enter,
+      look,
+      pull,
+      stops,
+      'dope sheet': async () => {
+        wanted = await dopeSheet();
+      },
+      'ones and twos': onesAndTwos,
+      play,
+      'loaded again': loadedAgain,
+      save: () => save(wanted),
+      bake,
+      takes,
+    }),
+  );
+  checkFaults(browser);
+}
+
+await runTest({
+  name: 'take',
+  walk,
+  browser,
+  studio,
+  page: () => page,
+  scratch,
+  keep: options.keep && folder,
+});
