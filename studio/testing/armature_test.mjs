@@ -5,13 +5,13 @@
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
+import { join } from 'node:path';
 
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -19,15 +19,7 @@ import {
   until as untilWithin,
 } from './studio_driver.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: { pictures: { type: 'string' }, keep: { type: 'boolean' } },
-});
-if (positionals.length !== 1) {
-  console.error('usage: node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
+const { bin, options } = readWords('armature_test.mjs');
 const kFrames = 5;
 // Drawn by the processor, on a machine that does other things too.
 const kPatience_s = 150;

@@ -6,14 +6,14 @@
 import { execFileSync } from 'node:child_process';
 import { appendFileSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
+import { join } from 'node:path';
 
 import { plainPng, readPng } from './png.mjs';
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -21,15 +21,7 @@ import {
   until,
 } from './studio_driver.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: { pictures: { type: 'string' }, keep: { type: 'boolean' } },
-});
-if (positionals.length !== 1) {
-  console.error('usage: node motion_test.mjs BIN_DIR [--pictures DIR] [--keep]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
+const { bin, options } = readWords('motion_test.mjs');
 const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_motion_'));
 const world = join(scratch, 'world');
 const folder = join(scratch, 'dance');

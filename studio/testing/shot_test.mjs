@@ -14,14 +14,14 @@ import {
   writeFileSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join, resolve } from 'node:path';
-import { parseArgs } from 'node:util';
+import { join } from 'node:path';
 
 import { plainPng } from './png.mjs';
 import {
   Browser,
   check,
   checkFaults,
+  readWords,
   record,
   runParts,
   runTest,
@@ -30,15 +30,7 @@ import {
 } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 
-const { values: options, positionals } = parseArgs({
-  allowPositionals: true,
-  options: { pictures: { type: 'string' }, keep: { type: 'boolean' } },
-});
-if (positionals.length !== 1) {
-  console.error('usage: node shot_test.mjs BIN_DIR [--pictures DIR] [--keep]');
-  process.exit(2);
-}
-const bin = resolve(positionals[0]);
+const { bin, options } = readWords('shot_test.mjs');
 const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_shot_'));
 const world = join(scratch, 'world');
 const truth = join(world, 'truth/shot');
