@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <string_view>
 
 #include "core/errors.h"
 #include "pipeline/session.h"
@@ -23,12 +24,17 @@ namespace {
 constexpr int kMostFrames = 1'000'000'000, kMostWidth = 100'000;
 constexpr double kQuickSeconds = 30;
 
-/// The last line that says something.
-std::string LastLine(const std::string& text) {
+/// Why it failed: the last line that says something, without the names before it.
+std::string FaultOf(const std::string& text) {
+  constexpr std::string_view kMark = "error: ", kStage = "locate: ";
   const std::size_t end = text.find_last_not_of(" \n");
-  if (end == std::string::npos) return "";
-  const std::size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+  if (end == std::string::npos) return "locate ended without a word";
+  const std::size_t before = text.rfind('\n', end);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  std::string line = text.substr(begin, end + 1 - begin);
+  if (const std::size_t mark = line.find(kMark); mark != std::string::npos)
+    line.erase(0, mark + kMark.size());
+  return line.starts_with(kStage) ? line.substr(kStage.size()) : line;
 }
 
 /// Runs `keypose locate --quick`. Clicks that do not agree are no fault of the request: their words
@@ -39,7 +45,7 @@ json QuickAnswer(const fs::path& folder, std::vector<std::string> flags, const Q
   const ChildResult result = RunChild(flags, folder, kQuickSeconds);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
   json answer = result.exit_code == 0 ? QuicklyLocatedJson(files) : json::object();
-  answer["problem"] = result.exit_code == 0 ? "" : LastLine(result.output);
+  answer["problem"] = result.exit_code == 0 ? "" : FaultOf(result.output);
   answer["seconds"] = passed.count();
   return answer;
 }
