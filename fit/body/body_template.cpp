@@ -7,7 +7,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-const Vector3d kX = Vector3d::UnitX(), kY = Vector3d::UnitY(), kZ = Vector3d::UnitZ();
+// Functions, because the template can be asked for before this file's own constants are made.
+Vector3d AxisX() { return Vector3d::UnitX(); }
+Vector3d AxisY() { return Vector3d::UnitY(); }
+Vector3d AxisZ() { return Vector3d::UnitZ(); }
 
 JointModel Ball(std::string name, int parent, int dof, double share = 1) {
   JointModel joint;
@@ -26,35 +29,36 @@ JointModel Hinges(std::string name, int parent, int dof, std::vector<Vector3d> a
 // side: +1 left, -1 right
 void AddArm(std::array<JointModel, kJoints>& joints, int clavicle, int dof, double side) {
   const std::string prefix = side > 0 ? "Left" : "Right";
-  joints[clavicle] = Hinges(prefix + "Collar", kChest, dof, {-side * kY});
-  joints[clavicle].offset = {{kClavicleHeight, kZ}, {kShoulderBack, kY}};
+  joints[clavicle] = Hinges(prefix + "Collar", kChest, dof, {-side * AxisY()});
+  joints[clavicle].offset = {{kClavicleHeight, AxisZ()}, {kShoulderBack, AxisY()}};
   joints[clavicle + 1] = Ball(prefix + "Shoulder", clavicle, dof + 1);
-  joints[clavicle + 1].offset = {{OnSide(kClavicleWidth, side), side * kX}};
-  joints[clavicle + 2] = Hinges(prefix + "Elbow", clavicle + 1, dof + 4, {-side * kZ});
-  joints[clavicle + 2].offset = {{OnSide(kUpperArm, side), side * kX}};
-  joints[clavicle + 3] = Hinges(prefix + "Wrist", clavicle + 2, dof + 5, {side * kY, -side * kZ});
-  joints[clavicle + 3].offset = {{OnSide(kForearm, side), side * kX}};
+  joints[clavicle + 1].offset = {{OnSide(kClavicleWidth, side), side * AxisX()}};
+  joints[clavicle + 2] = Hinges(prefix + "Elbow", clavicle + 1, dof + 4, {-side * AxisZ()});
+  joints[clavicle + 2].offset = {{OnSide(kUpperArm, side), side * AxisX()}};
+  joints[clavicle + 3] =
+      Hinges(prefix + "Wrist", clavicle + 2, dof + 5, {side * AxisY(), -side * AxisZ()});
+  joints[clavicle + 3].offset = {{OnSide(kForearm, side), side * AxisX()}};
 }
 
 void AddLeg(std::array<JointModel, kJoints>& joints, int hip, int dof, double side) {
   const std::string prefix = side > 0 ? "Left" : "Right";
   joints[hip] = Ball(prefix + "Hip", kPelvis, dof);
-  joints[hip].offset = {{OnSide(kHipWidth, side), side * kX}};
-  joints[hip + 1] = Hinges(prefix + "Knee", hip, dof + 3, {kX});
-  joints[hip + 1].offset = {{OnSide(kThigh, side), -kZ}};
-  joints[hip + 2] = Hinges(prefix + "Ankle", hip + 1, dof + 4, {kX, side * kZ});
-  joints[hip + 2].offset = {{OnSide(kShin, side), -kZ}};
+  joints[hip].offset = {{OnSide(kHipWidth, side), side * AxisX()}};
+  joints[hip + 1] = Hinges(prefix + "Knee", hip, dof + 3, {AxisX()});
+  joints[hip + 1].offset = {{OnSide(kThigh, side), -AxisZ()}};
+  joints[hip + 2] = Hinges(prefix + "Ankle", hip + 1, dof + 4, {AxisX(), side * AxisZ()});
+  joints[hip + 2].offset = {{OnSide(kShin, side), -AxisZ()}};
 }
 
 std::array<JointModel, kJoints> MakeJoints() {
   std::array<JointModel, kJoints> joints;
   joints[kPelvis] = Ball("Hips", -1, 3);
   joints[kWaist] = Ball("Spine", kPelvis, 6, 0.5);
-  joints[kWaist].offset = {{kToWaist, kZ}};
+  joints[kWaist].offset = {{kToWaist, AxisZ()}};
   joints[kChest] = Ball("Chest", kWaist, 6, 0.5);
-  joints[kChest].offset = {{kToChest, kZ}};
+  joints[kChest].offset = {{kToChest, AxisZ()}};
   joints[kNeck] = Ball("Neck", kChest, 9);
-  joints[kNeck].offset = {{kToNeck, kZ}, {kNeckBack, kY}};
+  joints[kNeck].offset = {{kToNeck, AxisZ()}, {kNeckBack, AxisY()}};
   AddArm(joints, kClavicleL, 12, 1);
   AddArm(joints, kClavicleR, 19, -1);
   AddLeg(joints, kHipL, 26, 1);
@@ -64,22 +68,22 @@ std::array<JointModel, kJoints> MakeJoints() {
 
 std::array<SegmentModel, kSegments> MakeSegments() {
   std::array<SegmentModel, kSegments> segments{{
-      {"pelvis", kPelvis, kToWaist, Vector3d::Zero(), kZ, kX, 0.13, 0.06},
-      {"abdomen", kWaist, kToChest, Vector3d::Zero(), kZ, kX, 0.06, 0.06},
-      {"chest", kChest, kToNeck, Vector3d::Zero(), kZ, kX, 0.06, 0.04},
-      {"head", kNeck, kHeadLength, Vector3d::Zero(), kZ, kX, 0.05, 0.0},
+      {"pelvis", kPelvis, kToWaist, Vector3d::Zero(), AxisZ(), AxisX(), 0.13, 0.06},
+      {"abdomen", kWaist, kToChest, Vector3d::Zero(), AxisZ(), AxisX(), 0.06, 0.06},
+      {"chest", kChest, kToNeck, Vector3d::Zero(), AxisZ(), AxisX(), 0.06, 0.04},
+      {"head", kNeck, kHeadLength, Vector3d::Zero(), AxisZ(), AxisX(), 0.05, 0.0},
   }};
   int next = 4;
   for (const double side : {1.0, -1.0}) {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int shoulder = side > 0 ? kShoulderL : kShoulderR;
-    const Vector3d out = side * kX;
+    const Vector3d out = side * AxisX();
     segments[next++] = {prefix + "upper_arm",
                         shoulder,
                         OnSide(kUpperArm, side),
                         Vector3d::Zero(),
                         out,
-                        kY,
+                        AxisY(),
                         0.07,
                         0.035};
     segments[next++] = {prefix + "forearm",
@@ -87,25 +91,43 @@ std::array<SegmentModel, kSegments> MakeSegments() {
                         OnSide(kForearm, side),
                         Vector3d::Zero(),
                         out,
-                        kY,
+                        AxisY(),
                         0.04,
                         0.02};
-    segments[next++] = {
-        prefix + "hand", shoulder + 2, OnSide(kHand, side), Vector3d::Zero(), out, kY, 0.02, 0.0};
+    segments[next++] = {prefix + "hand",
+                        shoulder + 2,
+                        OnSide(kHand, side),
+                        Vector3d::Zero(),
+                        out,
+                        AxisY(),
+                        0.02,
+                        0.0};
   }
   for (const double side : {1.0, -1.0}) {
     const std::string prefix = side > 0 ? "left_" : "right_";
     const int hip = side > 0 ? kHipL : kHipR;
-    segments[next++] = {
-        prefix + "thigh", hip, OnSide(kThigh, side), Vector3d::Zero(), -kZ, kX, 0.09, 0.045};
-    segments[next++] = {
-        prefix + "shin", hip + 1, OnSide(kShin, side), Vector3d::Zero(), -kZ, kX, 0.05, 0.03};
+    segments[next++] = {prefix + "thigh",
+                        hip,
+                        OnSide(kThigh, side),
+                        Vector3d::Zero(),
+                        -AxisZ(),
+                        AxisX(),
+                        0.09,
+                        0.045};
+    segments[next++] = {prefix + "shin",
+                        hip + 1,
+                        OnSide(kShin, side),
+                        Vector3d::Zero(),
+                        -AxisZ(),
+                        AxisX(),
+                        0.05,
+                        0.03};
     segments[next++] = {prefix + "foot",
                         hip + 2,
                         OnSide(kFoot, side),
                         Vector3d(0, 0.07, -0.045),
-                        -kY,
-                        kX,
+                        -AxisY(),
+                        AxisX(),
                         0.0,
                         0.0};
   }
