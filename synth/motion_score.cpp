@@ -58,15 +58,6 @@ double MeanSecondDifference(const std::vector<JointPlaces>& frames) {
   return frames.size() > 2 ? sum / static_cast<double>(frames.size() - 2) : 0;
 }
 
-void ScoreTrembling(const std::vector<JointPlaces>& tracked, const std::vector<JointPlaces>& truth,
-                    MotionScore* score) {
-  std::vector<JointPlaces> errors;
-  for (std::size_t f = 0; f < tracked.size(); ++f) errors.push_back(tracked[f] - truth[f]);
-  const double real = MeanSecondDifference(truth);
-  if (real > 0) score->second_difference = MeanSecondDifference(tracked) / real;
-  score->trembling_m = MeanSecondDifference(errors);
-}
-
 void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   const TrueJoints truth = ReadJoints(command.performance / "truth" / "joints.csv");
   const MotionClip clip = ReadBvh(command.motion);
@@ -98,7 +89,9 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
     }
     score->frame_worst_m.push_back(worst);
   }
-  ScoreTrembling(tracked, real, score);
+  const Trembling trembling = TremblingOf(tracked, real);
+  score->second_difference = trembling.second_difference;
+  score->trembling_m = trembling.trembling_m;
   score->joint_mean_m /= std::max(1, count);
   for (double& mean : score->joint_means_m) mean /= std::max(1, score->frames - command.from);
 }
@@ -119,6 +112,14 @@ std::vector<double> FrameIoUs(const MotionScoreCommand& command, const std::vect
 }
 
 }  // namespace
+
+Trembling TremblingOf(const std::vector<Eigen::VectorXd>& tracked,
+                      const std::vector<Eigen::VectorXd>& truth) {
+  std::vector<JointPlaces> errors;
+  for (std::size_t f = 0; f < tracked.size(); ++f) errors.push_back(tracked[f] - truth[f]);
+  const double real = MeanSecondDifference(truth);
+  return {real > 0 ? MeanSecondDifference(tracked) / real : 0, MeanSecondDifference(errors)};
+}
 
 MotionScore ScoreMotion(const MotionScoreCommand& command) {
   MotionScore score;

@@ -1,6 +1,7 @@
 // `keypose synth score-motion`: a tracked performance compared with its truth.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -28,6 +29,13 @@ struct MotionScore {
   std::vector<double> joint_means_m;  ///< by Performer::JointNames
   std::vector<double> frame_worst_m;  ///< by frame: the joint that is farthest off
 };
+
+struct Trembling {
+  double second_difference = 0, trembling_m = 0;  ///< as in MotionScore; 0: fewer than 3 frames
+};
+/// @param tracked,truth  by frame, at least one: places of the joints, three numbers [m] a joint
+Trembling TremblingOf(const std::vector<Eigen::VectorXd>& tracked,
+                      const std::vector<Eigen::VectorXd>& truth);
 
 /// @throws InputError  files missing, or of different length
 MotionScore ScoreMotion(const MotionScoreCommand& command);
