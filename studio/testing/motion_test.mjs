@@ -92,8 +92,16 @@ const shownWords = () => page.locator('.motion-shown').textContent();
 const colour = (name) =>
   page.getByRole('group', { name: 'Colours of the figure' }).getByRole('button', { name });
 
+/** The picture of a figure that has come to rest; '' while something changes. */
+async function still() {
+  await shareOf(isColoured);
+  const one = await drawn();
+  await page.waitForTimeout(500);
+  return (await drawn()) === one ? one : '';
+}
+
 async function play() {
-  const first = await until('the figure is drawn', drawn);
+  const first = await until('the figure is drawn and rests', still);
   await page.getByRole('slider', { name: 'Frame' }).fill(String(kFrames - 1));
   await until('the last frame', async () => (await frame()) === kFrames - 1);
   await until('another picture', async () => (await drawn()) !== first);
