@@ -64,14 +64,10 @@ StageSpec BakeSpec() {
   spec.name = "armature bake";
   spec.version = "2";
   spec.summary = "Makes the frames of an animation from recorded curves of an armature.";
-  spec.inputs = {{"description", "file", "the armature's description file", "", false, false},
-                 {"chains", "file", "the file of anchors and chains", "", false, false},
-                 {"curves", "file", "recorded curves (curves.json of a session)", "", false, false},
-                 {"skeleton", "file", "the computer skeleton (.bvh); else like the armature itself",
-                  "", true, false},
-                 {"mesh", "file", "the character at rest; else ball and stick", "", true, false},
-                 {"weights", "file", "the mesh's weights (.json, .mhw or .dmat); else by heat", "",
-                  true, false}};
+  spec.inputs = PuppetPorts();
+  spec.inputs.insert(
+      spec.inputs.begin() + 2,
+      {"curves", "file", "recorded curves (curves.json of a session)", "", false, false});
   spec.outputs = {
       {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
       {"motion", "file", "the computer skeleton's motion (.bvh)", "motion.bvh", true, false},
@@ -82,16 +78,6 @@ StageSpec BakeSpec() {
   spec.memory_gib = 1;
   spec.common = {"between", "step"};
   return spec;
-}
-
-PuppetPaths BakedPaths(const StageContext& stage) {
-  PuppetPaths paths;
-  paths.description = stage.Input("description");
-  paths.chains = stage.Input("chains");
-  if (stage.Has("skeleton")) paths.skeleton = stage.Input("skeleton");
-  if (stage.Has("mesh")) paths.mesh = stage.Input("mesh");
-  if (stage.Has("weights")) paths.weights = stage.Input("weights");
-  return paths;
 }
 
 JointCurves BakedCurves(const StageContext& stage, const Armature& armature) {
@@ -207,7 +193,7 @@ class Baker {
 void RunBake(StageContext& stage, const BakeOptions& options) {
   if (!stage.Output("timeline").empty() && options.between != "keys")
     throw UsageError("armature bake: a timeline is for keys; choose between keys");
-  const LoadedPuppet loaded = LoadPuppet(BakedPaths(stage), options.puppet);
+  const LoadedPuppet loaded = LoadPuppet(PuppetPathsIn(stage), options.puppet);
   for (const std::string& note : loaded.notes) stage.Note(note);
   for (const std::string& warning : loaded.warnings) stage.Warn(warning);
   const JointCurves curves = BakedCurves(stage, loaded.parts.armature);

@@ -17,15 +17,10 @@ StageSpec ShowSpec() {
   spec.name = "armature show";
   spec.version = "1";
   spec.summary = "Writes what a page needs to show a character: its weights, its plates' cameras.";
-  spec.inputs = {{"description", "file", "the armature's description file", "", false, false},
-                 {"chains", "file", "the file of anchors and chains", "", false, false},
-                 {"skeleton", "file", "the computer skeleton (.bvh); else like the armature itself",
-                  "", true, false},
-                 {"mesh", "file", "the character at rest; else ball and stick", "", true, false},
-                 {"weights", "file", "the mesh's weights (.json, .mhw or .dmat); else by heat", "",
-                  true, false},
-                 {"plate", "path", "a plate, or a folder of them", "", true, false},
-                 {"shot", "file", "the plates' camera (shot.json of locate)", "", true, false}};
+  spec.inputs = PuppetPorts();
+  spec.inputs.push_back({"plate", "path", "a plate, or a folder of them", "", true, false});
+  spec.inputs.push_back(
+      {"shot", "file", "the plates' camera (shot.json of locate)", "", true, false});
   spec.outputs = {{"page", "folder", "view.json, weights.bin, rest.ply, as of live --page", "page",
                    false, false}};
   spec.memory_gib = 1;
@@ -33,9 +28,7 @@ StageSpec ShowSpec() {
 }
 
 void RunShow(StageContext& stage, const ShowOptions& options) {
-  const PuppetPaths paths = {stage.Input("description"), stage.Input("chains"),
-                             stage.Input("skeleton"), stage.Input("mesh"), stage.Input("weights")};
-  const LoadedPuppet loaded = LoadPuppet(paths, options.puppet);
+  const LoadedPuppet loaded = LoadPuppet(PuppetPathsIn(stage), options.puppet);
   const PuppetParts& parts = loaded.parts;
   for (const std::string& note : loaded.notes) stage.Note(note);
   const PlateFiles plates(stage.Input("plate"), stage.Input("shot"), parts.mesh.points);

@@ -22,6 +22,24 @@ namespace keypose::armature {
 
 namespace fs = std::filesystem;
 
+std::vector<Port> PuppetPorts() {
+  return {{"description", "file", "the armature's description file", "", false, false},
+          {"chains", "file", "the file of anchors and chains", "", false, false},
+          {"skeleton", "file", "the computer skeleton (.bvh); else like the armature itself", "",
+           true, false},
+          {"mesh", "file", "the character at rest; else ball and stick", "", true, false},
+          {"weights", "file", "the mesh's weights (.json, .mhw or .dmat); else by heat", "", true,
+           false}};
+}
+
+PuppetPaths PuppetPathsIn(const StageContext& stage) {
+  const auto given = [&](const char* port) {
+    return stage.Has(port) ? stage.Input(port) : fs::path();
+  };
+  return {given("description"), given("chains"), given("skeleton"), given("mesh"),
+          given("weights")};
+}
+
 void PuppetChoices::Describe(OptionVisitor& visit) {
   visit("method", method,
         {.help = "how chains are matched: with both anchors exact, or from the near anchor on as "

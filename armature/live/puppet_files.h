@@ -8,6 +8,7 @@
 #include "armature/live/plate_view.h"
 #include "armature/live/posed_puppet.h"
 #include "core/options.h"
+#include "core/stage/stage.h"
 
 namespace keypose::armature {
 
@@ -18,6 +19,10 @@ struct PuppetPaths {
   std::filesystem::path mesh;      ///< none: ball and stick
   std::filesystem::path weights;   ///< .json, .mhw, .dmat; none: by heat
 };
+
+/// The inputs of a stage that reads a puppet, and the files that it was given for them.
+std::vector<Port> PuppetPorts();
+PuppetPaths PuppetPathsIn(const StageContext& stage);
 
 /// Options that `live` and `bake` have in common.
 struct PuppetChoices {
