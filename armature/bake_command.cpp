@@ -108,10 +108,7 @@ Eigen::MatrixXd KeyValues(const Eigen::MatrixXd& recorded) {
 
 Eigen::MatrixXd ValuesOf(const Eigen::MatrixXd& recorded, int step, const std::string& between) {
   if (between == "keys") return KeyValues(recorded);
-  return FilmValues(recorded, step,
-                    between == "hold"     ? Between::kHold
-                    : between == "linear" ? Between::kLinear
-                                          : Between::kSmooth);
+  return FilmValues(recorded, step, BetweenNamed(between));
 }
 
 /// The timeline on which interpolate puts the keys: each where it was recorded, standing as long as

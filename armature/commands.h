@@ -15,5 +15,6 @@ int BakeCommand(int argc, char** argv);
 int EditCommand(int argc, char** argv);
 int ShowCommand(int argc, char** argv);
 int DraftsCommand(int argc, char** argv);
+int FilesCommand(int argc, char** argv);
 
 }  // namespace keypose::armature

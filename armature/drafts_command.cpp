@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "armature/commands.h"
+#include "armature/live/joint_timing.h"
 #include "armature/live/page_stream.h"
 #include "armature/live/puppet_files.h"
 #include "armature/puppet.h"
@@ -22,6 +23,9 @@ namespace {
 
 using nlohmann::json;
 
+/// What a page can play.
+constexpr int kMostFilmFrames = 100000;
+
 struct DraftFlags {
   std::string description, chains, skeleton, curves;
 };
@@ -30,8 +34,10 @@ struct DraftFlags {
 json LimitJson(double value) { return std::isfinite(value) ? json(value) : json(); }
 
 /// The curves in the units in which edits are written; nine digits are enough to look at.
-std::string TakeText(const Armature& armature, const JointCurves& curves) {
-  std::string text = fmt::format(R"({{"fps":{},"step":{},"joints":[)", curves.fps, curves.step);
+/// @param film  how many frames of the film follow the recorded ones
+std::string TakeText(const Armature& armature, const JointCurves& curves, Eigen::Index film) {
+  std::string text =
+      fmt::format(R"({{"fps":{},"step":{},"film":{},"joints":[)", curves.fps, curves.step, film);
   for (int j = 0; j < SizeOf(armature.joints); ++j) {
     const auto node = static_cast<std::size_t>(armature.joints[static_cast<std::size_t>(j)]);
     const EditUnit unit = EditUnitOf(armature, j);
@@ -49,13 +55,35 @@ std::string TakeText(const Armature& armature, const JointCurves& curves) {
   return text + "]}";
 }
 
-std::string PosesOf(const PuppetParts& parts, const JointCurves& curves) {
+/// @param values  frames x joints
+std::string PosesOf(const PuppetParts& parts, const Eigen::MatrixXd& values) {
   std::vector<std::vector<double>> frames;
-  for (int f = 0; f < curves.frame_count(); ++f) {
-    const Eigen::RowVectorXd row = curves.values.row(f);
+  for (Eigen::Index f = 0; f < values.rows(); ++f) {
+    const Eigen::RowVectorXd row = values.row(f);
     frames.emplace_back(row.data(), row.data() + row.size());
   }
   return PoseBytes(parts, frames);
+}
+
+/// Frame after frame, in the units in which edits are written (float32, little-endian).
+std::string ValueBytes(const Armature& armature, const Eigen::MatrixXd& values) {
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(values.rows(),
+                                                                                values.cols());
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    const double size = EditUnitOf(armature, static_cast<int>(j)).size;
+    numbers.col(j) = (values.col(j) / size).cast<float>();
+  }
+  return {reinterpret_cast<const char*>(numbers.data()),
+          static_cast<std::size_t>(numbers.size()) * sizeof(float)};
+}
+
+/// The film as `bake` would make it of these curves; empty if nobody asks.
+Eigen::MatrixXd FilmOf(const JointCurves& curves, const std::string& between) {
+  if (between.empty()) return Eigen::MatrixXd(0, curves.values.cols());
+  if (static_cast<double>(curves.frame_count()) * curves.step > kMostFilmFrames)
+    throw InputError(fmt::format("{} recorded frames of {} film frames each are too many to show",
+                                 curves.frame_count(), curves.step));
+  return FilmValues(curves.values, curves.step, BetweenNamed(between));
 }
 
 /// Answers one question after another; the curves are read each time, as more may be recorded.
@@ -70,10 +98,12 @@ class Drafter {
       const json question = json::parse(line);
       const std::string edits = question.at("edits"), to = question.at("to");
       const JointCurves curves = Changed(edits);
-      std::string take = TakeText(parts_.armature, curves);
+      const Eigen::MatrixXd film = FilmOf(curves, question.value("between", ""));
+      std::string take = TakeText(parts_.armature, curves, film.rows());
       // The bones begin at a multiple of four.
       take.append(3 - take.size() % 4, ' ');
-      WriteFile(to, take + '\n' + PosesOf(parts_, curves));
+      WriteFile(to, take + '\n' + PosesOf(parts_, curves.values) + PosesOf(parts_, film) +
+                        ValueBytes(parts_.armature, film));
       return {{"frames", curves.frame_count()}};
     } catch (const json::exception& error) {
       return {{"error", std::string("this is no question: ") + error.what()}};
@@ -124,8 +154,10 @@ int DraftsCommand(int argc, char** argv) {
       ->required();
   app.footer(
       "Each line that it reads is a question: {\"edits\": FILE of `armature edit`, or \"\", "
-      "\"to\": FILE}. It writes a line of JSON with the curves to the file, then the bones in each "
-      "frame, and answers {\"frames\": N} or {\"error\": WORDS}.");
+      "\"to\": FILE}, and \"between\": hold, linear or smooth if wanted. It writes a line of JSON "
+      "with the curves to the file, then the bones in each frame; with between also those in each "
+      "frame of the film that `bake` would make, and the joints' values there. It answers "
+      "{\"frames\": N} or {\"error\": WORDS}.");
   return RunCommandLine(app, argc, argv, [&] { return Draft(flags); });
 }
 

@@ -16,6 +16,7 @@
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
 #include "armature/recording/curves.h"
+#include "core/camera.h"
 #include "core/io/bvh_io.h"
 #include "core/io/files.h"
 #include "core/io/frame_folder.h"
@@ -165,6 +166,118 @@ TEST_F(LivePrograms, ATakeIsDraftedAsItsChangesWouldMakeIt) {
   EXPECT_EQ(pose % 28, 0u);
   EXPECT_EQ(rest.substr(0, pose), all.substr(pose, pose));
   EXPECT_NE(rest.substr(2 * pose, pose), all.substr(3 * pose, pose));
+}
+
+/// 7 numbers a bone, frame after frame: turn w x y z, then shift.
+std::vector<Rigid3> BonesIn(const std::vector<float>& numbers, std::size_t frame,
+                            std::size_t bones) {
+  std::vector<Rigid3> all(bones);
+  for (std::size_t b = 0; b < bones; ++b) {
+    const float* n = numbers.data() + 7 * (frame * bones + b);
+    all[b].rotation = Eigen::Quaterniond(n[0], n[1], n[2], n[3]).normalized();
+    all[b].translation = {n[4], n[5], n[6]};
+  }
+  return all;
+}
+
+/// How far the posed points are from where a bone takes them, at the bone that fits best; each
+/// vertex of a figure of sticks follows one.
+double FarthestFromBones(const PointsX3& rest, const PointsX3& posed,
+                         const std::vector<Rigid3>& bones) {
+  double farthest = 0;
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    double nearest = 1e300;
+    for (const Rigid3& bone : bones) {
+      const Eigen::Vector3d at = bone * Eigen::Vector3d(rest.row(v).transpose());
+      nearest = std::min(nearest, (at - posed.row(v).transpose()).norm());
+    }
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+TEST_F(LivePrograms, ADraftPlaysWhatBakeMakes) {
+  WriteCurves(4, 4);
+  const std::string from = Puppet() + " --curves " + Path("curves.json");
+  for (const std::string between : {"linear", "smooth"}) {
+    WriteFile(
+        folder_ / "in",
+        nlohmann::json{{"edits", ""}, {"to", Path("draft")}, {"between", between}}.dump() + "\n");
+    ASSERT_EQ(Run("drafts" + from, Path("in")), 0) << Err();
+    ASSERT_EQ(Run("bake" + from + " --overwrite --between " + between + " --frames " +
+                  Path("frames") + " --rest " + Path("rest.ply")),
+              0)
+        << Err();
+    const std::string bytes = ReadFile(folder_ / "draft");
+    const std::size_t begin = bytes.find('\n') + 1;
+    const auto told = nlohmann::json::parse(bytes.substr(0, begin));
+    const auto baked = NumberedFrames(folder_ / "frames", "test");
+    ASSERT_EQ(told["film"], 13);
+    ASSERT_EQ(baked.size(), 13u);
+    std::vector<float> numbers((bytes.size() - begin) / 4);
+    std::memcpy(numbers.data(), bytes.data() + begin, 4 * numbers.size());
+    // Four recorded frames, then the film's bones, then the values of 74 joints in it.
+    const std::size_t values = 13 * 74, bones = (numbers.size() - values) / (17 * 7);
+    ASSERT_EQ(numbers.size(), 17 * 7 * bones + values);
+    const PointsX3 rest = ReadMesh(folder_ / "rest.ply").points;
+    for (const std::size_t f : {0, 1, 5, 6, 12})
+      EXPECT_LT(FarthestFromBones(rest, ReadMesh(baked[f]).points, BonesIn(numbers, 4 + f, bones)),
+                1e-5)
+          << between << " " << f;
+    EXPECT_GT(FarthestFromBones(rest, ReadMesh(baked[6]).points, BonesIn(numbers, 4 + 4, bones)),
+              1e-4);
+    // Values: at recorded frames the recorded ones; half-way, at even pace, the mean of two.
+    const float* film = numbers.data() + 17 * 7 * bones;
+    for (std::size_t j = 0; j < 74; ++j) {
+      const nlohmann::json& recorded = told["joints"][j]["values"];
+      EXPECT_NEAR(film[8 * 74 + j], recorded[2].get<double>(), 1e-4);
+      const double mean = (recorded[1].get<double>() + recorded[2].get<double>()) / 2;
+      if (between == "linear") {
+        EXPECT_NEAR(film[6 * 74 + j], mean, 1e-4);
+      }
+    }
+  }
+}
+
+TEST_F(LivePrograms, ADraftOfNoFilmSaysWhy) {
+  WriteCurves(2, 1);
+  WriteFile(folder_ / "in",
+            nlohmann::json{{"edits", ""}, {"to", Path("draft")}, {"between", "jumps"}}.dump());
+  ASSERT_EQ(Run("drafts" + Puppet() + " --curves " + Path("curves.json"), Path("in")), 0) << Err();
+  EXPECT_NE(ReadFile(folder_ / "out").find("not 'jumps'"), std::string::npos);
+}
+
+TEST_F(LivePrograms, TheFilesOfATakeAreFound) {
+  WriteCurves(2, 1);
+  const auto puppets = [&](const std::string& folder) {
+    EXPECT_EQ(Run("files --folder " + Path(folder) + " --curves " + Path("curves.json")), 0)
+        << Err();
+    return nlohmann::json::parse(ReadFile(folder_ / "out"))["puppets"];
+  };
+  // What is no description, or one of another puppet, or not whole, is passed over.
+  const std::string description = ReadFile(folder_ / "t/theropod.txt");
+  fs::create_directories(folder_ / "p/deep/more");
+  WriteFile(folder_ / "p/another.txt", "node {\n  name knee\n  axis 1 0 0\n  sensor 0\n}\n");
+  WriteFile(folder_ / "p/broken.txt", description.substr(0, description.size() / 2));
+  WriteFile(folder_ / "p/notes.txt", "buy clay\n");
+  WriteFile(folder_ / "p/empty.bvh", "");
+  fs::create_symlink(folder_ / "t/theropod.txt", folder_ / "p/link.txt");
+  EXPECT_TRUE(puppets("p").empty());
+  fs::copy(folder_ / "t/theropod.txt", folder_ / "p/deep/more/it.txt");
+  EXPECT_TRUE(puppets("p").empty()) << "without chains nothing can be shown";
+  fs::copy(folder_ / "t/theropod_chains.txt", folder_ / "p/ways.txt");
+  auto found = puppets("p");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0]["description"], Path("p/deep/more/it.txt"));
+  EXPECT_EQ(found[0]["chains"], Path("p/ways.txt"));
+  EXPECT_EQ(found[0]["skeleton"], "");
+  fs::copy(folder_ / "t/theropod.bvh", folder_ / "p/rig.bvh");
+  EXPECT_EQ(puppets("p")[0]["skeleton"], Path("p/rig.bvh"));
+  // Those beside the description come first.
+  fs::copy(folder_ / "t/theropod_chains.txt", folder_ / "p/deep/more/z.txt");
+  EXPECT_EQ(puppets("p")[0]["chains"], Path("p/deep/more/z.txt"));
+  EXPECT_EQ(Run("files --folder " + Path("nowhere") + " --curves " + Path("curves.json")), 4);
+  EXPECT_EQ(Run("files --folder " + Path("p") + " --curves " + Path("nowhere")), 4);
 }
 
 TEST_F(LivePrograms, ACharacterIsWrittenForAPage) {

@@ -28,6 +28,7 @@ const std::vector<Subcommand> kSubcommands = {
     {"edit", "change a recorded take, as a new one", EditCommand},
     {"show", "write what a page needs to show a character", ShowCommand},
     {"drafts", "answer what a recorded take would be with some changes", DraftsCommand},
+    {"files", "find the puppet's files that a take was recorded with", FilesCommand},
     {"bake", "make an animation's frames from recorded curves", BakeCommand},
     {"example", "write the files of a theropod with 74 sensors", ExampleCommand},
 };

@@ -57,6 +57,34 @@ TEST(FilmValues, SmoothPassesTheKeysAndNeverBeyondThem) {
   EXPECT_NEAR(passing(101) - passing(100), passing(100) - passing(99), 1e-3);
 }
 
+/// The largest change of pace from one frame of the film to the next: at recorded frames that are
+/// passed, and elsewhere.
+std::pair<double, double> PaceJumps(const MatrixXd& film, int step) {
+  double at_keys = 0, elsewhere = 0;
+  for (Eigen::Index f = 1; f + 1 < film.rows(); ++f) {
+    const double jump = std::abs(film(f + 1) - 2 * film(f) + film(f - 1));
+    double& most = f % step == 0 ? at_keys : elsewhere;
+    most = std::max(most, jump);
+  }
+  return {at_keys, elsewhere};
+}
+
+TEST(FilmValues, SmoothHasNoSeamWherePacesChange) {
+  std::vector<double> swing;
+  for (int f = 0; f < 24; ++f) swing.push_back(std::sin(0.5 * f) + 0.3 * std::sin(1.3 * f));
+  const auto [smooth_at, smooth_elsewhere] =
+      PaceJumps(FilmValues(Column(swing), 8, Between::kSmooth), 8);
+  EXPECT_LT(smooth_at, smooth_elsewhere);
+  const auto [even_at, even_elsewhere] =
+      PaceJumps(FilmValues(Column(swing), 8, Between::kLinear), 8);
+  EXPECT_GT(even_at, 1000 * even_elsewhere) << "as a test of the measure";
+}
+
+TEST(FilmValues, AnUnknownWayIsRefused) {
+  EXPECT_EQ(BetweenNamed("smooth"), Between::kSmooth);
+  EXPECT_THROW(BetweenNamed("jumps"), UsageError);
+}
+
 TEST(FilmValues, OneFrameIsOneFrame) {
   EXPECT_EQ(FilmValues(Column({4}), 5, Between::kSmooth).rows(), 1);
   EXPECT_EQ(FilmValues(Column({4}), 5, Between::kHold).rows(), 5);

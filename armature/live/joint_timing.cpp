@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors.h"
+
 namespace keypose::armature {
 
 using Eigen::Index;
@@ -48,6 +50,13 @@ VectorXd SmoothedPart(const VectorXd& values, double sigma) {
 }
 
 }  // namespace
+
+Between BetweenNamed(const std::string& name) {
+  if (name == "hold") return Between::kHold;
+  if (name == "linear") return Between::kLinear;
+  if (name == "smooth") return Between::kSmooth;
+  throw UsageError("between recorded frames it can hold, go linear or smooth, not '" + name + "'");
+}
 
 MatrixXd FilmValues(const MatrixXd& recorded, int step, Between between) {
   const Index count = recorded.rows();

@@ -16,6 +16,9 @@ enum class Between {
   kSmooth   ///< a smooth curve that goes through all frames and beyond none
 };
 
+/// "hold", "linear" or "smooth", as `bake` takes them. @throws UsageError  another word
+Between BetweenNamed(const std::string& name);
+
 /// Values of each frame of the film.
 ///
 /// @param recorded  recorded frames x joints, at least one
