@@ -23,9 +23,11 @@ int PicturesPerFrame(double film_fps, double animation_fps) {
   return whole;
 }
 
-int FirstKeyedFrame(const FilmedShot& shot) {
+/// Where nothing was filmed, a camera is enough: the animation begins at its first frame.
+int FirstKeyedFrame(const FilmedShot& shot, bool filmed) {
   for (const ShotFrame& frame : shot.frames)
     if (!frame.pose.empty()) return frame.frame;
+  if (!filmed && !shot.frames.empty()) return shot.frames.front().frame;
   throw InputError(
       "composite: no frame of the shot shows a key pose, so the animation has no place in it; say "
       "which frames show which pose when you locate them");
@@ -62,7 +64,7 @@ FilmPlan PlanFilm(const FilmedShot& shot, const std::vector<int>& film_frames,
                   const AnimationTimes& animation) {
   FilmPlan plan;
   plan.per_frame = PicturesPerFrame(shot.fps, animation.fps);
-  plan.start = FirstKeyedFrame(shot) * plan.per_frame;
+  plan.start = FirstKeyedFrame(shot, !film_frames.empty()) * plan.per_frame;
   RequireKeysThere(shot, animation, plan);
   const int last_filmed = film_frames.empty() ? 0 : film_frames.back() * plan.per_frame;
   const int count = std::max(last_filmed, plan.start + animation.frame_count - 1) + 1;

@@ -70,6 +70,12 @@ TEST(PlanFilm, WithoutFilmEveryFrameIsRendered) {
   EXPECT_EQ(plan.pictures[0].animation, 0);
 }
 
+TEST(PlanFilm, WithoutFilmACameraIsEnough) {
+  const FilmPlan plan = PlanFilm(ShotWith({{2, ""}, {3, ""}}), {}, {24, 3, {0, 2}, {}});
+  EXPECT_EQ(KindsOf(plan), "BBB");
+  EXPECT_EQ(plan.pictures[0].animation, 0);
+}
+
 TEST(PlanFilm, WhatDoesNotFitIsRefused) {
   const FilmedShot shot = ShotWith({{0, "rest"}, {2, "wave"}});
   EXPECT_THAT(FaultOf([&] { PlanFilm(shot, {0, 1, 2}, {25, 5, {}, {}}); }), HasSubstr("multiple"));
