@@ -47,7 +47,7 @@ std::vector<std::string> PoseOrder(const PipelineFile& file, const std::string& 
   const auto add = [&](const std::string& pose) {
     if (seen.insert(pose).second) order.push_back(pose);
   };
-  add(template_pose);
+  if (!template_pose.empty()) add(template_pose);
   for (const TimelineKey& key : file.timeline) {
     CheckPose(file, key.pose, "timeline pose");
     add(key.pose.text);
@@ -117,14 +117,17 @@ class GraphBuilder {
     if (file_.poses.empty() && performance)
       throw UsageError(
           "pipeline.yaml names no shot; add one, as in\n  shots:\n    walk: shots/walk");
-    if (file_.poses.empty()) {
+    if (file_.poses.empty() && !HasStepsOnFiles()) {
       throw UsageError(
           "pipeline.yaml names no pose; add one, as in\n  poses:\n    rest: photos/rest");
     }
     if (file_.template_pose) CheckPose(file_, *file_.template_pose, "the template");
     graph_.kind = file_.kind;
-    graph_.template_pose = file_.template_pose ? file_.template_pose->text : file_.poses[0].name;
-    CheckTemplateIsScanned();
+    if (file_.template_pose)
+      graph_.template_pose = file_.template_pose->text;
+    else if (!file_.poses.empty())
+      graph_.template_pose = file_.poses[0].name;
+    if (!file_.poses.empty()) CheckTemplateIsScanned();
     if (file_.shot)
       for (const ShotRule::Shows& show : file_.shot->shows)
         CheckPose(file_, show.pose, "the shown pose");
@@ -137,6 +140,21 @@ class GraphBuilder {
     if (!performance) CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
+  }
+
+  /// Whether there is something to do without poses: a step of the project that takes files.
+  bool HasStepsOnFiles() const {
+    const auto is_path = [](const Setting& reference) {
+      return reference.text.starts_with("./") || reference.text.starts_with("/");
+    };
+    const auto takes_file = [&](const StepRule& rule) {
+      return rule.enabled && rule.fan_out == FanOut::kProject &&
+             std::any_of(rule.inputs.begin(), rule.inputs.end(), [&](const auto& input) {
+               const std::vector<Setting>& references = input.second.for_template;
+               return std::any_of(references.begin(), references.end(), is_path);
+             });
+    };
+    return std::any_of(file_.steps.begin(), file_.steps.end(), takes_file);
   }
 
   void CheckTemplateIsScanned() const {
@@ -238,7 +256,7 @@ class GraphBuilder {
           for (const std::string& pose : graph_.poses) AddPoseInstance(rule, pose, "");
           break;
         case FanOut::kTemplate:
-          AddInstance(rule, graph_.template_pose, "");
+          if (!graph_.poses.empty()) AddInstance(rule, graph_.template_pose, "");
           break;
         case FanOut::kPair:
           for (std::size_t i = 1; i < graph_.poses.size(); ++i)

@@ -330,7 +330,9 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference,
                                                    const std::string& selector,
                                                    const StepRule& rule, const Step& step) const {
   const FanOut fan_out = *rule.fan_out;
-  const auto others = std::vector<std::string>(graph_.poses.begin() + 1, graph_.poses.end());
+  // The template is the first; there may be no pose at all.
+  std::vector<std::string> others = graph_.poses;
+  if (!others.empty()) others.erase(others.begin());
   if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
     if (!selector.empty())
       Refuse(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out",
