@@ -12,13 +12,15 @@ function chunk(type, data) {
   return Buffer.concat([ends[0], body, ends[1]]);
 }
 
-/** A picture of one colour, [red, green, blue]. */
-export function plainPng(size, colour) {
-  const row = Buffer.concat([Buffer.from([0]), Buffer.from(Array(size).fill(colour).flat())]);
+/** A picture whose rows have a colour each, [red, green, blue]. @param colourOf  of a row */
+export function rowsPng(width, height, colourOf) {
+  const row = (colour) =>
+    Buffer.concat([Buffer.from([0]), Buffer.from(Array(width).fill(colour).flat())]);
   const head = Buffer.from([0, 0, 0, 0, 0, 0, 0, 0, 8, 2, 0, 0, 0]);
-  head.writeUInt32BE(size, 0);
-  head.writeUInt32BE(size, 4);
-  const data = deflateSync(Buffer.concat(Array(size).fill(row)));
+  head.writeUInt32BE(width, 0);
+  head.writeUInt32BE(height, 4);
+  const rows = Array.from({ length: height }, (_, y) => row(colourOf(y)));
+  const data = deflateSync(Buffer.concat(rows));
   return Buffer.concat([
     kMark,
     chunk('IHDR', head),
@@ -26,6 +28,9 @@ export function plainPng(size, colour) {
     chunk('IEND', Buffer.alloc(0)),
   ]);
 }
+
+/** A picture of one colour. */
+export const plainPng = (size, colour) => rowsPng(size, size, () => colour);
 
 /** What a PNG's filter of a row adds: of the values left, above, and above left. */
 const kFilters = [
