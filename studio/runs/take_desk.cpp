@@ -131,11 +131,13 @@ std::string TakeDesk::Ask(const std::string& question) {
   throw UsageError("the take was not ready within two minutes; it may be too long to change here");
 }
 
-std::string TakeDesk::Draft(const ArmatureSetup& setup, const EditLines& edits) {
+std::string TakeDesk::Draft(const ArmatureSetup& setup, const EditLines& edits,
+                            const std::string& between) {
   const ScratchFolder scratch(NewScratch());
   const fs::path file = scratch.path() / "edits.txt", to = scratch.path() / "draft.bin";
   if (!edits.empty()) WriteFile(file, EditText(edits));
-  const json question = {{"edits", edits.empty() ? "" : file.string()}, {"to", to.string()}};
+  const json question = {
+      {"edits", edits.empty() ? "" : file.string()}, {"to", to.string()}, {"between", between}};
   const std::lock_guard<std::mutex> lock(drafts_);
   StartDrafter(setup);
   const json answer = json::parse(Ask(question.dump()), nullptr, false);

@@ -28,11 +28,13 @@ class TakeDesk {
   /// @throws UsageError  in the program's words
   void MakeCharacter(const ArmatureSetup& setup);
 
-  /// The take as the edits change it: a line of JSON, {"fps", "step", "joints": [{"name", "unit",
-  /// "low", "high", "values"}, ...]}, filled up to a multiple of four bytes, then the bones in each
-  /// frame as in frames.bin of `live --page`.
+  /// The take as the edits change it: a line of JSON, {"fps", "step", "film", "joints": [{"name",
+  /// "unit", "low", "high", "values"}, ...]}, filled up to a multiple of four bytes, then the bones
+  /// in each recorded frame as in frames.bin of `live --page`; then the bones in each of the `film`
+  /// frames that a bake would make, and their joints' values, frame after frame (float32).
+  /// @param between  "linear" or "smooth": as baked so; "": no film
   /// @throws UsageError  in the program's words: an edit that cannot be done, with its line
-  std::string Draft(const ArmatureSetup& setup, const EditLines& edits);
+  std::string Draft(const ArmatureSetup& setup, const EditLines& edits, const std::string& between);
 
   /// Keeps the changed take as `armature/NAME`. @pre there is no such folder
   /// @throws UsageError  in the program's words

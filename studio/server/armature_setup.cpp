@@ -12,6 +12,7 @@
 #include "pipeline/text.h"
 #include "studio/project/photographs.h"
 #include "studio/server/session_answers.h"
+#include "studio/server/take_puppet.h"
 
 namespace keypose::studio {
 
@@ -128,19 +129,24 @@ fs::path SetupFileOf(const fs::path& project, const std::string& take) {
 }
 }  // namespace
 
-ArmatureSetup SetupOfTake(const fs::path& project, const std::string& take) {
+void RequireTake(const fs::path& project, const std::string& take) {
   const fs::path curves = project / "armature" / TakeName(take) / "curves.json";
   if (pipeline::RealDisk().LeadsOutside(curves, project) || !fs::is_regular_file(curves))
     throw NotFound(fmt::format("there is no take {} with recorded curves", take));
+}
+
+json SetupJsonOfTake(const fs::path& project, const std::string& take) {
+  RequireTake(project, take);
   json saved = SavedJson(SetupFileOf(project, take));
-  if (saved.is_null()) saved = SavedJson(LastSetupFile(project));
-  if (saved.is_null())
-    throw UsageError(
-        fmt::format("it is not known with which puppet {} was recorded: name its files on the page "
-                    "Armature, and begin a session",
-                    take));
+  if (!saved.is_object()) saved = PuppetOfTake(project, take, SavedJson(LastSetupFile(project)));
   saved["take"] = take;
-  return ArmatureSetupFrom(saved, project);
+  return saved;
+}
+
+ArmatureSetup SetupOfTake(const fs::path& project, const std::string& take) {
+  const ArmatureSetup setup = ArmatureSetupFrom(SetupJsonOfTake(project, take), project);
+  if (!fs::exists(SetupFileOf(project, take))) KeepSetupOfTake(project, setup);
+  return setup;
 }
 
 void KeepSetupOfTake(const fs::path& project, const ArmatureSetup& setup) {

@@ -27,9 +27,15 @@ nlohmann::json ArmatureSetupJson(const ArmatureSetup& setup);
 /// The set-up of the last session in this project; null without one.
 std::filesystem::path LastSetupFile(const std::filesystem::path& project);
 
-/// With which files a take was recorded, or else those of the last session.
-/// @throws UsageError, NotFound  no such take, or its files are gone
+/// @throws UsageError, NotFound  it cannot be a take's name, or there are no curves of it
+void RequireTake(const std::filesystem::path& project, const std::string& take);
+
+/// With which files a take was recorded: as it was kept, or else as they are found (take_puppet.h),
+/// which is kept.
+/// @throws UsageError, NotFound  no such take, no puppet fits it, or its files are gone
 ArmatureSetup SetupOfTake(const std::filesystem::path& project, const std::string& take);
+/// The same, before its files are looked for. @throws UsageError, NotFound
+nlohmann::json SetupJsonOfTake(const std::filesystem::path& project, const std::string& take);
 void KeepSetupOfTake(const std::filesystem::path& project, const ArmatureSetup& setup);
 
 }  // namespace keypose::studio

@@ -113,8 +113,8 @@ void Routes::Tell(const std::string& path) {
   if (path == "/api/shot/quick") return;  // an answer that changes nothing of the project
   stale_ = true;
   // Photographs come by the hundred; the watch tells of all of them together.
-  if (path == "/api/photos" || path.starts_with("/api/shoot") || path.starts_with("/api/armature"))
-    return;
+  const bool of_puppet = path.starts_with("/api/armature") && path != "/api/armature/take/use";
+  if (path == "/api/photos" || path.starts_with("/api/shoot") || of_puppet) return;
   watch_->Forget();
   if (path != "/api/run" && path != "/api/stop") hub_.Send("project", "{}");
 }

@@ -47,6 +47,7 @@ class Routes {
   void AddArmature();
   void AddArmatureViews();
   void AddTakes();
+  void AddTakeUses();
   void Add(const std::string& method, const std::string& path, Handler handler);
   /// Calls `use` with the project as it is now; one caller at a time.
   template <class Use>

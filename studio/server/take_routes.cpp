@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "pipeline/real_disk.h"
+#include "studio/project/take_use.h"
 #include "studio/server/armature_setup.h"
 #include "studio/server/routes.h"
 
@@ -34,13 +35,44 @@ EditLines EditsFrom(const json& body) {
   return edits;
 }
 
+BakedTake BakedTakeOf(const ArmatureSetup& setup) {
+  return {setup.take, setup.texture, setup.plate, setup.shot, setup.set};
+}
+
+/// With the files that the page names, or those that are known.
+ArmatureSetup SetupToOpen(const fs::path& project, const json& body) {
+  const std::string take = TakeName(body.at("take"));
+  if (!body.contains("setup")) return SetupOfTake(project, take);
+  RequireTake(project, take);
+  json setup = body.at("setup");
+  setup["take"] = take;
+  return ArmatureSetupFrom(setup, project);
+}
+
+std::string NewTakeName(const fs::path& project, const json& wanted) {
+  const std::string name = TakeName(wanted);
+  const fs::path folder = project / "armature" / name;
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(folder, error)))
+    throw LockedError(
+        fmt::format("there is a folder armature/{} already; choose another name", name));
+  if (pipeline::RealDisk().LeadsOutside(folder, project))
+    throw UsageError("the folder armature leads out of the project");
+  return name;
+}
+
 }  // namespace
 
 void Routes::AddTakes() {
   takes_ = std::make_unique<TakeDesk>(folder_);
+  Add("GET", "/api/armature/take/setup", [this](const Question& question) {
+    return JsonAnswer(SetupJsonOfTake(folder_, question.Need("take")));
+  });
   Add("POST", "/api/armature/take/open", [this](const Question& question) {
-    const ArmatureSetup setup = SetupOfTake(folder_, TakeName(question.Json().at("take")));
+    const json body = question.Json();
+    const ArmatureSetup setup = SetupToOpen(folder_, body);
     takes_->MakeCharacter(setup);
+    if (body.contains("setup")) KeepSetupOfTake(folder_, setup);
     json answer = {{"set", !setup.set.empty()}, {"texture", !setup.texture.empty()}};
     answer["view"] = json::parse(ReadFile(takes_->CharacterFolder(setup.take) / "view.json"));
     return JsonAnswer(answer);
@@ -48,24 +80,39 @@ void Routes::AddTakes() {
   Add("POST", "/api/armature/take/draft", [this](const Question& question) {
     const json body = question.Json();
     const ArmatureSetup setup = SetupOfTake(folder_, TakeName(body.at("take")));
-    return BytesAnswer(takes_->Draft(setup, EditsFrom(body)));
+    return BytesAnswer(takes_->Draft(setup, EditsFrom(body), body.value("between", "")));
   });
   Add("POST", "/api/armature/take/save", [this](const Question& question) {
     const json body = question.Json();
     ArmatureSetup setup = SetupOfTake(folder_, TakeName(body.at("take")));
     const EditLines edits = EditsFrom(body);
-    const std::string name = TakeName(body.at("name"));
-    const fs::path folder = folder_ / "armature" / name;
-    std::error_code error;
-    if (fs::exists(fs::symlink_status(folder, error)))
-      throw LockedError(
-          fmt::format("there is a folder armature/{} already; choose another name", name));
-    if (pipeline::RealDisk().LeadsOutside(folder, folder_))
-      throw UsageError("the folder armature leads out of the project");
+    const std::string name = NewTakeName(folder_, body.at("name"));
     takes_->Save(setup, edits, name);
     setup.take = name;
     KeepSetupOfTake(folder_, setup);
     return JsonAnswer({{"take", name}});
+  });
+  AddTakeUses();
+}
+
+/// Its baked frames as a part of the project.
+void Routes::AddTakeUses() {
+  const auto use = [this](const std::string& take) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return JsonAnswer(TakeUseJson(folder_, BakedTakeOf(SetupOfTake(folder_, take))));
+  };
+  Add("GET", "/api/armature/take/use",
+      [use](const Question& question) { return use(question.Need("take")); });
+  Add("PUT", "/api/armature/take/use", [this, use](const Question& question) {
+    const json body = question.Json();
+    const std::string take = TakeName(body.at("take"));
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      SaveTakeUse(folder_, BakedTakeOf(SetupOfTake(folder_, take)), body.at("use"), body.at("used"),
+                  body.at("revision"));
+    }
+    stale_ = true;
+    return use(take);
   });
 }
 

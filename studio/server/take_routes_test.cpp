@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +111,169 @@ TEST_F(TakeRoutes, TakeIsOpenedChangedAndKeptAsANewOne) {
   EXPECT_EQ(story["edited"], json({"walk_2"}));
   EXPECT_EQ(Value(Told(Draft(json::array(), "walk_2")), "leftKneeBend", 2), -41.5);
   EXPECT_EQ(Save("walk_2", {"step 1"}).status, 409) << "a take is never replaced";
+}
+
+TEST_F(TakeRoutes, ATakeOfTheCommandLineFindsItsPuppetByItself) {
+  fs::remove_all(folder_ / ".keypose");
+  EXPECT_EQ(json::parse(Get("").bytes)["takes"], json({"walk"}));
+  const Answer opened = Post("take/open", {{"take", "walk"}});
+  ASSERT_EQ(opened.status, 200) << opened.bytes;
+  EXPECT_EQ(json::parse(opened.bytes)["set"], true) << "set.ply lies beside the description";
+  const json setup = json::parse(Get("/take/setup", {{"take", "walk"}}).bytes);
+  const std::string example = "armature/example/";
+  EXPECT_EQ(setup["description"], example + "theropod.txt");
+  EXPECT_EQ(setup["chains"], example + "theropod_chains.txt");
+  EXPECT_EQ(setup["skeleton"], example + "theropod.bvh");
+  EXPECT_EQ(setup["mesh"], example + "theropod.ply");
+  EXPECT_EQ(setup["plate"], example + "plate.png");
+  EXPECT_EQ(setup["shot"], example + "shot.json");
+  EXPECT_EQ(setup["texture"], "");
+  EXPECT_EQ(Draft({"set leftKneeBend 2 -41.5"}).status, 200);
+  // Another choice is kept, and so is a take that is made from it.
+  json sticks = setup;
+  sticks["mesh"] = "";
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}, {"setup", sticks}}).status, 200);
+  ASSERT_EQ(Save("walk_2", {"step 1"}).status, 200);
+  EXPECT_EQ(json::parse(Get("/take/setup", {{"take", "walk_2"}}).bytes)["mesh"], "");
+}
+
+TEST_F(TakeRoutes, FilesOfTheLastSessionComeFirstIfTheyFit) {
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}}).status, 200);
+  EXPECT_EQ(json::parse(Get("/take/setup", {{"take", "walk"}}).bytes)["mesh"], "")
+      << "as in the last session";
+  fs::remove_all(folder_ / ".keypose/studio/takes");
+  WriteFile(folder_ / "armature/leg.txt", "node {\n  name knee\n  axis 1 0 0\n  sensor 0\n}\n");
+  setup_["description"] = "armature/leg.txt";
+  WriteFile(folder_ / ".keypose/studio/armature.json", setup_.dump());
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}}).status, 200);
+  EXPECT_EQ(json::parse(Get("/take/setup", {{"take", "walk"}}).bytes)["description"],
+            "armature/example/theropod.txt");
+}
+
+TEST_F(TakeRoutes, ATakeWithoutItsPuppetSaysSoAndIsAskedForIt) {
+  fs::remove_all(folder_ / ".keypose");
+  fs::rename(folder_ / "armature/example/theropod.txt", folder_ / "armature/example/theropod.doc");
+  const Answer opened = Post("take/open", {{"take", "walk"}});
+  EXPECT_EQ(opened.status, 400);
+  EXPECT_NE(Words(opened).find("no description below the folder 'armature' has the joints"),
+            std::string::npos);
+  EXPECT_EQ(Draft(json::array()).status, 400);
+  json setup = setup_;
+  setup["description"] = "armature/example/theropod.doc";
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}, {"setup", setup}}).status, 200);
+  EXPECT_EQ(Draft(json::array()).status, 200);
+  setup["description"] = "../theropod.txt";
+  EXPECT_EQ(Post("take/open", {{"take", "walk"}, {"setup", setup}}).status, 404);
+  EXPECT_EQ(Post("take/open", {{"take", "nobody"}, {"setup", setup_}}).status, 404);
+  EXPECT_EQ(Post("take/open", {{"take", "walk"}, {"setup", 7}}).status, 400);
+}
+
+TEST_F(TakeRoutes, ADraftHasTheFilmThatABakeWouldMake) {
+  const auto film = [&](const json& between) {
+    return Post("take/draft", {{"take", "walk"}, {"edits", json::array()}, {"between", between}});
+  };
+  const Answer plain = Draft(json::array()), smooth = film("smooth");
+  ASSERT_EQ(smooth.status, 200) << smooth.bytes;
+  EXPECT_EQ(Told(plain)["film"], 0);
+  EXPECT_EQ(Told(smooth)["film"], 7);
+  const std::size_t one = (plain.bytes.size() - plain.bytes.find('\n') - 1) / 4;
+  EXPECT_EQ(smooth.bytes.size() - smooth.bytes.find('\n') - 1,
+            (4 + 7) * one + 7 * 4 * Told(smooth)["joints"].size());
+  EXPECT_EQ(film("jumps").status, 400);
+  EXPECT_EQ(film(7).status, 400);
+}
+
+class TakeUses : public TakeRoutes {
+ protected:
+  void Bake() {
+    const std::string example = (folder_ / "armature/example/theropod").string();
+    Program({"bake", "--description", example + ".txt", "--chains", example + "_chains.txt",
+             "--curves", (folder_ / "armature/walk/curves.json").string(), "--frames",
+             (folder_ / "armature/walk/frames").string()});
+  }
+  json Uses() { return json::parse(Get("/take/use", {{"take", "walk"}}).bytes); }
+  Answer Use(const std::string& use, bool used, const json& revision) {
+    return routes_->Handle(
+        {"PUT",
+         "/api/armature/take/use",
+         {},
+         json{{"take", "walk"}, {"use", use}, {"used", used}, {"revision", revision}}.dump()});
+  }
+  json Project() { return json::parse(routes_->Handle({"GET", "/api/project", {}, ""}).bytes); }
+  std::vector<std::string> Steps() {
+    std::vector<std::string> names;
+    const Answer answer = routes_->Handle({"GET", "/api/steps", {}, ""});
+    const json told = json::parse(answer.bytes);
+    for (const json& step : told["steps"]) names.push_back(step["step"]);
+    return names;
+  }
+  std::string Text() { return ReadFile(folder_ / "pipeline.yaml"); }
+};
+
+TEST_F(TakeUses, AFolderOfTakesBecomesAProjectAndStopsBeingOne) {
+  json uses = Uses();
+  EXPECT_EQ(uses["baked"], false);
+  EXPECT_EQ(Use("export", true, "").status, 400) << "nothing is baked";
+  Bake();
+  uses = Uses();
+  EXPECT_EQ(uses["baked"], true);
+  EXPECT_EQ(uses["stale"], false);
+  EXPECT_EQ(uses["revision"], "");
+  const Answer put = Use("export", true, uses["revision"]);
+  ASSERT_EQ(put.status, 200) << put.bytes;
+  uses = json::parse(put.bytes);
+  EXPECT_EQ(uses["uses"]["export"]["used"], true);
+  EXPECT_EQ(uses["uses"]["export"]["step"], "export_walk");
+  EXPECT_EQ(Project()["problem"], "") << Text();
+  EXPECT_EQ(Project()["poses"], json::array());
+  EXPECT_EQ(Steps(), std::vector<std::string>{"export_walk"}) << Text();
+  EXPECT_NE(Text().find("frames: ./armature/walk/frames"), std::string::npos) << Text();
+  EXPECT_NE(Text().find("fps: 24"), std::string::npos) << Text();
+  EXPECT_EQ(Use("export", false, "another").status, 409);
+  EXPECT_EQ(Use("export", false, uses["revision"]).status, 200);
+  EXPECT_FALSE(fs::exists(folder_ / "pipeline.yaml"));
+  EXPECT_EQ(Project()["empty"], true);
+}
+
+TEST_F(TakeUses, AProjectKeepsItsTextAndGetsItBack) {
+  Bake();
+  fs::create_directories(folder_ / "photos/rest");
+  const std::string before =
+      "# Ann's dance.\nposes: {rest: photos/rest}  # one so far\nsteps:\n"
+      "  unwrap: {enabled: true}  # as it is\n\n# the end\n";
+  WriteFile(folder_ / "pipeline.yaml", before);
+  for (const char* name : {"texture.png", "mesh.obj"}) WriteFile(folder_ / name, "");
+  setup_.update({{"take", "walk"}, {"mesh", "mesh.obj"}, {"texture", "texture.png"}});
+  fs::create_directories(folder_ / ".keypose/studio/takes");
+  WriteFile(folder_ / ".keypose/studio/takes/walk.json", setup_.dump());
+  for (const char* use : {"export", "composite"})
+    ASSERT_EQ(Use(use, true, Uses()["revision"]).status, 200) << use;
+  for (const char* kept : {"# Ann's dance.", "# one so far", "# as it is", "# the end"})
+    EXPECT_NE(Text().find(kept), std::string::npos) << Text();
+  for (const char* part : {"textures: ./texture.png", "shot: ./armature/example/shot.json",
+                           "plate: ./armature/example/plate.png", "takes/walk_pictures"})
+    EXPECT_NE(Text().find(part), std::string::npos) << Text();
+  EXPECT_EQ(Project()["problem"], "") << Text();
+  const std::vector<std::string> steps = Steps();
+  EXPECT_EQ(std::count(steps.begin(), steps.end(), "composite_walk"), 1);
+  for (const char* use : {"export", "composite"})
+    ASSERT_EQ(Use(use, false, Uses()["revision"]).status, 200) << use;
+  EXPECT_EQ(Text(), before);
+}
+
+TEST_F(TakeUses, WhatIsMissingIsSaid) {
+  Bake();
+  EXPECT_EQ(Uses()["uses"]["composite"]["lack"], "a texture of the character");
+  const Answer refused = Use("composite", true, "");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_NE(Words(refused).find("its files lack a texture"), std::string::npos);
+  EXPECT_EQ(Use("frame", true, "").status, 400);
+  EXPECT_FALSE(fs::exists(folder_ / "pipeline.yaml"));
+  const auto later = fs::last_write_time(folder_ / "armature/walk/frames/frame_0000.ply");
+  fs::last_write_time(folder_ / "armature/walk/curves.json", later + std::chrono::seconds(5));
+  EXPECT_EQ(Uses()["stale"], true);
+  WriteFile(folder_ / "pipeline.yaml", "poses: [");
+  EXPECT_EQ(Get("/take/use", {{"take", "walk"}}).status, 400);
 }
 
 TEST_F(TakeRoutes, WhatAnEditCannotDoIsSaidInItsWords) {

@@ -130,6 +130,7 @@ CHANGES = [
     ('POST', '/api/armature/take/open'),
     ('POST', '/api/armature/take/draft'),
     ('POST', '/api/armature/take/save'),
+    ('PUT', '/api/armature/take/use'),
 ]
 LOOKS = [
     '/api/project',
@@ -166,6 +167,8 @@ def path_tricks(studio, pick):
         ('GET', f'/api/armature/mesh?what={path}'),
         ('GET', f'/api/armature/frames?from={path}'),
         ('GET', f'/api/armature/view?take={path}'),
+        ('GET', f'/api/armature/take/setup?take={path}'),
+        ('GET', f'/api/armature/take/use?take={path}'),
         ('GET', f'/api/armature/mesh?take={path}'),
         ('GET', f'/api/confidence?pose={path}'),
         ('GET', f'/api/landmarks/fit?pose={path}'),
@@ -191,6 +194,11 @@ def puppet(**changed):
 def saving(**changed):
     """What keeps a take as a new one, with another value for a field."""
     return {'take': 'take1', 'name': 'take2', 'edits': ['hold all 0-1']} | changed
+
+
+def using(**changed):
+    """What puts a take into the project, with another value for a field."""
+    return {'take': 'take1', 'use': 'export', 'used': True, 'revision': ''} | changed
 
 
 def shot(**changed):
@@ -223,7 +231,10 @@ def writing_outside(studio, pick):
         ('POST', '/api/armature/start', json.dumps(puppet(plate=path)).encode()),
         ('POST', '/api/armature/start', json.dumps(puppet(port=f'/dev/{path}')).encode()),
         ('POST', '/api/armature/take/open', json.dumps({'take': path}).encode()),
+        ('POST', '/api/armature/take/open', json.dumps({'take': 'take1', 'setup': puppet(mesh=path)}).encode()),
         ('POST', '/api/armature/take/draft', json.dumps({'take': path, 'edits': []}).encode()),
+        ('PUT', '/api/armature/take/use', json.dumps(using(take=path)).encode()),
+        ('PUT', '/api/armature/take/use', json.dumps(using(use=path)).encode()),
         ('POST', '/api/armature/take/save', json.dumps(saving(name=path)).encode()),
         ('POST', '/api/armature/take/save', json.dumps(saving(edits=[path])).encode()),
     ]

@@ -1,12 +1,21 @@
-// A recorded take on its page: curves and puppet, a level pulled, frames held, moved, taken out,
-// ones and twos, undo, a page that is loaded again, a new take that is saved and baked.
+// Recorded takes on their page: one of the command line before any session; curves and puppet, a
+// level pulled, frames held, moved, taken out, ones and twos, undo, played as baked, a page that is
+// loaded again, a new take that is saved and baked; a step of the project, run and taken out again.
 //
 //   node take_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readdirSync, readFileSync } from 'node:fs';
+import {
+  existsSync,
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+import { plainPng, readPng } from './png.mjs';
 import {
   Browser,
   check,
@@ -49,16 +58,34 @@ const still = () =>
   until('the puppet rests', async () => !(await page.getByText('Poses …').count()));
 const pressed = async (name) => (await button(name).getAttribute('aria-pressed')) === 'true';
 
-async function enter() {
+const program = (...words) =>
+  execFileSync(join(bin, 'keypose'), words, { stdio: ['ignore', 'ignore', 'inherit'] });
+
+/** A take of the command line, in a folder in which no session was held. */
+async function early() {
   mkdirSync(join(folder, 'armature'), { recursive: true });
   const example = join(folder, 'armature/example');
-  const words = ['armature', 'example', '--folder', example, '--vertices', '3000'];
-  execFileSync(join(bin, 'keypose'), words, { stdio: ['ignore', 'ignore', 'inherit'] });
+  program('armature', 'example', '--folder', example, '--vertices', '3000');
+  const from = ['--description', join(example, 'theropod.txt'), '--port', 'simulated'];
+  const to = ['--session', join(folder, 'armature/early'), '--frames', '4', '--step', '2'];
+  program('armature', 'record', ...from, ...to);
   const address = await studio.start();
   page = await browser.tab();
   page.setDefaultTimeout(1000 * kPatience_s);
   await page.goto(address);
   await page.getByRole('link', { name: 'Armature' }).click();
+  await page.getByRole('link', { name: 'early' }).click();
+  await page.locator('.take-page').waitFor();
+  await page.getByText('/ 7').waitFor();
+  check((await page.locator('.take-joints li').count()) === 74, 'not all joints are listed');
+  // Its character, plate and set were found.
+  await button('Set').waitFor();
+  await page.getByAltText('Plate 1').waitFor();
+  await record(page, 'take_early', options.pictures);
+  await page.getByRole('link', { name: 'Armature' }).first().click();
+}
+
+async function enter() {
   await button('Use the example').click();
   await until('the form is filled', async () => (await field('Description').inputValue()) !== '');
   await field('Take').fill('walk');
@@ -186,6 +213,35 @@ async function onesAndTwos() {
   await until('on twos again', () => pressed('Twos'));
 }
 
+const film = () => page.locator('.tl-now').textContent();
+
+/** With the pictures between, which are neither the one before nor the one after. */
+async function asBaked() {
+  await page.keyboard.press('b');
+  await until('it is at even pace', () => pressed('Even'));
+  await page.keyboard.press('b');
+  await until('it is smooth', () => pressed('Smooth'));
+  await page.getByText(`/ ${2 * (kFrames - 1)}`).waitFor();
+  await still();
+  await page.keyboard.press('Home');
+  await page.keyboard.press('.');
+  await until('frame 2', async () => (await film()) === '2');
+  const pictures = [await shown()];
+  for (const frame of ['3', '4']) {
+    await button('A frame on').click();
+    await until(`frame ${frame}`, async () => (await film()) === frame);
+    await page.waitForTimeout(700);
+    pictures.push(await shown());
+  }
+  check(new Set(pictures).size === 3, 'the picture between is one of those beside it');
+  await record(page, 'take_smooth', options.pictures);
+}
+
+async function held() {
+  await button('Held').click();
+  await page.getByText(`/ ${2 * kFrames - 1}`).waitFor();
+}
+
 async function play() {
   await page.keyboard.press('Home');
   await page.locator('.take-page').click({ position: { x: 300, y: 300 } });
@@ -226,13 +282,79 @@ async function save(wanted) {
   );
 }
 
-async function bake() {
+function bakedFrames(take) {
+  const names = readdirSync(join(folder, 'armature', take, 'frames'));
+  return names.filter((name) => name.endsWith('.ply')).length;
+}
+
+async function bakeAs(between) {
   await tab('Bake').click();
+  await field('Baked, between recorded frames').selectOption(between);
   await button('Bake').click();
   await page.getByText('The frames are baked.').waitFor();
-  const baked = readdirSync(join(folder, 'armature/walk_2/frames'));
-  const count = baked.filter((name) => name.endsWith('.ply')).length;
-  check(count === 2 * kFrames, `${count} frames are baked`);
+}
+
+async function bake() {
+  await bakeAs('smooth');
+  const count = bakedFrames('walk_2');
+  check(count === 2 * (kFrames - 1) + 1, `${count} frames are baked`);
+  check(await pressed('Smooth'), 'what is played is not what was baked');
+}
+
+const pipelineFile = join(folder, 'pipeline.yaml');
+
+/** Baked frames in the project: its file is made, a run makes the film, and the file goes again. */
+async function project() {
+  await button('Export with the project').click();
+  await page.getByText('is a step of the project').waitFor();
+  const text = readFileSync(pipelineFile, 'utf8');
+  const step = /export_walk_2: .*frames: \.\/armature\/walk_2\/frames/;
+  check(step.test(text), `written:\n${text}`);
+  await page.getByRole('link', { name: 'Report & export' }).waitFor();
+  check((await page.getByRole('link', { name: 'Timeline' }).count()) === 0, 'a page of poses');
+  await button('Run export_walk_2').click();
+  // A film is rendered.
+  await page.getByText('Made:').waitFor({ timeout: 4000 * kPatience_s });
+  for (const name of ['character.glb', 'character.mp4'])
+    check(existsSync(join(folder, 'out/takes/walk_2', name)), `no ${name}`);
+  await page.getByText('The run is done.').waitFor({ state: 'detached' });
+  await record(page, 'take_project', options.pictures);
+  await button('Take export_walk_2 out').click();
+  await until('the file is gone', () => !existsSync(pipelineFile));
+  await button('Export with the project').waitFor();
+}
+
+/** The other take over its plate, once its character has a texture. */
+async function overPlate() {
+  const example = join(folder, 'armature/example');
+  const [plain, unwrapped] = [join(example, 'theropod.ply'), join(example, 'it.obj')];
+  program('unwrap', '--clean', plain, '--unwrapped', unwrapped);
+  writeFileSync(join(example, 'skin.png'), plainPng(64, [120, 140, 90]));
+  await page.goto(page.url().replace(/#.*/, '#/armature/early'));
+  await page.locator('.take-page').waitFor();
+  await button('Files…').click();
+  await field('Character').fill('armature/example/it.obj');
+  await field('Texture').fill('armature/example/skin.png');
+  await record(page, 'take_files', options.pictures);
+  await button('Open the take').click();
+  await page.locator('.take-page').waitFor();
+  await bakeAs('hold');
+  await button('Put over its plate').click();
+  await page.getByText('is a step of the project').waitFor();
+  program('run', '-C', folder);
+  await page.getByText('Made:').waitFor();
+  const pictures = join(folder, 'out/takes/early_pictures');
+  const made = readdirSync(pictures).filter((name) => /^\d+\.png$/.test(name));
+  check(made.length === 8 && bakedFrames('early') === 8, `${made.length} pictures`);
+  const before = readPng(readFileSync(join(example, 'plate.png')));
+  const after = readPng(readFileSync(join(pictures, made[0])));
+  const apart = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
+  const covered = before.rgb.filter((pixel, i) => apart(pixel, after.rgb[i]) > 25).length;
+  const share = covered / before.rgb.length;
+  console.log(`    the puppet covers ${(100 * share).toFixed(1)} % of its plate`);
+  check(share > 0.02 && share < 0.5, 'the puppet is not over its plate');
+  await button('Take composite_early out').click();
+  await until('the file is gone', () => !existsSync(pipelineFile));
 }
 
 async function takes() {
@@ -241,7 +363,7 @@ async function takes() {
   await button('Go on with walk').waitFor();
   await page.getByRole('link', { name: 'walk_2' }).waitFor();
   await record(page, 'takes', options.pictures);
-  browser.expected = /take\/open/;
+  browser.expected = /take\/(open|setup)/;
   await page.goto(page.url().replace(/#.*/, '#/armature/nobody'));
   await page.getByRole('heading', { name: 'nobody cannot be shown' }).waitFor();
   await page.getByRole('link', { name: 'Back to the armature' }).click();
@@ -254,6 +376,7 @@ async function walk() {
   let wanted = [];
   await runParts(
     Object.entries({
+      early,
       enter,
       look,
       pull,
@@ -262,10 +385,14 @@ async function walk() {
         wanted = await dopeSheet();
       },
       'ones and twos': onesAndTwos,
+      'as baked': asBaked,
       play,
+      held,
       'loaded again': loadedAgain,
       save: () => save(wanted),
       bake,
+      project,
+      'over its plate': overPlate,
       takes,
     }),
   );

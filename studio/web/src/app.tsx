@@ -3,6 +3,7 @@ import type { FunctionComponent } from 'preact'
 import { useEffect, useState } from 'preact/hooks'
 
 import { api } from './api'
+import type { Project } from './api'
 import { ArmaturePage } from './pages/armature'
 import { ExportPage } from './pages/export'
 import { LandmarksPage } from './pages/landmarks'
@@ -105,10 +106,19 @@ const kPerformancePages: typeof kPages = [
   ...kPages.filter((one) => one.path === 'run' || one.path === 'export'),
 ]
 
+/** Takes of a puppet alone: no pose was photographed. */
+const kTakePages = kPages.filter((one) => ['armature', 'run', 'export'].includes(one.path))
+
+function pagesOf(project: Project): typeof kPages {
+  if (project.kind === 'performance') return kPerformancePages
+  const takesOnly = project.poses.length === 0 && !project.empty && project.problem === ''
+  return takesOnly ? kTakePages : kPages
+}
+
 function Shell() {
   const { project } = useStudio()
   const route = useRoute()
-  const all = project.kind === 'performance' ? kPerformancePages : kPages
+  const all = pagesOf(project)
   const current = all.find((one) => one.path === route) ?? all[all === kPages ? 1 : 0]
   useEffect(() => {
     document.title = `${current.name} · ${project.name || 'Keypose studio'}`

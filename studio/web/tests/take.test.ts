@@ -9,11 +9,13 @@ import type { Draft } from '../src/pages/take/take_api'
 import {
   byMotion,
   filmLength,
+  framesOfTake,
   gridOf,
   heldFrames,
   limitWords,
   lineWords,
   moveLine,
+  nextBetween,
   nextName,
   plotRange,
   recordedAt,
@@ -37,6 +39,7 @@ const knee = joint('knee', [-10, -20, -20, -5], { low: -150, high: 0 })
 const take: Take = {
   fps: 24,
   step: 2,
+  film: 0,
   joints: [joint('rig', [1, 90, 2, 3], { unit: 'mm' }), joint('neck', [1, 1, 1, 2]), knee],
 }
 
@@ -103,19 +106,44 @@ test('names of takes and addresses', () => {
   assert.equal(takeOfAddress('#/armature/%zz'), '')
 })
 
-test('a draft is a line and the bones after it', () => {
-  const line = new TextEncoder().encode(`${JSON.stringify(take)}`.padEnd(607) + '\n')
-  const bones = new Float32Array([...Array(28).keys()])
-  const bytes = new Uint8Array(line.length + bones.byteLength)
+/** Numbers that count on from 0, behind the take's line, as the program writes them. */
+function draftBytes(told: Take, bones: number): ArrayBuffer {
+  const line = new TextEncoder().encode(JSON.stringify(told).padEnd(607) + '\n')
+  const frames = framesOfTake(told) + told.film
+  const numbers = Float32Array.from(
+    { length: frames * 7 * bones + told.film * told.joints.length },
+    (_, i) => i,
+  )
+  const bytes = new Uint8Array(line.length + numbers.byteLength)
   bytes.set(line)
-  bytes.set(new Uint8Array(bones.buffer), line.length)
-  const draft = parseDraft(bytes.buffer, 2)
+  bytes.set(new Uint8Array(numbers.buffer), line.length)
+  return bytes.buffer
+}
+
+test('a draft is a line and the bones after it', () => {
+  const bytes = draftBytes(take, 2)
+  const draft = parseDraft(bytes, 2)
   assert.deepEqual(draft.take, take)
   assert.deepEqual(
     draft.poses.map((pose) => pose[0]),
-    [0, 14],
+    [0, 14, 28, 42],
   )
-  assert.throws(() => parseDraft(bytes.slice(1).buffer, 2), /not read whole/)
+  assert.equal(draft.film.length, 0)
+  assert.throws(() => parseDraft(bytes.slice(1), 2), /not read whole/)
+  assert.throws(() => parseDraft(bytes.slice(0, -4), 2), /not read whole/)
+})
+
+test('a draft of a film has the bones and values of each of its frames', () => {
+  const filmed = { ...take, film: 7 }
+  const draft = parseDraft(draftBytes(filmed, 2), 2)
+  assert.equal(draft.poses.length, 4)
+  assert.deepEqual(
+    draft.film.map((pose) => pose[0]),
+    [56, 70, 84, 98, 112, 126, 140],
+  )
+  assert.deepEqual([draft.filmValues[0], draft.filmValues.length], [154, 21])
+  assert.equal(filmLength(filmed), 7, 'the last recorded frame ends the film')
+  assert.equal(recordedAt(filmed, 5), 2)
 })
 
 /** A program whose answers say what it was asked, and that refuses some lines. */
@@ -124,8 +152,8 @@ function desk(refuses: (lines: string[]) => boolean = () => false) {
   const refused: unknown[] = []
   let time = 0
   const edits = new Edits({
-    draft: async (lines) => {
-      asked.push(lines.join(', '))
+    draft: async (lines, between) => {
+      asked.push((between === 'hold' ? '' : `${between}: `) + lines.join(', '))
       await Promise.resolve()
       if (refuses(lines)) throw new Error(`line ${lines.length}: no`)
       return { take: { ...take, fps: asked.length }, poses: [], said: lines } as unknown as Draft
@@ -164,6 +192,28 @@ test('changes are done in order, undone and done again without asking anew', asy
   assert.equal(shown(), '')
   edits.change(['d'])
   assert.deepEqual(edits.undone, [])
+})
+
+test('another way between frames is asked for, and is no change', async () => {
+  const { edits, asked, rest, shown } = desk()
+  edits.begin([['a']])
+  await rest()
+  edits.play('smooth')
+  await rest()
+  edits.change(['b'])
+  await rest()
+  edits.play('hold')
+  await rest()
+  edits.play('smooth')
+  await rest()
+  assert.deepEqual(asked, ['a', 'smooth: a', 'smooth: a, b', 'a, b'])
+  assert.equal(shown(), 'a, b')
+  assert.deepEqual(edits.lines, ['a', 'b'])
+  edits.undo()
+  await rest()
+  assert.deepEqual(edits.lines, ['a'])
+  assert.equal(nextBetween(nextBetween(nextBetween('hold'))), 'hold')
+  assert.equal(nextBetween('keys'), 'hold')
 })
 
 test('a pull is shown and leaves nothing behind; only its newest place is asked for', async () => {

@@ -13,10 +13,11 @@ import { CurveLane } from './take/curve_lane'
 import { extend, goTo, useSelection } from './take/desk'
 import type { TakeDesk } from './take/desk'
 import { FrameLane } from './take/frame_lane'
+import { PuppetForm } from './take/puppet_form'
 import { Side } from './take/side'
 import { TakeStage } from './take/stage'
 import type { Looks } from './take/stage'
-import { byMotion, filmLength, recordedAt } from './take/take_model'
+import { byMotion, filmLength, nextBetween, recordedAt } from './take/take_model'
 import { useTake } from './take/use_take'
 import type { Opened } from './take/use_take'
 import { kGutter } from './timeline/desk'
@@ -45,6 +46,7 @@ const kHelp: HelpLines = [
   ['D', 'a frame longer'],
   ['Del', 'take the frames out'],
   ['1 2 3 4', 'on ones, twos, threes, fours'],
+  ['B', 'played and baked: held, at even pace, smooth'],
   ['A', 'change all joints, or the chosen one'],
   ['Esc', 'select nothing; let a pull be'],
   ['Ctrl+Z', 'undo; Ctrl+Shift+Z: redo'],
@@ -112,7 +114,8 @@ function Sheet({ desk, zooming }: { desk: TakeDesk; zooming: Zooming }) {
   )
 }
 
-function Desk({ name, opened }: { name: string; opened: Opened }) {
+function Desk(props: { name: string; opened: Opened; choose: () => void }) {
+  const { name, opened } = props
   const { desk, zooming } = useDesk(name, opened)
   const { player, edits, take } = desk
   const [looks, setLooks] = useState<Looks>({ free: false, set: true, onion: 1 })
@@ -147,6 +150,7 @@ function Desk({ name, opened }: { name: string; opened: Opened }) {
     'ctrl+shift+z': () => edits.redo(),
     'ctrl+y': () => edits.redo(),
     'ctrl+s': save,
+    b: () => edits.play(nextBetween(edits.between)),
     r: () => setRepeat(!repeat),
     v: () => setLooks({ ...looks, free: !looks.free }),
     o: () => setLooks({ ...looks, onion: looks.onion > 0 ? 0 : 2 }),
@@ -171,6 +175,9 @@ function Desk({ name, opened }: { name: string; opened: Opened }) {
             <a href="#/armature">Armature</a>
             <span aria-hidden="true">›</span>
             <h1>{name}</h1>
+            <button class="quiet small" title="Puppet, character, plate" onClick={props.choose}>
+              Files…
+            </button>
           </nav>
           <TakeStage desk={desk} opened={opened} looks={looks} setLooks={setLooks}>
             {help && <Help close={() => setHelp(false)} lines={kHelp} />}
@@ -187,12 +194,22 @@ function Desk({ name, opened }: { name: string; opened: Opened }) {
 }
 
 export function TakePage({ name }: { name: string }) {
-  const { opened, failure } = useTake(name)
-  if (failure)
+  const { opened, failure, again } = useTake(name)
+  const [choosing, setChoosing] = useState(false)
+  const reopen = () => {
+    setChoosing(false)
+    again()
+  }
+  if (failure || choosing)
     return (
-      <main class="empty">
-        <h1>{name} cannot be shown</h1>
-        <p role="alert">{sentence(failure)}</p>
+      <main class="empty take-files">
+        <h1>{failure ? `${name} cannot be shown` : `Files of ${name}`}</h1>
+        {failure && <p role="alert">{sentence(failure)}</p>}
+        <PuppetForm
+          take={name}
+          opened={reopen}
+          close={failure ? undefined : () => setChoosing(false)}
+        />
         <a class="button" href="#/armature">
           Back to the armature
         </a>
@@ -204,7 +221,7 @@ export function TakePage({ name }: { name: string }) {
         Reads the take, and finds out how its bones move the character …
       </main>
     )
-  return <Desk name={name} opened={opened} />
+  return <Desk name={name} opened={opened} choose={() => setChoosing(true)} />
 }
 
 /** Takes of the project, to look at and to change. */

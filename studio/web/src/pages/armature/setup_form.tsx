@@ -72,7 +72,7 @@ function TextField(
 
 const offersOf = (field: FileField, files: string[]) => files.filter((one) => field.kinds.test(one))
 
-function FileFields(props: FormProps & { fields: FileField[] }) {
+export function FileFields(props: FormProps & { fields: FileField[] }) {
   return (
     <>
       {props.fields.map((field) => (

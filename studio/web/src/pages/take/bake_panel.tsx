@@ -5,12 +5,15 @@ import { useStudio } from '../../state'
 import { armatureApi } from '../armature/armature_api'
 import { BakeChoice } from '../armature/bake_choice'
 import type { TakeDesk } from './desk'
+import { ProjectUses } from './project_uses'
+import type { Between } from './take_model'
 
 export function BakePanel({ desk }: { desk: TakeDesk }) {
   const { follow, tell, complain } = useStudio()
-  const [between, setBetween] = useState('hold')
+  const { between } = desk.edits
   const [baking, setBaking] = useState(false)
   const [baked, setBaked] = useState('')
+  const [bakes, setBakes] = useState(0)
   useEffect(
     () =>
       follow((event) => {
@@ -18,6 +21,7 @@ export function BakePanel({ desk }: { desk: TakeDesk }) {
         setBaking(false)
         if (event.exit_code !== 0) return complain(event.message)
         setBaked(between)
+        setBakes((old) => old + 1)
         tell('The frames are baked.')
       }),
     [follow, tell, complain, between],
@@ -36,32 +40,22 @@ export function BakePanel({ desk }: { desk: TakeDesk }) {
       <BakeChoice
         take={desk.name}
         between={between}
-        setBetween={setBetween}
+        setBetween={(chosen) => desk.edits.play(chosen as Between)}
         baking={baking}
         disabled={changed}
         bake={bake}
       />
       {changed && <p class="small">Save the changes as a new take first; then it can be baked.</p>}
-      {baked && (
+      {baked === 'keys' && (
         <p class="small soft" role="status">
-          {baked === 'keys' ? (
-            <>
-              Keypose’s own in-betweens:{' '}
-              <span class="mono">
-                keypose interpolate $(printf -- '--keys %s ' {folder}/keys/frame_*.ply){' '}
-                --timeline {folder}/timeline.json --frames {folder}/frames
-              </span>
-            </>
-          ) : (
-            <>
-              To take them away:{' '}
-              <span class="mono">
-                keypose export --frames {folder}/frames --animation {folder}/animation
-              </span>
-            </>
-          )}
+          Keypose’s own in-betweens:{' '}
+          <span class="mono">
+            keypose interpolate $(printf -- '--keys %s ' {folder}/keys/frame_*.ply) --timeline{' '}
+            {folder}/timeline.json --frames {folder}/frames
+          </span>
         </p>
       )}
+      <ProjectUses take={desk.name} bakes={bakes} />
     </div>
   )
 }

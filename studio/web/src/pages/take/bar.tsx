@@ -11,6 +11,7 @@ import { setStep } from './acts'
 import type { TakeDesk } from './desk'
 import { takeApi } from './take_api'
 import { filmLength, nextName } from './take_model'
+import type { Between } from './take_model'
 
 function Steps({ desk }: { desk: TakeDesk }) {
   return (
@@ -20,6 +21,31 @@ function Steps({ desk }: { desk: TakeDesk }) {
           key={name}
           aria-pressed={desk.take.step === i + 1}
           onClick={() => setStep(desk, i + 1)}
+        >
+          {name}
+        </button>
+      ))}
+    </div>
+  )
+}
+
+const kPlayed: [Between, string, string][] = [
+  ['hold', 'Held', 'Each recorded frame stands until the next: hard stops'],
+  ['linear', 'Even', 'From each recorded frame to the next at even pace'],
+  ['smooth', 'Smooth', 'Smooth curves through the recorded frames'],
+]
+
+/** What is played is what Bake makes. */
+function Betweens({ desk }: { desk: TakeDesk }) {
+  const { edits } = desk
+  return (
+    <div class="choice" role="group" aria-label="Played and baked between recorded frames">
+      {kPlayed.map(([between, name, title]) => (
+        <button
+          key={between}
+          aria-pressed={edits.between === between}
+          title={`${title}, ${desk.take.fps} pictures a second (B)`}
+          onClick={() => edits.play(between)}
         >
           {name}
         </button>
@@ -123,9 +149,10 @@ export function TakeBar(props: {
   }
   return (
     <div class="tl-transport" role="toolbar" aria-label="Transport">
-      <PlayButtons {...props} by={take.step} />
+      <PlayButtons {...props} by={take.film > 0 ? 1 : take.step} />
       <Counter player={props.player} fps={take.fps} last={filmLength(take) - 1} />
       <Steps desk={desk} />
+      <Betweens desk={desk} />
       <div class="tl-right">
         <span class="soft small" role="status">
           {edits.busy ? 'Poses …' : changed ? 'Not saved' : ''}

@@ -105,11 +105,13 @@ class Drawing {
     this.context.setLineDash([])
   }
 
-  /** Levels, and faint lines from one to the next. */
+  /** Levels, and faint lines from one to the next; all faint where the film goes its own way. */
   curve(values: number[], color: string, chosen: boolean): void {
     const { context, plot } = this
+    const held = this.desk.take.film === 0
     context.strokeStyle = color
-    context.lineWidth = chosen ? 2.5 : 1.5
+    context.lineWidth = chosen && held ? 2.5 : 1.5
+    context.globalAlpha = held ? 1 : 0.5
     const levels = new Path2D()
     const jumps = new Path2D()
     values.forEach((value, f) => {
@@ -122,9 +124,22 @@ class Drawing {
     })
     context.stroke(levels)
     context.lineWidth = 1
-    context.globalAlpha = 0.55
+    context.globalAlpha = held ? 0.55 : 0
     context.stroke(jumps)
     context.globalAlpha = 1
+  }
+
+  /** The joint's values in the film as it would be baked, each in the middle of its frame. */
+  film(joint: number, color: string, chosen: boolean): void {
+    const { context, desk, plot } = this
+    const { film, joints } = desk.take
+    const values = desk.edits.draft!.filmValues
+    context.strokeStyle = color
+    context.lineWidth = chosen ? 2.5 : 1.5
+    context.beginPath()
+    for (let f = 0; f < film; ++f)
+      context.lineTo(xOf(desk.view, f + 0.5), yOf(plot, values[f * joints.length + joint]))
+    context.stroke()
   }
 
   /** Handles of the chosen joint, where there is room for them. */
@@ -154,6 +169,7 @@ function draw(canvas: HTMLCanvasElement, desk: TakeDesk, plot: Plot, pull: Pull 
     const ink = color.startsWith('var(') ? cssColor(color.slice(4, -1)) : color
     const values = valuesOf(desk.take.joints[j], pull)
     drawing.curve(values, ink, j === desk.chosen)
+    drawing.film(j, ink, j === desk.chosen)
     if (j === desk.chosen) drawing.handles(values, ink)
   }
 }

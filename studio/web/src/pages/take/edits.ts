@@ -1,6 +1,7 @@
 // The changes of a take while it is edited: undo, redo, and what a pull would make. The program
 // does them; here is kept which.
 import type { Draft } from './take_api'
+import type { Between } from './take_model'
 
 /** Changes of one kind within this time are undone together. */
 const kOneChange_ms = 900
@@ -10,8 +11,8 @@ const kMostKept = 24
 export type Change = string[]
 
 export interface Asked {
-  /** The take with these lines done. */
-  draft: (lines: string[]) => Promise<Draft>
+  /** The take with these lines done, as it would be baked. */
+  draft: (lines: string[], between: Between) => Promise<Draft>
   /** Something is to be shown anew. */
   changed: () => void
   /** The last change cannot be done. */
@@ -28,6 +29,8 @@ export class Edits {
   draft: Draft | null = null
   /** a request is under way */
   busy = false
+  /** what stands between recorded frames */
+  between: Between = 'hold'
   private preview: string[] = []
   private good: Change[] = []
   private shown = ''
@@ -60,6 +63,12 @@ export class Edits {
   /** Shows what lines would do, without doing them; empty: ends that. */
   show(lines: string[]): void {
     this.preview = lines
+    void this.settle()
+  }
+
+  /** Shows it with another way between recorded frames; that is no change of the take. */
+  play(between: Between): void {
+    this.between = between
     void this.settle()
   }
 
@@ -103,18 +112,22 @@ export class Edits {
     return [...this.lines, ...this.preview]
   }
 
+  /** Differs when what is to be shown does. */
+  private key(): string {
+    return [this.between, ...this.wanted()].join('\n')
+  }
+
   /** Asks until what is wanted is shown; only the newest of what came in meanwhile. */
   private async settle(): Promise<void> {
     this.asked.changed()
     if (this.busy) return
     this.busy = true
-    while (this.draft === null || this.shown !== this.wanted().join('\n')) {
-      const lines = this.wanted()
+    while (this.draft === null || this.shown !== this.key()) {
+      const [lines, between, key] = [this.wanted(), this.between, this.key()]
       const done = this.done
       const pulled = this.preview.length > 0
       try {
-        const key = lines.join('\n')
-        const draft = this.kept.get(key) ?? (await this.asked.draft(lines))
+        const draft = this.kept.get(key) ?? (await this.asked.draft(lines, between))
         this.draft = draft
         this.shown = key
         if (!pulled) this.keep(key, draft, done)

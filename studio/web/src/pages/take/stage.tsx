@@ -69,15 +69,16 @@ export function TakeStage(props: {
   const { desk, opened, looks } = props
   const { loaded } = opened
   const { take, player } = desk
-  const poses = opened.edits.draft!.poses
+  const { poses, film: filmed } = opened.edits.draft!
   const puppet = useRef<PuppetView | null>(null)
   const shown = useRef<Float32Array | null>(null)
   const [plate, setPlate] = useState(0)
   const playing = usePlaying(player)
   useFrame(player, (film) => {
     const frame = recordedAt(take, film)
-    if (poses[frame] && shown.current !== poses[frame]) puppet.current?.setPose(poses[frame])
-    shown.current = poses[frame] ?? null
+    const pose = take.film > 0 ? filmed[film] : poses[frame]
+    if (pose && shown.current !== pose) puppet.current?.setPose(pose)
+    shown.current = pose ?? null
     setPlate(plateOf(frame, take.step, loaded.view.plate_count))
   })
   const ghosts = useMemo(

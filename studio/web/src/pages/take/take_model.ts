@@ -16,11 +16,25 @@ export interface Take {
   fps: number
   /** frames of the film for each recorded one */
   step: number
+  /** frames of the film as it would be baked; 0: it is shown as recorded, each frame held */
+  film: number
   joints: Joint[]
 }
 
+/** What stands between recorded frames, when they are played and when they are baked. */
+export const kBetweens = ['hold', 'linear', 'smooth', 'keys'] as const
+export type Between = (typeof kBetweens)[number]
+
+/** The next of those that can be played. */
+export const nextBetween = (between: Between): Between =>
+  between === 'hold' ? 'linear' : between === 'linear' ? 'smooth' : 'hold'
+
+/** Whether the program is asked for the pictures between; keys are for `interpolate`. */
+export const isFilmed = (between: Between): boolean =>
+  between === 'linear' || between === 'smooth'
+
 export const framesOfTake = (take: Take): number => take.joints[0]?.values.length ?? 0
-export const filmLength = (take: Take): number => framesOfTake(take) * take.step
+export const filmLength = (take: Take): number => take.film || framesOfTake(take) * take.step
 
 /** The recorded frame that the film shows at one of its own. */
 export const recordedAt = (take: Take, film: number): number =>

@@ -1,6 +1,6 @@
 // A take that is opened: its character once, then each draft; changes that are not kept yet stay in
 // this browser.
-import { useEffect, useState } from 'preact/hooks'
+import { useCallback, useEffect, useState } from 'preact/hooks'
 
 import { ApiError } from '../../api'
 import { useStudio } from '../../state'
@@ -40,12 +40,21 @@ function store(key: string, done: Change[]): void {
   else localStorage.removeItem(kEdits + key)
 }
 
-/** `failure`: why the take cannot be shown, or ''. Drawn again whenever the edits have changed. */
-export function useTake(name: string): { opened: Opened | null; failure: string } {
+export interface UsedTake {
+  opened: Opened | null
+  /** why the take cannot be shown, or '' */
+  failure: string
+  /** Opens it anew: its files are others now. */
+  again: () => void
+}
+
+/** Drawn again whenever the edits have changed. */
+export function useTake(name: string): UsedTake {
   const { project, complain } = useStudio()
   const [opened, setOpened] = useState<Opened | null>(null)
   const [failure, setFailure] = useState('')
   const [, drawAgain] = useState(0)
+  const [attempt, setAttempt] = useState(0)
   const key = `${project.folder} ${name}`
   useEffect(() => {
     let ended = false
@@ -55,7 +64,7 @@ export function useTake(name: string): { opened: Opened | null; failure: string 
       if (ended) return
       let trouble = ''
       const edits: Edits = new Edits({
-        draft: (lines) => takeApi.draft(name, lines, answer.view.bones),
+        draft: (lines, between) => takeApi.draft(name, lines, between, answer.view.bones),
         changed: () => {
           if (ended) return
           if (edits.draft) store(key, edits.done)
@@ -85,6 +94,11 @@ export function useTake(name: string): { opened: Opened | null; failure: string 
     return () => {
       ended = true
     }
-  }, [name, key, complain])
-  return { opened, failure }
+  }, [name, key, attempt, complain])
+  const again = useCallback(() => {
+    setOpened(null)
+    setFailure('')
+    setAttempt((old) => old + 1)
+  }, [])
+  return { opened, failure, again }
 }
