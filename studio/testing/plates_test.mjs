@@ -1,6 +1,6 @@
-// What stands beside a film, chosen on the page Shot, on its way to finished pictures: a camera that
-// moves, plates of the empty set, mattes; then a mesh of the set, or a holdout. `keypose run` makes
-// the pictures, and they are compared with the truth. The shot is generated.
+// What stands beside a film, chosen on the page Shot, on its way to finished pictures: a camera
+// that moves, plates of the empty set, mattes; then a mesh of the set, or a holdout. `keypose run`
+// makes the pictures, and they are compared with the truth. The shot is generated.
 //
 //   node plates_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
@@ -30,7 +30,7 @@ const browser = new Browser();
 const studio = new StudioProgram(bin, folder);
 let page;
 
-/** Held by composite_program_test for cameras that `locate` found: 26 dB; here under other lamps. */
+/** As composite_program_test holds for cameras that `locate` found. */
 const kWorst_db = 26;
 const kFilmed = 3;
 const [kWidth, kHeight] = [384, 216];
@@ -61,10 +61,11 @@ const program = (name, ...words) =>
   execFileSync(join(bin, name), words, { stdio: ['ignore', 'pipe', 'inherit'] }).toString();
 
 async function prepare() {
-  const film = ['--shows', '0=rest,2=wave', '--width', `${kWidth}`, '--swing', '5', '--dolly', '0.03'];
+  const film = ['--shows', '0=rest,2=wave', '--width', `${kWidth}`];
+  const camera = ['--swing', '5', '--dolly', '0.03'];
   const more = ['--no-photographs', '--meshes', '--clean-plate', '--spacing', '0.006'];
   const plain = ['--texture', 'none'];
-  program('keypose-synth', 'shot', '--output', world, ...film, ...more, ...plain);
+  program('keypose-synth', 'shot', '--output', world, ...film, ...camera, ...more, ...plain);
   for (const name of ['meshes', 'photos/rest', 'photos/wave', 'films'])
     mkdirSync(join(folder, name), { recursive: true });
   const copy = (from, to) => cpSync(join(world, from), join(folder, to), { recursive: true });
@@ -104,14 +105,15 @@ async function choose() {
 const compositeReport = () =>
   JSON.parse(readFileSync(join(folder, 'out/shot/pictures/composite.json'), 'utf8'));
 
-/** `keypose run`, as it is typed; in-betweens are near the truth, and filmed frames are untouched. */
+/** `keypose run`, as it is typed: in-betweens are near the truth, filmed frames untouched. */
 async function run() {
   program('keypose', 'run', '-C', folder);
   const words = ['score-shot', '--shot', world, '--pictures', join(folder, 'out/shot/pictures')];
   const sheet = options.pictures ? ['--sheet', join(options.pictures, 'plates_truth.png')] : [];
   const score = JSON.parse(program('keypose-synth', ...words, ...sheet));
-  console.log(`    in-betweens ${score.worst_psnr_db.toFixed(1)} dB at worst, in the character's box`);
-  check(score.worst_psnr_db > kWorst_db, `an in-between has ${score.worst_psnr_db} dB`);
+  const { worst_psnr_db } = score;
+  console.log(`    in-betweens ${worst_psnr_db.toFixed(1)} dB at worst, in the character's box`);
+  check(worst_psnr_db > kWorst_db, `an in-between has ${worst_psnr_db} dB`);
   check(score.filmed_unchanged === kFilmed, `${score.filmed_unchanged} filmed frames unchanged`);
   const { pictures } = compositeReport();
   check(pictures.length === 2 * kFilmed - 1, `${pictures.length} pictures`);
