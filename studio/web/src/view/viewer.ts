@@ -16,12 +16,13 @@ import type { Texture } from 'three'
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js'
 
 import type { CameraView } from '../api'
-import { Detail, drawnByProcessor } from './detail'
+import { drawnByProcessor } from './detail'
 import { frustumsOf, ghostOf } from './extras'
 import { Markers } from './markers'
 import type { Marker, Screen } from './markers'
 import { boxOf } from './mesh_data'
 import type { MeshData } from './mesh_data'
+import { Pace } from './pace'
 import { scalePicture } from './scale_picture'
 import type { GreyPicture } from './scale_picture'
 import { changePicture, decodedTexture, loadedTexture, Surface } from './surface'
@@ -30,16 +31,6 @@ import { turnedByKey } from './turn'
 import type { Turn } from './turn'
 
 export type { Hit, Look, Marker, Turn }
-
-/** Pictures that follow each other faster than this are a movement; it ends after a rest [ms]. */
-const kMoving_ms = 120
-const kRest_ms = 220
-/** There is so much time for a picture while the view is turned [ms]. */
-const kTurning_ms = 1000 / 24
-/** Pixels for one of the screen, along each side, where the processor draws what stands still. */
-const kStill = 1.5
-/** Pictures before a clock begins: buffers of another size are made with the first. */
-const kRunUpPictures = 3
 
 export class Viewer {
   private readonly renderer: WebGLRenderer
@@ -54,16 +45,8 @@ export class Viewer {
   private blends = new Map<string, Texture>()
   private center = new Vector3()
   private size = 1
-  private wanted = false
   private pressed: { x: number; y: number } | null = null
-  /** time that there is for a picture while it moves [ms]; playing sets it */
-  budget_ms = kTurning_ms
-  private readonly byProcessor = drawnByProcessor()
-  private readonly detail = new Detail(this.byProcessor)
-  private moves = false
-  private lastDrawn = -Infinity
-  private drawing = 0
-  private resting = 0
+  private readonly pace: Pace
 
   /** Called with the place on the surface that was clicked; null: beside it. */
   onPick: ((hit: Hit | null, event: PointerEvent) => void) | null = null
@@ -80,9 +63,12 @@ export class Viewer {
   private lastHit: Hit | null = null
 
   constructor(private readonly host: HTMLElement) {
-    const antialias = !this.byProcessor
+    const antialias = !drawnByProcessor()
     this.renderer = new WebGLRenderer({ antialias, alpha: true, powerPreference: 'default' })
-    this.usePixels()
+    this.pace = new Pace(this.renderer, () => {
+      this.markers.fit(this.screen())
+      this.renderer.render(this.scene, this.camera)
+    })
     this.renderer.outputColorSpace = SRGBColorSpace
     const canvas = this.renderer.domElement
     canvas.tabIndex = 0
@@ -117,8 +103,7 @@ export class Viewer {
   }
 
   dispose(): void {
-    clearTimeout(this.resting)
-    cancelAnimationFrame(this.drawing)
+    this.pace.dispose()
     this.resizes.disconnect()
     this.controls.dispose()
     this.clear()
@@ -217,19 +202,13 @@ export class Viewer {
    * Says that many pictures will follow, one each `budget_ms`, and draws the first; settles when it
    * is on the screen, so that a clock may begin.
    */
-  async runUp(budget_ms: number): Promise<void> {
-    this.budget_ms = budget_ms
-    this.moves = true
-    for (let i = 0; i < kRunUpPictures; ++i) {
-      this.draw()
-      await new Promise(requestAnimationFrame)
-    }
+  runUp(budget_ms: number): Promise<void> {
+    return this.pace.runUp(budget_ms)
   }
 
   /** The end of runUp: all pixels again. */
   comeToRest(): void {
-    this.budget_ms = kTurning_ms
-    this.rest()
+    this.pace.comeToRest()
   }
 
   /** Other meshes over the first one, see-through: onion skin. */
@@ -354,47 +333,7 @@ export class Viewer {
   draw(): void {
     // Also for the second change in a frame: a linked view must not stay behind.
     if (this.turning) this.onTurn?.(this.turn())
-    if (this.wanted) return
-    this.wanted = true
-    this.drawing = requestAnimationFrame((now) => {
-      this.wanted = false
-      if (now - this.lastDrawn < kMoving_ms) this.moves = true
-      this.lastDrawn = now
-      this.drawNow()
-      if (!this.moves) return
-      clearTimeout(this.resting)
-      this.resting = window.setTimeout(() => this.rest(), kRest_ms)
-      requestAnimationFrame((next) => this.note(next - now))
-    })
-  }
-
-  private drawNow(): void {
-    // Here and not before: the canvas is empty once its size has changed.
-    this.usePixels()
-    this.markers.fit(this.screen())
-    this.renderer.render(this.scene, this.camera)
-  }
-
-  /** A slow picture keeps the next repaint waiting: that is what it cost. */
-  private note(cost_ms: number): void {
-    if (this.moves) this.detail.note(cost_ms, this.budget_ms)
-  }
-
-  private rest(): void {
-    clearTimeout(this.resting)
-    if (!this.moves) return
-    this.moves = false
-    this.detail.forget()
-    // Not by draw(), which would take it for a movement that goes on.
-    this.drawNow()
-  }
-
-  /** Without multisampling, what stands still gets more pixels than the screen has. */
-  private usePixels(): void {
-    const screen = Math.min(2, window.devicePixelRatio)
-    const whole = this.byProcessor ? Math.max(kStill, screen) : screen
-    const ratio = this.moves ? this.detail.share * screen : whole
-    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio)
+    this.pace.ask()
   }
 
   private screen(): Screen {
