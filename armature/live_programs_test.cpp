@@ -239,6 +239,42 @@ TEST_F(LivePrograms, ADraftPlaysWhatBakeMakes) {
   }
 }
 
+/// The largest change of a bone's way from one picture to the next: at recorded frames, elsewhere.
+std::pair<double, double> SeamsOf(const std::vector<std::vector<Rigid3>>& film, std::size_t step) {
+  double at_recorded = 0, elsewhere = 0;
+  for (std::size_t f = 1; f + 1 < film.size(); ++f)
+    for (std::size_t b = 0; b < film[f].size(); ++b) {
+      // A place beside the bone, so that its turn counts too.
+      const Eigen::Vector3d place(0.1, 0.1, 0.1),
+          before = film[f - 1][b] * place, now = film[f][b] * place, after = film[f + 1][b] * place;
+      double& most = f % step == 0 ? at_recorded : elsewhere;
+      most = std::max(most, (after - 2 * now + before).norm());
+    }
+  return {at_recorded, elsewhere};
+}
+
+TEST_F(LivePrograms, ASmoothFilmHasNoSeamsAtRecordedFrames) {
+  WriteCurves(16, 4);
+  for (const std::string between : {"linear", "smooth"}) {
+    WriteFile(folder_ / "in",
+              nlohmann::json{{"edits", ""}, {"to", Path("draft")}, {"between", between}}.dump());
+    ASSERT_EQ(Run("drafts" + Puppet() + " --curves " + Path("curves.json"), Path("in")), 0)
+        << Err();
+    const std::string bytes = ReadFile(folder_ / "draft");
+    const std::size_t begin = bytes.find('\n') + 1;
+    std::vector<float> numbers((bytes.size() - begin) / 4);
+    std::memcpy(numbers.data(), bytes.data() + begin, 4 * numbers.size());
+    const std::size_t bones = (numbers.size() - 61 * 74) / ((16 + 61) * 7);
+    std::vector<std::vector<Rigid3>> film;
+    for (std::size_t f = 0; f < 61; ++f) film.push_back(BonesIn(numbers, 16 + f, bones));
+    const auto [at_recorded, elsewhere] = SeamsOf(film, 4);
+    if (between == "smooth")
+      EXPECT_LT(at_recorded, 1.1 * elsewhere);
+    else
+      EXPECT_GT(at_recorded, 3 * elsewhere) << "as a test of the measure";
+  }
+}
+
 TEST_F(LivePrograms, ADraftOfNoFilmSaysWhy) {
   WriteCurves(2, 1);
   WriteFile(folder_ / "in",
