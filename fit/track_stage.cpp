@@ -23,6 +23,7 @@
 #include "fit/track_output.h"
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/calm_take.h"
+#include "fit/tracking/second_look.h"
 #include "fit/tracking/tracker.h"
 
 namespace keypose::fit {
@@ -89,7 +90,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",
@@ -133,6 +134,38 @@ std::vector<TrackedFrame> TrackAll(TrackInput& input, const BodyShape& shape, co
     }
   }
   return frames;
+}
+
+/// Silhouettes of frames that lie near each other, asked for in rising or falling order.
+class NearFrames {
+ public:
+  explicit NearFrames(TrackInput& input) : input_(input) {}
+  const std::vector<Silhouette>& operator()(int f) {
+    const int end = first_ + SizeOf(read_);
+    if (f >= first_ && f < end) return read_[f - first_];
+    // Who goes on to a neighbour will go on further; films are read fastest in rising order.
+    const int begin = f == first_ - 1 ? std::max(0, f - kBatch + 1) : f;
+    const int count = f == end ? std::min(kBatch, input_.frames() - f) : f - begin + 1;
+    read_ = input_.Read(begin, count);
+    first_ = begin;
+    return read_[f - first_];
+  }
+
+ private:
+  TrackInput& input_;
+  int first_ = 0;
+  std::vector<std::vector<Silhouette>> read_;
+};
+
+/// Limbs that jump followed on from both sides.
+void LookAtJumps(StageContext& stage, TrackInput& input, const BodyShape& shape,
+                 std::vector<TrackedFrame>* frames) {
+  NearFrames near(input);
+  const auto read = [&](int f) -> const std::vector<Silhouette>& {
+    if (stage.progress() && stage.progress()->cancelled()) throw Cancelled();
+    return near(f);
+  };
+  stage.Report("limbs_set_right", LookAgain(shape, read, frames).changed);
 }
 
 /// Mean second difference in time of the joints' places [m/frame^2].
@@ -372,6 +405,7 @@ void Run(StageContext& stage, const TrackOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cores = std::clock();
   std::vector<TrackedFrame> frames = TrackAll(input, actor.shape, actor.pose, at, &second);
+  LookAtJumps(stage, input, actor.shape, &frames);
   if (options.calm > 0) Calm(stage, actor.shape, options.calm, &frames);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   stage.Report("frames_per_second", input.frames() / seconds.count());

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "core/progress.h"
 #include "fit/tracking/pose_solver.h"
 
 namespace keypose::fit {

@@ -28,6 +28,15 @@ PoseSystem FrameEvidence(const PoseFit& fit, const BodyShape& shape) {
   return system;
 }
 
+TrackedFrame FrameOf(const PoseFit& fit, const BodyShape& shape) {
+  TrackedFrame frame;
+  frame.pose = fit.pose.Recharted();
+  frame.deviations = StandardDeviations(fit);
+  frame.evidence = FrameEvidence(fit, shape);
+  frame.unexplained = fit.unexplained;
+  return frame;
+}
+
 Tracker::Tracker(const BodyShape& shape, const BodyPose& start)
     : shape_(shape), surface_(SurfaceOf(shape)), start_(start.Recharted()) {}
 
@@ -111,10 +120,9 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   const double difference = RelativeDifference(frame.coverage);
   const double follow = difference < usual_ ? kFall : kRise;
   usual_ = usual_ == 0 ? difference : usual_ + follow * (std::min(difference, 2 * usual_) - usual_);
-  frame.pose = fit.pose.Recharted();
-  frame.deviations = StandardDeviations(fit);
-  frame.evidence = FrameEvidence(fit, shape_);
-  frame.unexplained = fit.unexplained;
+  TrackedFrame fitted = FrameOf(fit, shape_);
+  fitted.coverage = frame.coverage, fitted.found = frame.found;
+  frame = std::move(fitted);
   // A limb that jumped has no speed: the jump must not go on.
   if (frame.found.empty())
     before_.push_back(frame.pose);

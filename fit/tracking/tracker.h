@@ -32,6 +32,9 @@ struct TrackedFrame {
 /// overlaps and the rest pose, linearised at `fit.pose`, in the chart of the recharted pose.
 PoseSystem FrameEvidence(const PoseFit& fit, const BodyShape& shape);
 
+/// What a fit tells of a frame: all but coverage and limbs found.
+TrackedFrame FrameOf(const PoseFit& fit, const BodyShape& shape);
+
 class Tracker {
  public:
   /// @param start  a pose near that of the first frame
