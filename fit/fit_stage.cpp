@@ -50,7 +50,7 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Bends the template into a few photographs of another pose.";
   spec.inputs = {
       {"template", "file", "the unwrapped template (.obj)", ""},
@@ -182,26 +182,33 @@ std::vector<BendView> WithCameras(const std::vector<PreparedView>& views,
 }
 
 /// Where photographs have no camera: bends the template to nearly the pose by the others, and looks
-/// again.
+/// again; once more for each that this finds, since it shows a further part.
 void PlaceLate(StageContext& stage, const Mesh& mesh, const Image8& texture,
                const Eigen::VectorXd& stiffness, const std::vector<PreparedView>& views,
                const std::vector<View>& rig, const PosePicks& picks, const Scene& scene,
                std::vector<FoundCamera>& cameras, Progress* progress) {
-  const std::vector<BendView> placed = WithCameras(views, cameras);
   constexpr int kFewest = 2;
   if (texture.empty()) return;
-  if (SizeOf(placed) == SizeOf(views) || SizeOf(placed) < kFewest) return;
   BendOptions options;
   options.only_far = true;
   if (!rig.empty()) options.hold_cameras = kHoldRig;
-  SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
-  const BendMarks marks = MarksOf(picks, placed, scene, nullptr);
-  const BendResult nearly = BendToViews(mesh, texture, stiffness, placed, marks, options, &bending);
-  Mesh bent = mesh;
-  bent.points = nearly.points;
-  for (int v = 0, p = 0; v < SizeOf(views); ++v)
-    if (cameras[v].found) cameras[v].camera_from_world = nearly.cameras[p++];
-  stage.Report("images_placed_late", FindLateCameras(bent, texture, views, rig, cameras, &finding));
+  int late = 0;
+  bool tried = false;
+  for (int found = 1; found > 0; late += found) {
+    const std::vector<BendView> placed = WithCameras(views, cameras);
+    if (SizeOf(placed) == SizeOf(views) || SizeOf(placed) < kFewest) break;
+    SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
+    const BendMarks marks = MarksOf(picks, placed, scene, nullptr);
+    const BendResult nearly =
+        BendToViews(mesh, texture, stiffness, placed, marks, options, &bending);
+    Mesh bent = mesh;
+    bent.points = nearly.points;
+    for (int v = 0, p = 0; v < SizeOf(views); ++v)
+      if (cameras[v].found) cameras[v].camera_from_world = nearly.cameras[p++];
+    found = FindLateCameras(bent, texture, views, rig, cameras, &finding);
+    tried = true;
+  }
+  if (tried) stage.Report("images_placed_late", late);
 }
 
 std::vector<BendView> PlacedViews(StageContext& stage, const std::vector<PreparedView>& views,

@@ -16,6 +16,7 @@
 #include "fit/bending/feature_filter.h"
 #include "fit/bending/joint_solve.h"
 #include "fit/bending/nearby_matches.h"
+#include "fit/bending/patch_matches.h"
 #include "fit/bending/schedule.h"
 #include "fit/bending/unfold.h"
 #include "views/placement/picture_pose.h"
@@ -36,8 +37,7 @@ struct BendTuning {
 };
 
 constexpr int kSolverSteps = 10, kPhotoFeatures = 4000;
-// Levels up to this size are solved together with the cameras.
-constexpr Eigen::Index kMostJointly = 800;
+constexpr Eigen::Index kMostJointly = 800;  // vertices of a level solved together with the cameras
 // From this hold on, cameras stay.
 constexpr double kFixedCameras = 1e3;
 
@@ -78,9 +78,10 @@ class Bending {
   void Prepare(const Eigen::VectorXd& stiffness, const BendMarks& marks);
   void MakeLevels();
   void PrepareViews();
-  std::vector<FeatureMatch> Consistent(std::int64_t view,
-                                       const std::vector<FeatureMatch>& matches) const;
   void MatchAgain(int level, double reach);
+  std::vector<FeatureMatch> PatchMatches(int view, const PointsX3& points, const PointsX3& normals,
+                                         const RayScene& scene, double reach) const;
+  TexturedRender RenderIn(const FitView& view, const PointsX3& points, const RayScene& scene) const;
   PointsX3 FullPoints(int level);
   int LevelOf(int wanted) const { return std::min(wanted, levels_->count() - 1); }
   FitView ViewAt(int view, int pyramid) const;
@@ -124,30 +125,24 @@ class Bending {
   std::vector<Evidence> last_;
   std::optional<Marks> marks_;
   Eigen::VectorXd stiffness_;
-  int at_ = 0;                 // the level in use
-  int rounds_ = 1, done_ = 0;  // all, and those that were run
+  std::vector<char> of_middle_;  // for each vertex, whether the middle level has it
+  int at_ = 0;                   // the level in use
+  int rounds_ = 1, done_ = 0;    // all, and those that were run
 };
-
-Eigen::VectorXd AreaShares(const PointsX3& points, const FacesX3& faces) {
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
-  const Eigen::VectorXd face_areas = FaceAreas(points, faces);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += face_areas[f] / 3;
-  return areas / areas.sum();
-}
 
 void Bending::Prepare(const Eigen::VectorXd& stiffness, const BendMarks& marks) {
   if (views_.empty()) throw InputError("fit: no views");
   unit_ = BoundingDiagonal(mesh_.points) / 2;
   origin_ = mesh_.points.colwise().mean();
   rest_ = (mesh_.points.rowwise() - origin_) / unit_;
-  areas_ = AreaShares(rest_, mesh_.faces);
   area_ = SurfaceArea(rest_, mesh_.faces);
   pairs_ = FindFacePairs(mesh_.faces);
   for (const FacePairs::Pair& pair : pairs_.pairs)
     edge_ += (rest_.row(pair.a) - rest_.row(pair.b)).norm() / SizeOf(pairs_.pairs);
   stiffness_ = stiffness;
   MakeLevels();
+  areas_ = (*levels_)[0].fit->vertex_areas();
+  areas_ /= areas_.sum();
   PrepareViews();
   BendMarks placed = marks;
   for (LandmarkGoal& goal : placed.places)
@@ -162,6 +157,8 @@ void Bending::MakeLevels() {
   const double smoothing = 2 * options_.smoothing;
   levels_.emplace(rest_, mesh_.faces, counts, stiffness_, smoothing * smoothing,
                   std::vector<LandmarkGoal>());
+  of_middle_.assign(rest_.rows(), 0);
+  for (const int v : (*levels_)[LevelOf(1)].fine) of_middle_[v] = 1;
 }
 
 void Bending::PrepareViews() {
@@ -180,40 +177,52 @@ void Bending::PrepareViews() {
       picture.outlines.push_back(MakeOutline(view, level));
     picture.features = FindFeatures(view.color, MaskOf(view), kPhotoFeatures);
     picture.noise = std::max(view.noise, 0.5);
-    picture.matches = Consistent(v, views_[v].matches);
+    for (const int i :
+         ConsistentMatches(rest_, views_[v].matches, view.camera(), poses_[v].translation.norm()))
+      picture.matches.push_back(views_[v].matches[i]);
   });
-}
-
-std::vector<FeatureMatch> Bending::Consistent(std::int64_t view,
-                                              const std::vector<FeatureMatch>& matches) const {
-  std::vector<FeatureMatch> kept;
-  for (const int i : ConsistentMatches(rest_, matches, views_[view].view.camera(),
-                                       poses_[view].translation.norm()))
-    kept.push_back(matches[i]);
-  return kept;
 }
 
 /// Looks for features again, now that the mesh is near, and takes them in place of the first ones.
 void Bending::MatchAgain(int level, double reach) {
   if (texture_.blank()) return;
-  const PointsX3 points = FullPoints(level);
+  const PointsX3 points = FullPoints(level), normals = VertexNormals(points, mesh_.faces);
   const RayScene scene(points, mesh_.faces);
   ParallelFor(SizeOf(views_), [&](std::int64_t v) {
     const FitView at = ViewAt(static_cast<int>(v), 0);
-    const double distance = at.camera_from_world.translation.norm();
-    const TexturedRender render =
-        RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, distance / at.camera.fx),
-                   scene, at.camera, at.camera_from_world);
-    Picture& picture = pictures_[v];
-    const std::vector<FeatureMatch> found =
-        Consistent(v, MatchNearby(mesh_.faces, scene, render, at, picture.features,
-                                  reach * at.camera.fx / distance));
-    std::vector<Eigen::Vector2d> shown;
-    for (const FeatureMatch& match : found)
-      shown.push_back(at.camera.Project(at.camera_from_world * PositionOf(match.point, points)));
-    picture.matches.clear();
-    for (const int i : SmoothMatches(rest_, found, shown)) picture.matches.push_back(found[i]);
+    const double reach_px = reach * at.camera.fx / at.camera_from_world.translation.norm();
+    std::vector<FeatureMatch> found = MatchNearby(mesh_.faces, scene, RenderIn(at, points, scene),
+                                                  at, pictures_[v].features, reach_px);
+    const std::vector<FeatureMatch> patches =
+        PatchMatches(static_cast<int>(v), points, normals, scene, reach);
+    found.insert(found.end(), patches.begin(), patches.end());
+    pictures_[v].matches = NearbyMatches(rest_, points, found, at.camera, at.camera_from_world);
   });
+}
+
+/// Those of the middle level's vertices.
+std::vector<FeatureMatch> Bending::PatchMatches(int view, const PointsX3& points,
+                                                const PointsX3& normals, const RayScene& scene,
+                                                double reach) const {
+  const auto at = [&](int wanted) {
+    const int level = std::min(wanted, SizeOf(views_[view].view.levels) - 1);
+    const FitView shown = ViewAt(view, level);
+    return PatchView{shown, RenderIn(shown, points, scene), pictures_[view].grey[level],
+                     views_[view].view.levels[level].grey};
+  };
+  const PatchView fine = at(1), coarse = at(2);
+  std::vector<SeenVertex> seen;
+  for (const SeenVertex& one : SeenVertices(points, normals, fine.render, fine.view.camera,
+                                            fine.view.camera_from_world, Tuning::kLeastFacing))
+    if (of_middle_[one.vertex]) seen.push_back(one);
+  return MatchPatches(seen, points, fine, coarse, views_[view].view.camera(), reach);
+}
+
+TexturedRender Bending::RenderIn(const FitView& view, const PointsX3& points,
+                                 const RayScene& scene) const {
+  const double footprint = view.camera_from_world.translation.norm() / view.camera.fx;
+  return RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
+                    view.camera, view.camera_from_world);
 }
 
 const std::vector<int>& Bending::CoarseOf(int level) {
@@ -263,10 +272,7 @@ void Bending::AddAppearance(int view, const Round& round, const PointsX3& points
                             Evidence& evidence) const {
   FitView at = ViewAt(view, round.pyramid);
   const int level = std::min(round.pyramid, SizeOf(views_[view].view.levels) - 1);
-  const double footprint = at.camera_from_world.translation.norm() / at.camera.fx;
-  const TexturedRender render =
-      RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
-                 at.camera, at.camera_from_world);
+  const TexturedRender render = RenderIn(at, points, scene);
   evidence.overlap = Overlap(render, views_[view].view.levels[level].grey);
   if (texture_.blank()) return;
   const std::vector<SeenVertex> seen =

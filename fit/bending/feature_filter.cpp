@@ -86,4 +86,18 @@ std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMa
   return kept;
 }
 
+std::vector<FeatureMatch> NearbyMatches(const PointsX3& rest, const PointsX3& now,
+                                        const std::vector<FeatureMatch>& matches,
+                                        const Pinhole& camera, const Rigid3& camera_from_world) {
+  std::vector<FeatureMatch> consistent, smooth;
+  std::vector<Eigen::Vector2d> shown;
+  for (const int i :
+       ConsistentMatches(rest, matches, camera, camera_from_world.translation.norm())) {
+    consistent.push_back(matches[i]);
+    shown.push_back(camera.Project(camera_from_world * PositionOf(matches[i].point, now)));
+  }
+  for (const int i : SmoothMatches(rest, consistent, shown)) smooth.push_back(consistent[i]);
+  return smooth;
+}
+
 }  // namespace keypose::fit

@@ -26,4 +26,11 @@ std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<Featu
 std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
                                const std::vector<Eigen::Vector2d>& shown);
 
+/// Matches near where the mesh shows their places now, that pass both tests.
+///
+/// @param now  V x 3, where the surface is now
+std::vector<FeatureMatch> NearbyMatches(const PointsX3& rest, const PointsX3& now,
+                                        const std::vector<FeatureMatch>& matches,
+                                        const Pinhole& camera, const Rigid3& camera_from_world);
+
 }  // namespace keypose::fit

@@ -93,17 +93,12 @@ void Search::Judge(const PreparedView& view, const PictureFeatures& photo,
   candidate.overlap = Overlap(render, view.levels[0].grey);
   const std::vector<FeatureMatch> found =
       MatchNearby(mesh_.faces, scene_, render, at, photo, reach);
-  std::vector<FeatureMatch> consistent;
-  std::vector<Eigen::Vector2d> shown;
-  for (const int i : ConsistentMatches(mesh_.points, found, at.camera,
-                                       candidate.camera_from_world.translation.norm())) {
-    consistent.push_back(found[i]);
-    shown.push_back(
-        at.camera.Project(candidate.camera_from_world * PositionOf(found[i].point, mesh_.points)));
-  }
-  for (const int i : SmoothMatches(mesh_.points, consistent, shown)) {
-    candidate.matches.push_back(consistent[i]);
-    candidate.score += 1 - (consistent[i].pixel - shown[i]).norm() / reach;
+  candidate.matches =
+      NearbyMatches(mesh_.points, mesh_.points, found, at.camera, candidate.camera_from_world);
+  for (const FeatureMatch& match : candidate.matches) {
+    const Eigen::Vector2d shown =
+        at.camera.Project(candidate.camera_from_world * PositionOf(match.point, mesh_.points));
+    candidate.score += 1 - (match.pixel - shown).norm() / reach;
   }
 }
 
