@@ -20,18 +20,15 @@
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
-#include "fit/cameras/late_cameras.h"
 #include "fit/contours/disagreement.h"
+#include "fit/cameras/late_cameras.h"
+#include "fit/fit_pose.h"
 #include "fit/outline_picture.h"
 #include "fit/picks/pose_picks.h"
 #include "views/load/prepared_views.h"
 
 namespace keypose::fit {
 namespace {
-
-// How firmly a rig's cameras hold against the photographs: a table that is turned by hand stops a
-// degree beside its mark.
-constexpr double kHoldRig = 2;
 
 struct FitStageOptions {
   int max_size = 1600;
@@ -102,12 +99,6 @@ PosePicks LoadPicks(StageContext& stage, const Mesh& mesh, const ImageSet& set) 
   return picks;
 }
 
-/// Where a prepared view shows a pixel of its photograph.
-Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
-                              const Eigen::Vector2d& pixel) {
-  return view.camera().Project(scene.views[view.scene_index].camera.Unproject(pixel));
-}
-
 /// For each view, its picks as matches.
 std::vector<std::vector<FeatureMatch>> PicksByView(const PosePicks& picks,
                                                    const std::vector<PreparedView>& views,
@@ -120,33 +111,13 @@ std::vector<std::vector<FeatureMatch>> PicksByView(const PosePicks& picks,
   return by_view;
 }
 
-/// The picks in photographs that were placed, and those in space.
-/// @param lost  if given: receives those in other photographs
-BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
-                  std::vector<std::string>* lost) {
-  BendMarks marks;
-  for (const PhotoPick& pick : picks.pixels) {
-    const auto view = std::find_if(views.begin(), views.end(), [&](const BendView& one) {
-      return one.view.scene_index == pick.image;
-    });
-    if (view != views.end())
-      marks.pixels.push_back({pick.name, pick.point, static_cast<int>(view - views.begin()),
-                              PreparedPixel(view->view, scene, pick.pixel)});
-    else if (lost)
-      lost->push_back("'" + pick.name + "' in " + scene.views[pick.image].name);
-  }
-  marks.places = picks.places;
-  return marks;
-}
-
-BendMarks UsedMarks(StageContext& stage, const PosePicks& picks, const std::vector<BendView>& views,
-                    const Scene& scene) {
+void WarnOfUnusedPicks(StageContext& stage, const PosePicks& picks,
+                       const std::vector<BendView>& views, const Scene& scene) {
   std::vector<std::string> lost;
-  BendMarks marks = MarksOf(picks, views, scene, &lost);
+  MarksOf(picks, views, scene, &lost);
   if (!lost.empty())
     stage.Warn("fit: these picks are not used, because their photographs are left out: " +
                NameList(lost));
-  return marks;
 }
 
 /// The pose's photographs with the template's lens; their places are not known yet.
@@ -170,50 +141,9 @@ void ReportCameras(StageContext& stage, const std::vector<PreparedView>& views,
   stage.ReportJson("cameras", list.dump());
 }
 
-std::vector<BendView> WithCameras(const std::vector<PreparedView>& views,
-                                  const std::vector<FoundCamera>& cameras) {
-  std::vector<BendView> placed;
-  for (int v = 0; v < SizeOf(views); ++v) {
-    if (!cameras[v].found) continue;
-    placed.push_back({views[v], cameras[v].matches});
-    placed.back().view.camera_from_world = cameras[v].camera_from_world;
-  }
-  return placed;
-}
-
-/// Where photographs have no camera: bends the template to nearly the pose by the others, and looks
-/// again; once more for each that this finds, since it shows a further part.
-void PlaceLate(StageContext& stage, const Mesh& mesh, const Image8& texture,
-               const Eigen::VectorXd& stiffness, const std::vector<PreparedView>& views,
-               const std::vector<View>& rig, const PosePicks& picks, const Scene& scene,
-               std::vector<FoundCamera>& cameras, Progress* progress) {
-  constexpr int kFewest = 2;
-  if (texture.empty()) return;
-  BendOptions options;
-  options.only_far = true;
-  if (!rig.empty()) options.hold_cameras = kHoldRig;
-  int late = 0;
-  bool tried = false;
-  for (int found = 1; found > 0; late += found) {
-    const std::vector<BendView> placed = WithCameras(views, cameras);
-    if (SizeOf(placed) == SizeOf(views) || SizeOf(placed) < kFewest) break;
-    SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
-    const BendMarks marks = MarksOf(picks, placed, scene, nullptr);
-    const BendResult nearly =
-        BendToViews(mesh, texture, stiffness, placed, marks, options, &bending);
-    Mesh bent = mesh;
-    bent.points = nearly.points;
-    for (int v = 0, p = 0; v < SizeOf(views); ++v)
-      if (cameras[v].found) cameras[v].camera_from_world = nearly.cameras[p++];
-    found = FindLateCameras(bent, texture, views, rig, cameras, &finding);
-    tried = true;
-  }
-  if (tried) stage.Report("images_placed_late", late);
-}
-
-std::vector<BendView> PlacedViews(StageContext& stage, const std::vector<PreparedView>& views,
-                                  const std::vector<FoundCamera>& cameras) {
-  std::vector<BendView> placed = WithCameras(views, cameras);
+/// @throws InputError  fewer than two are placed
+void RequirePlaced(StageContext& stage, const std::vector<PreparedView>& views,
+                   const std::vector<FoundCamera>& cameras) {
   std::vector<std::string> missing;
   for (int v = 0; v < SizeOf(views); ++v)
     if (!cameras[v].found) missing.push_back(views[v].name);
@@ -222,12 +152,12 @@ std::vector<BendView> PlacedViews(StageContext& stage, const std::vector<Prepare
         "fit: these photographs do not show enough of the template to find where they were taken "
         "from; they are left out: " +
         NameList(missing));
-  if (SizeOf(placed) < 2)
-    throw InputError("fit: only " + std::to_string(placed.size()) + " of " +
+  const int placed = SizeOf(views) - SizeOf(missing);
+  if (placed < 2)
+    throw InputError("fit: only " + std::to_string(placed) + " of " +
                      std::to_string(cameras.size()) +
                      " photographs could be placed by the template; check that they show the "
                      "same character as the template");
-  return placed;
 }
 
 Scene SceneOf(const Scene& unplaced, const std::vector<BendView>& views,
@@ -439,24 +369,27 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   std::vector<PreparedView> views =
       LoadPreparedViews(stage, "fit", unplaced, options.max_size, kLevels, kFewest);
   SubProgress rendering(stage.progress(), 0.05, 0.15), finding(stage.progress(), 0.15, 0.3),
-      placing(stage.progress(), 0.3, 0.35), bending(stage.progress(), 0.35, 0.97);
+      bending(stage.progress(), 0.3, 0.97);
   std::optional<SurfaceFeatures> features;
   if (!texture.empty()) features.emplace(mesh, texture, SurfaceFeatureOptions(), &rendering);
   const auto picked = PicksByView(picks, views, unplaced);
   std::vector<FoundCamera> cameras =
       FindCameras(mesh, features ? &*features : nullptr, views, picked, &finding);
   ReportCameras(stage, views, cameras);
-  BendOptions bend;
   const bool by_rig = PlaceByRig(stage, rig, views, cameras, mesh) ||
                       (texture.empty() && PlaceUntextured(stage, rig, views, cameras, mesh));
-  if (by_rig) bend.hold_cameras = kHoldRig;
-  PlaceLate(stage, mesh, texture, stiffness, views, by_rig ? rig.views : std::vector<View>(), picks,
-            unplaced, cameras, &placing);
-  const std::vector<BendView> placed = PlacedViews(stage, views, cameras);
+  const FitInput in{mesh,  texture, stiffness, views, by_rig ? rig.views : std::vector<View>(),
+                    picks, unplaced};
+  const Attempt attempt = FitPose(in, cameras, by_rig, &bending);
+  if (attempt.doubtful_dropped) stage.Report("doubtful_cameras_dropped", *attempt.doubtful_dropped);
+  if (attempt.late) stage.Report("images_placed_late", *attempt.late);
+  RequirePlaced(stage, views, attempt.cameras);
+  WarnOfUnusedPicks(stage, picks, attempt.placed, unplaced);
   stage.Report("images_total", SizeOf(set.images));
-  stage.Report("images_placed", SizeOf(placed));
-  const BendMarks marks = UsedMarks(stage, picks, placed, unplaced);
-  const BendResult result = BendToViews(mesh, texture, stiffness, placed, marks, bend, &bending);
+  stage.Report("images_placed", SizeOf(attempt.placed));
+  const std::vector<BendView>& placed = attempt.placed;
+  const BendMarks& marks = attempt.marks;
+  const BendResult& result = attempt.result;
   Mesh fitted = mesh;
   fitted.points = result.points;
   const double overlap =

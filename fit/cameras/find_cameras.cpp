@@ -17,6 +17,8 @@ struct FindCamerasTuning {
   // Least share of the matches that agree. Clay creatures reach 0.58; a wrong camera of a skull
   // that bent by 40 degrees had 0.10.
   KEYPOSE_TUNED(double, kLeastShare, 0.12);
+  // Likewise, of a camera that is sure: a skull's wrong one had 0.20, its right ones 0.37 and more.
+  KEYPOSE_TUNED(double, kSureShare, 0.3);
   KEYPOSE_TUNED(double, kRigWithin, 0.012);    // likewise, under a camera of the rig
   KEYPOSE_TUNED(double, kAsGood, 0.85);        // share of the most inliers that is as good
   KEYPOSE_TUNED(double, kLeastAgreeing, 0.6);  // share of the photographs
@@ -209,6 +211,20 @@ RigMatch MatchRig(const Mesh& mesh, const std::vector<FoundCamera>& cameras,
                best.agreeing >= FindCamerasTuning::kLeastAgreeing * SizeOf(sightings) &&
                together >= FindCamerasTuning::kLeastInCommon * alone;
   return best;
+}
+
+bool KeepSureCameras(std::vector<FoundCamera>& cameras) {
+  constexpr int kEnough = 3;
+  const auto sure = [](const FoundCamera& camera) {
+    return camera.found && camera.inliers >= FindCamerasTuning::kSureShare * SizeOf(camera.matches);
+  };
+  if (std::count_if(cameras.begin(), cameras.end(), sure) < kEnough) return false;
+  bool dropped = false;
+  for (FoundCamera& camera : cameras) {
+    dropped = dropped || (camera.found && !sure(camera));
+    camera.found = sure(camera);
+  }
+  return dropped;
 }
 
 }  // namespace keypose::fit

@@ -51,4 +51,9 @@ struct RigMatch {
 RigMatch MatchRig(const Mesh& mesh, const std::vector<FoundCamera>& cameras,
                   const std::vector<PreparedView>& views, const std::vector<View>& rig);
 
+/// Marks cameras as not found that few matches agree with, if three or more are sure. They may be
+/// those of another part of the figure, which bent away.
+/// @return whether there were such cameras
+bool KeepSureCameras(std::vector<FoundCamera>& cameras);
+
 }  // namespace keypose::fit
