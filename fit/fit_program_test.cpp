@@ -206,6 +206,7 @@ TEST_F(FitProgram, FindsCamerasThatAreNoneOfTheRigs) {
   EXPECT_EQ(Measured()["rig"], false);
   EXPECT_EQ(Measured()["images_placed"], 6);
   EXPECT_GT(Measured()["iou_mean"], 0.95);
+  EXPECT_THAT(Log(), HasSubstr("not taken from the template's camera places"));
 }
 
 TEST_F(FitProgram, PhotographsOfAnotherCharacterAreRefused) {

@@ -20,8 +20,8 @@
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
-#include "fit/contours/disagreement.h"
 #include "fit/cameras/late_cameras.h"
+#include "fit/contours/disagreement.h"
 #include "fit/fit_pose.h"
 #include "fit/outline_picture.h"
 #include "fit/picks/pose_picks.h"
@@ -179,7 +179,19 @@ bool PlaceByRig(StageContext& stage, const Scene& rig, const std::vector<Prepare
   const RigMatch match = MatchRig(mesh, cameras, views, rig.views);
   stage.Report("rig", match.found);
   stage.Report("rig_agreeing", match.agreeing);
-  if (!match.found) return false;
+  if (!match.found) {
+    const bool any = std::any_of(cameras.begin(), cameras.end(),
+                                 [](const FoundCamera& camera) { return camera.found; });
+    if (any)
+      stage.Warn(fmt::format(
+          "fit: the photographs were not taken from the template's camera places ({} of {} agree), "
+          "so each camera is found by itself, and the pose may stand wrongly although outlines "
+          "agree; if tripod and lens stood as for the template, compare the pose with the "
+          "template, "
+          "or scan it",
+          match.agreeing, cameras.size()));
+    return false;
+  }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (int i = 0; i < SizeOf(cameras); ++i)
     if (match.rig_view[i] >= 0)
