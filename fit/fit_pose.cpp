@@ -77,7 +77,7 @@ Attempt TryWithoutRig(const FitInput& in, const std::vector<FoundCamera>& camera
   Attempt held = Try(in, sure, kHoldRig, &second);
   held.doubtful_dropped = held.Overlap() > all.Overlap() + kClearly;
   all.doubtful_dropped = false;
-  return *held.doubtful_dropped ? held : all;
+  return *held.doubtful_dropped ? std::move(held) : std::move(all);
 }
 
 }  // namespace

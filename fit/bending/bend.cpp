@@ -204,13 +204,14 @@ void Bending::MatchAgain(int level, double reach) {
 std::vector<FeatureMatch> Bending::PatchMatches(int view, const PointsX3& points,
                                                 const PointsX3& normals, const RayScene& scene,
                                                 double reach) const {
-  const auto at = [&](int wanted) {
-    const int level = std::min(wanted, SizeOf(views_[view].view.levels) - 1);
+  constexpr int kFine = 1, kCoarse = 2;  // half of it: patches are found there first
+  if (SizeOf(views_[view].view.levels) <= kCoarse) return {};
+  const auto at = [&](int level) {
     const FitView shown = ViewAt(view, level);
     return PatchView{shown, RenderIn(shown, points, scene), pictures_[view].grey[level],
                      views_[view].view.levels[level].grey};
   };
-  const PatchView fine = at(1), coarse = at(2);
+  const PatchView fine = at(kFine), coarse = at(kCoarse);
   std::vector<SeenVertex> seen;
   for (const SeenVertex& one : SeenVertices(points, normals, fine.render, fine.view.camera,
                                             fine.view.camera_from_world, Tuning::kLeastFacing))
