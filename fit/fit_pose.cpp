@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/size_of.h"
 #include "fit/cameras/late_cameras.h"
 
 namespace keypose::fit {
@@ -10,6 +11,8 @@ namespace {
 // How firmly a rig's cameras hold against the photographs: a table that is turned by hand stops a
 // degree beside its mark.
 constexpr double kHoldRig = 2;
+// Outlines of one attempt agree clearly better from here on: share of the overlap with the masks.
+constexpr double kClearly = 0.01;
 
 std::vector<BendView> WithCameras(const std::vector<PreparedView>& views,
                                   const std::vector<FoundCamera>& cameras) {
@@ -22,16 +25,23 @@ std::vector<BendView> WithCameras(const std::vector<PreparedView>& views,
   return placed;
 }
 
+/// How one attempt is made.
+struct Way {
+  const Mesh& mesh;              // near the figure
+  const std::vector<View>& rig;  // where missing cameras are looked for; empty: anywhere
+  double hold;                   // of the cameras
+};
+
 /// Where photographs have no camera: bends the template to nearly the pose by the others, and looks
 /// again; once more for each that this finds, since it shows a further part.
 /// @return how many it found; nothing if none was looked for
-std::optional<int> PlaceLate(const FitInput& in, double hold, std::vector<FoundCamera>& cameras,
+std::optional<int> PlaceLate(const FitInput& in, const Way& way, std::vector<FoundCamera>& cameras,
                              Progress* progress) {
   constexpr int kFewest = 2;
   if (in.texture.empty()) return {};
   BendOptions options;
   options.only_far = true;
-  options.hold_cameras = hold;
+  options.hold_cameras = way.hold;
   std::optional<int> late;
   for (int found = 1; found > 0;) {
     const std::vector<BendView> placed = WithCameras(in.views, cameras);
@@ -39,48 +49,70 @@ std::optional<int> PlaceLate(const FitInput& in, double hold, std::vector<FoundC
     SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
     const BendMarks marks = MarksOf(in.picks, placed, in.unplaced, nullptr);
     const BendResult nearly =
-        BendToViews(in.mesh, in.texture, in.stiffness, placed, marks, options, &bending);
-    Mesh bent = in.mesh;
+        BendToViews(way.mesh, in.texture, in.stiffness, placed, marks, options, &bending);
+    Mesh bent = way.mesh;
     bent.points = nearly.points;
     for (int v = 0, p = 0; v < SizeOf(in.views); ++v)
       if (cameras[v].found) cameras[v].camera_from_world = nearly.cameras[p++];
-    found = FindLateCameras(bent, in.texture, in.views, in.rig, cameras, &finding);
+    found = FindLateCameras(bent, in.texture, in.views, way.rig, cameras, &finding);
     late = late.value_or(0) + found;
   }
   return late;
 }
 
 /// Without a result if fewer than two photographs are placed.
-Attempt Try(const FitInput& in, std::vector<FoundCamera> cameras, double hold, Progress* progress) {
+Attempt Try(const FitInput& in, const Way& way, std::vector<FoundCamera> cameras,
+            Progress* progress) {
   Attempt attempt;
   SubProgress placing(progress, 0, 0.08), bending(progress, 0.08, 1);
-  attempt.late = PlaceLate(in, hold, cameras, &placing);
+  attempt.late = PlaceLate(in, way, cameras, &placing);
   attempt.placed = WithCameras(in.views, cameras);
   attempt.cameras = std::move(cameras);
   if (SizeOf(attempt.placed) < 2) return attempt;
   attempt.marks = MarksOf(in.picks, attempt.placed, in.unplaced, nullptr);
   BendOptions options;
-  options.hold_cameras = hold;
-  attempt.result = BendToViews(in.mesh, in.texture, in.stiffness, attempt.placed, attempt.marks,
+  options.hold_cameras = way.hold;
+  attempt.result = BendToViews(way.mesh, in.texture, in.stiffness, attempt.placed, attempt.marks,
                                options, &bending);
   return attempt;
 }
 
+Attempt TryOnRig(const FitInput& in, const Start& start, Progress* progress) {
+  Mesh moved = in.mesh;
+  for (Eigen::Index v = 0; v < moved.points.rows(); ++v)
+    moved.points.row(v) =
+        (start.on_rig->rig_from_template * in.mesh.points.row(v).transpose()).transpose();
+  return Try(in, {moved, in.rig, kHoldRig}, start.cameras, progress);
+}
+
 Attempt TryWithoutRig(const FitInput& in, const std::vector<FoundCamera>& cameras,
                       Progress* progress) {
+  const std::vector<View> none;
   std::vector<FoundCamera> sure = cameras;
   const bool doubtful = KeepSureCameras(sure);
   SubProgress first(progress, 0, doubtful ? 0.5 : 1), second(progress, 0.5, 1);
-  Attempt all = Try(in, cameras, 0, &first);
+  Attempt all = Try(in, {in.mesh, none, 0}, cameras, &first);
   if (!doubtful) return all;
-  constexpr double kClearly = 0.01;  // of the overlap with the masks
-  Attempt held = Try(in, sure, kHoldRig, &second);
+  Attempt held = Try(in, {in.mesh, none, kHoldRig}, sure, &second);
   held.doubtful_dropped = held.Overlap() > all.Overlap() + kClearly;
   all.doubtful_dropped = false;
   return *held.doubtful_dropped ? std::move(held) : std::move(all);
 }
 
+/// Mean overlap of all photographs. One that was not placed counts as one that hardly agrees.
+double Agreement(const Attempt& attempt) {
+  constexpr double kUnplaced = 0.85;
+  const int all = SizeOf(attempt.cameras), placed = SizeOf(attempt.placed);
+  return (placed * attempt.Overlap() + (all - placed) * kUnplaced) / std::max(1, all);
+}
+
 }  // namespace
+
+double Attempt::Overlap() const {
+  double sum = 0;
+  for (const ViewQuality& view : result.view_quality) sum += view.overlap;
+  return sum / std::max(1, SizeOf(result.view_quality));
+}
 
 Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
                               const Eigen::Vector2d& pixel) {
@@ -104,9 +136,32 @@ BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, co
   return marks;
 }
 
-Attempt FitPose(const FitInput& in, const std::vector<FoundCamera>& cameras, bool by_rig,
-                Progress* progress) {
-  return by_rig ? Try(in, cameras, kHoldRig, progress) : TryWithoutRig(in, cameras, progress);
+std::vector<Start> StartsOf(const std::vector<RigMotion>& motions, const std::vector<View>& rig,
+                            const std::vector<FoundCamera>& cameras) {
+  const bool clear = !motions.empty() && motions.front().clear;
+  std::vector<Start> starts;
+  for (int m = clear ? 0 : 1; m < SizeOf(motions); ++m)
+    starts.push_back({CamerasUnder(motions[m], rig, cameras), motions[m]});
+  if (!clear) starts.push_back({cameras, {}});
+  return starts;
+}
+
+Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress) {
+  Attempt best;
+  double most = 0;
+  for (int s = 0; s < SizeOf(starts); ++s) {
+    SubProgress part(progress, 1.0 * s / SizeOf(starts), (s + 1.0) / SizeOf(starts));
+    const Start& start = starts[s];
+    Attempt attempt =
+        start.on_rig ? TryOnRig(in, start, &part) : TryWithoutRig(in, start.cameras, &part);
+    // On the rig the figure also stands right, so cameras found one by one must do better.
+    const double agreement = Agreement(attempt) - (start.on_rig ? 0 : kClearly);
+    if (s > 0 && agreement <= most) continue;
+    most = agreement;
+    best = std::move(attempt);
+    best.start = s;
+  }
+  return best;
 }
 
 }  // namespace keypose::fit

@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
+#include "fit/cameras/rig_motions.h"
 #include "fit/picks/pose_picks.h"
 
 namespace keypose::fit {
@@ -20,13 +21,20 @@ struct FitInput {
   const Image8& texture;
   const Eigen::VectorXd& stiffness;
   const std::vector<PreparedView>& views;
-  std::vector<View> rig;  ///< empty: the photographs were not taken from its places
+  const std::vector<View>& rig;
   const PosePicks& picks;
   const Scene& unplaced;
 };
 
+/// From where an attempt begins.
+struct Start {
+  std::vector<FoundCamera> cameras;
+  std::optional<RigMotion> on_rig;  ///< nothing: the photographs were not taken from its places
+};
+
 /// One set of cameras, and the shape that goes with them.
 struct Attempt {
+  int start = 0;  ///< of which it comes
   std::vector<FoundCamera> cameras;
   std::optional<int> late;               ///< cameras found late; nothing if none was looked for
   std::optional<bool> doubtful_dropped;  ///< nothing if there were none
@@ -34,11 +42,8 @@ struct Attempt {
   BendMarks marks;
   BendResult result;
 
-  double Overlap() const {
-    double sum = 0;
-    for (const ViewQuality& view : result.view_quality) sum += view.overlap;
-    return sum / std::max(1, SizeOf(result.view_quality));
-  }
+  /// Of the outlines, mean of the photographs that were placed.
+  double Overlap() const;
 };
 
 /// Where a prepared view shows a pixel of its photograph.
@@ -50,13 +55,16 @@ Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
 BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
                   std::vector<std::string>* lost);
 
-/// Bends the template to the photographs whose cameras were found. The rig's cameras (`in.rig`)
-/// hold; without a rig they are solved for together with the shape, and again from the sure ones
-/// alone, which then hold: a camera of a part that bent away pulls all others with it. The outlines
-/// tell which is right.
-/// @param by_rig  whether the cameras are places of the rig
+/// The starts that are worth a try: the figure's likely motions on the rig (FindRigMotions), and
+/// each camera by itself where no motion is clear.
+std::vector<Start> StartsOf(const std::vector<RigMotion>& motions, const std::vector<View>& rig,
+                            const std::vector<FoundCamera>& cameras);
+
+/// Bends the template to the photographs whose cameras were found, from each start; the outlines
+/// tell which is right. On the rig, the figure is moved there first, and the rig's cameras hold.
+/// Without a rig they are solved for together with the shape, and again from the sure ones alone,
+/// which then hold: a camera of a part that bent away pulls all others with it.
 /// @return without a result if fewer than two photographs are placed
-Attempt FitPose(const FitInput& in, const std::vector<FoundCamera>& cameras, bool by_rig,
-                Progress* progress);
+Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress);
 
 }  // namespace keypose::fit

@@ -21,6 +21,7 @@
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
 #include "fit/cameras/late_cameras.h"
+#include "fit/cameras/rig_motions.h"
 #include "fit/contours/disagreement.h"
 #include "fit/fit_pose.h"
 #include "fit/outline_picture.h"
@@ -47,7 +48,7 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Bends the template into a few photographs of another pose.";
   spec.inputs = {
       {"template", "file", "the unwrapped template (.obj)", ""},
@@ -171,54 +172,45 @@ Scene SceneOf(const Scene& unplaced, const std::vector<BendView>& views,
   return scene;
 }
 
-/// Takes the rig's cameras for the photographs where most were taken by them; else each photograph
-/// keeps the camera that was found for it alone. Moves the template to where the figure stands.
-/// @return whether the rig's cameras were taken
-bool PlaceByRig(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
-                std::vector<FoundCamera>& cameras, Mesh& mesh) {
-  const RigMatch match = MatchRig(mesh, cameras, views, rig.views);
-  stage.Report("rig", match.found);
-  stage.Report("rig_agreeing", match.agreeing);
-  if (!match.found) {
-    const bool any = std::any_of(cameras.begin(), cameras.end(),
-                                 [](const FoundCamera& camera) { return camera.found; });
-    if (any)
+/// Which of the rig's cameras took the photographs, if they were taken by them.
+void ReportRig(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
+               const std::vector<RigMotion>& motions, const Start& start) {
+  stage.Report("rig", start.on_rig.has_value());
+  const int agreeing = start.on_rig      ? start.on_rig->agreeing
+                       : motions.empty() ? 0
+                                         : motions.front().agreeing;
+  stage.Report("rig_agreeing", agreeing);
+  if (!start.on_rig) {
+    if (!motions.empty())
       stage.Warn(fmt::format(
           "fit: the photographs were not taken from the template's camera places ({} of {} agree), "
           "so each camera is found by itself, and the pose may stand wrongly although outlines "
           "agree; if tripod and lens stood as for the template, compare the pose with the "
-          "template, "
-          "or scan it",
-          match.agreeing, cameras.size()));
-    return false;
+          "template, or scan it",
+          agreeing, views.size()));
+    return;
   }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (int i = 0; i < SizeOf(cameras); ++i)
-    if (match.rig_view[i] >= 0)
+  for (int i = 0; i < SizeOf(views); ++i)
+    if (start.on_rig->rig_view[i] >= 0)
       list.push_back({{"image", views[i].name},
-                      {"rig_image", rig.views[match.rig_view[i]].name},
-                      {"inliers", match.inliers[i]}});
+                      {"rig_image", rig.views[start.on_rig->rig_view[i]].name},
+                      {"inliers", start.on_rig->inliers[i]}});
   stage.ReportJson("rig_cameras", list.dump());
-  for (int i = 0; i < SizeOf(cameras); ++i) {
-    cameras[i].found = match.rig_view[i] >= 0;
-    if (cameras[i].found)
-      cameras[i].camera_from_world = rig.views[match.rig_view[i]].camera_from_world;
-  }
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    mesh.points.row(v) = (match.rig_from_template * mesh.points.row(v).transpose()).transpose();
-  return true;
 }
 
 /// Without a texture, and where picks have not found the rig: its cameras by outlines.
-/// @return whether any was found
-bool PlaceUntextured(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
-                     std::vector<FoundCamera>& cameras, const Mesh& mesh) {
-  const bool alone = std::none_of(cameras.begin(), cameras.end(),
-                                  [](const FoundCamera& camera) { return camera.found; });
-  if (!alone) return false;  // picks have found cameras that are none of the rig's
-  const int found = PlaceByOutlines(mesh, views, rig.views, cameras);
+/// @return nothing if none was found so
+std::optional<Start> StartByOutlines(StageContext& stage, const Scene& rig,
+                                     const std::vector<PreparedView>& views,
+                                     const std::vector<FoundCamera>& cameras, const Mesh& mesh) {
+  Start start{cameras, {}};
+  const int found = PlaceByOutlines(mesh, views, rig.views, start.cameras);
   stage.Report("placed_by_outlines", found);
-  return found > 0;
+  if (found == 0) return {};
+  start.on_rig.emplace();
+  start.on_rig->rig_view.assign(views.size(), -1);
+  return start;
 }
 
 /// Empty without one.
@@ -369,7 +361,7 @@ void WriteResult(StageContext& stage, Mesh mesh, const Scene& unplaced,
 }
 
 void Run(StageContext& stage, const FitStageOptions& options) {
-  Mesh mesh = ReadMesh(stage.Input("template"));
+  const Mesh mesh = ReadMesh(stage.Input("template"));
   RequireUsable(mesh, "fit: template");
   const Eigen::VectorXd stiffness = LoadStiffness(stage, mesh);
   const Image8 texture = LoadTexture(stage);
@@ -385,14 +377,19 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   std::optional<SurfaceFeatures> features;
   if (!texture.empty()) features.emplace(mesh, texture, SurfaceFeatureOptions(), &rendering);
   const auto picked = PicksByView(picks, views, unplaced);
-  std::vector<FoundCamera> cameras =
+  const std::vector<FoundCamera> cameras =
       FindCameras(mesh, features ? &*features : nullptr, views, picked, &finding);
   ReportCameras(stage, views, cameras);
-  const bool by_rig = PlaceByRig(stage, rig, views, cameras, mesh) ||
-                      (texture.empty() && PlaceUntextured(stage, rig, views, cameras, mesh));
-  const FitInput in{mesh,  texture, stiffness, views, by_rig ? rig.views : std::vector<View>(),
-                    picks, unplaced};
-  const Attempt attempt = FitPose(in, cameras, by_rig, &bending);
+  const std::vector<RigMotion> motions = FindRigMotions(mesh, cameras, views, rig.views);
+  std::vector<Start> starts = StartsOf(motions, rig.views, cameras);
+  // Motions are empty where no camera was found. Picks may have found some that are none of the
+  // rig's.
+  if (texture.empty() && motions.empty())
+    if (const auto start = StartByOutlines(stage, rig, views, cameras, mesh)) starts = {*start};
+  const FitInput in{mesh, texture, stiffness, views, rig.views, picks, unplaced};
+  const Attempt attempt = FitPose(in, starts, &bending);
+  stage.Report("starts", SizeOf(starts));
+  ReportRig(stage, rig, views, motions, starts[attempt.start]);
   if (attempt.doubtful_dropped) stage.Report("doubtful_cameras_dropped", *attempt.doubtful_dropped);
   if (attempt.late) stage.Report("images_placed_late", *attempt.late);
   RequirePlaced(stage, views, attempt.cameras);

@@ -22,6 +22,9 @@ struct FoundCamera {
   std::vector<FeatureMatch> picks;     ///< what a person picked in it
 };
 
+/// Features and picks of a photograph, the picks as often as they count.
+std::vector<FeatureMatch> AllMatches(const FoundCamera& camera);
+
 /// Each photograph by itself: the pose of the camera that agrees with most matches between the
 /// photograph and the textured template. The part of the figure that moved least with respect to
 /// the others decides; moved limbs are outliers.
@@ -35,21 +38,6 @@ std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures* fe
                                      const std::vector<PreparedView>& views,
                                      const std::vector<std::vector<FeatureMatch>>& picks,
                                      Progress* progress = nullptr);
-
-/// Which of the rig's cameras took each photograph, and how the figure was turned on the rig.
-struct RigMatch {
-  bool found = false;
-  std::vector<int> rig_view;  ///< one a photograph; -1: none of the rig's cameras
-  Rigid3 rig_from_template;   ///< from the template's place to the pose's
-  std::vector<int> inliers;   ///< one a photograph: matches that agree with its rig camera
-  int agreeing = 0;           ///< photographs with a rig camera
-};
-
-/// Recognises the rig, without regard to the order of photographs: the one motion of the figure
-/// under which most matches agree with cameras of the rig. A photograph whose own estimate follows
-/// the head where others follow the body still has matches on the body.
-RigMatch MatchRig(const Mesh& mesh, const std::vector<FoundCamera>& cameras,
-                  const std::vector<PreparedView>& views, const std::vector<View>& rig);
 
 /// Marks cameras as not found that few matches agree with, if three or more are sure. They may be
 /// those of another part of the figure, which bent away.
