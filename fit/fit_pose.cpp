@@ -43,10 +43,12 @@ std::optional<int> PlaceLate(const FitInput& in, const Way& way, std::vector<Fou
   options.only_far = true;
   options.hold_cameras = way.hold;
   std::optional<int> late;
-  for (int found = 1; found > 0;) {
+  double begin = 0;  // of this round, in the progress; nobody knows how many there will be
+  for (int found = 1; found > 0; begin = (1 + begin) / 2) {
     const std::vector<BendView> placed = WithCameras(in.views, cameras);
     if (SizeOf(placed) == SizeOf(in.views) || SizeOf(placed) < kFewest) break;
-    SubProgress bending(progress, 0, 0.6), finding(progress, 0.6, 1);
+    SubProgress round(progress, begin, (1 + begin) / 2), bending(&round, 0, 0.6),
+        finding(&round, 0.6, 1);
     const BendMarks marks = MarksOf(in.picks, placed, in.unplaced, nullptr);
     const BendResult nearly =
         BendToViews(way.mesh, in.texture, in.stiffness, placed, marks, options, &bending);
@@ -101,8 +103,9 @@ Attempt TryWithoutRig(const FitInput& in, const std::vector<FoundCamera>& camera
 
 /// Mean overlap of all photographs. One that was not placed counts as one that hardly agrees.
 double Agreement(const Attempt& attempt) {
-  constexpr double kUnplaced = 0.85;
+  constexpr double kUnplaced = 0.85, kNone = -1;
   const int all = SizeOf(attempt.cameras), placed = SizeOf(attempt.placed);
+  if (attempt.result.points.rows() == 0) return kNone;
   return (placed * attempt.Overlap() + (all - placed) * kUnplaced) / std::max(1, all);
 }
 

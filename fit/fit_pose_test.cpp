@@ -49,6 +49,14 @@ TEST_F(FitPoseStarts, APhotographWithoutACameraCountsAgainstAStart) {
   EXPECT_EQ(attempt.placed.size(), 4u);
 }
 
+TEST_F(FitPoseStarts, OneWithoutCamerasIsNotTaken) {
+  texture_ = {};
+  mesh_.points *= 1.8;  // so the outlines agree badly
+  const Attempt attempt = Fitted({On(0, {0, -1, -1, -1}), On(0, {0, 2, 3, 6})});
+  EXPECT_EQ(attempt.start, 1);
+  EXPECT_EQ(Fitted({On(0, {0, -1, -1, -1})}).placed.size(), 1u);
+}
+
 TEST(StartsOf, EachCameraByItselfOnlyWhereNoMotionIsClear) {
   const std::vector<FoundCamera> cameras(1);
   const std::vector<View> rig(1);

@@ -360,6 +360,36 @@ void WriteResult(StageContext& stage, Mesh mesh, const Scene& unplaced,
     WriteImage(path, OutlinePicture(mesh, views, result.cameras, marks.pixels));
 }
 
+/// @return mean overlap of silhouettes and masks
+double ReportAttempt(StageContext& stage, const Mesh& mesh, const Scene& unplaced,
+                     const Attempt& attempt) {
+  const BendResult& result = attempt.result;
+  Mesh fitted = mesh;
+  fitted.points = result.points;
+  const double overlap = ReportViews(stage, attempt.placed, result,
+                                     WorstPlaces(fitted, attempt.placed, result.cameras, unplaced));
+  ReportMarks(stage, attempt.marks, result, attempt.placed,
+              SceneOf(unplaced, attempt.placed, result.cameras), BoundingDiagonal(mesh.points));
+  ReportShape(stage, result);
+  return overlap;
+}
+
+/// Fits from all starts that are worth a try, and reports where the cameras of the best one are.
+Attempt FitFromStarts(StageContext& stage, const FitInput& in, const Scene& rig,
+                      const std::vector<FoundCamera>& cameras, Progress* progress) {
+  const std::vector<RigMotion> motions = FindRigMotions(in.mesh, cameras, in.views, rig.views);
+  std::vector<Start> starts = StartsOf(motions, rig.views, cameras);
+  // Motions are empty where no camera was found. Picks may have found some that are none of the
+  // rig's.
+  if (in.texture.empty() && motions.empty())
+    if (const auto start = StartByOutlines(stage, rig, in.views, cameras, in.mesh))
+      starts = {*start};
+  Attempt attempt = FitPose(in, starts, progress);
+  stage.Report("starts", SizeOf(starts));
+  ReportRig(stage, rig, in.views, motions, starts[attempt.start]);
+  return attempt;
+}
+
 void Run(StageContext& stage, const FitStageOptions& options) {
   const Mesh mesh = ReadMesh(stage.Input("template"));
   RequireUsable(mesh, "fit: template");
@@ -380,33 +410,16 @@ void Run(StageContext& stage, const FitStageOptions& options) {
   const std::vector<FoundCamera> cameras =
       FindCameras(mesh, features ? &*features : nullptr, views, picked, &finding);
   ReportCameras(stage, views, cameras);
-  const std::vector<RigMotion> motions = FindRigMotions(mesh, cameras, views, rig.views);
-  std::vector<Start> starts = StartsOf(motions, rig.views, cameras);
-  // Motions are empty where no camera was found. Picks may have found some that are none of the
-  // rig's.
-  if (texture.empty() && motions.empty())
-    if (const auto start = StartByOutlines(stage, rig, views, cameras, mesh)) starts = {*start};
   const FitInput in{mesh, texture, stiffness, views, rig.views, picks, unplaced};
-  const Attempt attempt = FitPose(in, starts, &bending);
-  stage.Report("starts", SizeOf(starts));
-  ReportRig(stage, rig, views, motions, starts[attempt.start]);
+  const Attempt attempt = FitFromStarts(stage, in, rig, cameras, &bending);
   if (attempt.doubtful_dropped) stage.Report("doubtful_cameras_dropped", *attempt.doubtful_dropped);
   if (attempt.late) stage.Report("images_placed_late", *attempt.late);
   RequirePlaced(stage, views, attempt.cameras);
   WarnOfUnusedPicks(stage, picks, attempt.placed, unplaced);
   stage.Report("images_total", SizeOf(set.images));
   stage.Report("images_placed", SizeOf(attempt.placed));
-  const std::vector<BendView>& placed = attempt.placed;
-  const BendMarks& marks = attempt.marks;
-  const BendResult& result = attempt.result;
-  Mesh fitted = mesh;
-  fitted.points = result.points;
-  const double overlap =
-      ReportViews(stage, placed, result, WorstPlaces(fitted, placed, result.cameras, unplaced));
-  ReportMarks(stage, marks, result, placed, SceneOf(unplaced, placed, result.cameras),
-              BoundingDiagonal(mesh.points));
-  ReportShape(stage, result);
-  WriteResult(stage, mesh, unplaced, placed, marks, result);
+  const double overlap = ReportAttempt(stage, mesh, unplaced, attempt);
+  WriteResult(stage, mesh, unplaced, attempt.placed, attempt.marks, attempt.result);
   if (overlap < options.min_iou)
     throw QualityError(fmt::format(
         "fit: the bent template overlaps with the photographs' masks by {:.2f} only (IoU; "

@@ -266,7 +266,7 @@ std::string RunPerformance(const PerformanceCommand& command, Progress* progress
   WriteFile(command.output / "calibration.yml", OpenCvYaml(shot));
   WriteFile(command.output / "held_out" / "calibration.yml", OpenCvYaml(held_out));
   WriteFile(command.output / "truth" / "joints.csv", JointsCsv(performer));
-  WriteBvh(command.output / "truth" / "motion.bvh", clip);
+  WriteBvh(command.output / "truth" / "motion.bvh", performer.clip());
   if (command.mesh_spacing_m > 0) WriteTrueFrames(command, clip, performer);
   const Filming writer(command, performer, views);
   writer.WritePlates();

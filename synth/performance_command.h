@@ -37,7 +37,7 @@ struct PerformanceCommand {
 /// - held_out/cam9/..., held_out/calibration.yml: one more camera, which the shot lacks
 /// - truth/masks/cam1/000.png ...: without noise, also of the held-out camera
 /// - truth/frames/frame_0000.ply ..., distortion.json, where a spacing is given: the actor's mesh
-/// - truth/joints.csv: frame, joint, x, y, z [m]; truth/motion.bvh: the clip that was used
+/// - truth/joints.csv: frame, joint, x, y, z [m]; truth/motion.bvh: the motion as filmed, metres
 /// @return one line about the written files
 /// @throws UsageError, InputError, DiskError
 std::string RunPerformance(const PerformanceCommand& command, Progress* progress = nullptr);

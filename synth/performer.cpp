@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/size_of.h"
 #include "core/srgb.h"
+#include "synth/flesh.h"
+#include "synth/free_arms.h"
 #include "synth/noise.h"
 #include "synth/polygonize.h"
 
@@ -19,38 +20,6 @@ using Eigen::Vector3d;
 
 // Lengths of the average person that the clip's own unit is scaled to.
 constexpr double kLegLength = 0.80;  // [m] hip to ankle
-
-/// A round cone of flesh or cloth between two points of a joint's bind frame.
-struct Flesh {
-  int joint = 0;
-  Vector3d a, b;  // in the bind pose's world [m]
-  double ra = 0, rb = 0;
-  bool cloth = false;
-  Vector3d color;  // linear RGB
-};
-
-double FleshDistance(const Flesh& lump, const Vector3d& x) {
-  const Vector3d axis = lump.b - lump.a;
-  const double length2 = axis.squaredNorm();
-  const double h = length2 > 0 ? std::clamp((x - lump.a).dot(axis) / length2, 0.0, 1.0) : 0.0;
-  return (x - lump.a - h * axis).norm() - (lump.ra + h * (lump.rb - lump.ra));
-}
-
-double FleshMin(double a, double b, double width) {
-  const double h = std::max(width - std::abs(a - b), 0.0) / width;
-  return std::min(a, b) - h * h * width / 4;
-}
-
-constexpr double kFleshFillet = 0.03;  // [m]
-
-double BodyDistance(const std::vector<Flesh>& lumps, const Vector3d& x) {
-  double distance = std::numeric_limits<double>::infinity();
-  for (const Flesh& lump : lumps) {
-    const double d = FleshDistance(lump, x);
-    distance = std::isinf(distance) ? d : FleshMin(distance, d, kFleshFillet);
-  }
-  return distance;
-}
 
 int RequiredJoint(const MotionClip& clip, const std::string& name) {
   const int joint = clip.Find(name);
@@ -84,18 +53,6 @@ MotionClip BindClip(const MotionClip& clip) {
       ++column;
     }
   return bind;
-}
-
-// x right, y up, z to the viewer becomes z up.
-Rigid3 Upright(const Rigid3& frame) {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
-  return {(turn * frame.rotation).normalized(), turn * frame.translation};
-}
-
-std::vector<Rigid3> UprightFrames(const MotionClip& clip, int frame) {
-  std::vector<Rigid3> frames = JointFrames(clip, frame);
-  for (Rigid3& f : frames) f = Upright(f);
-  return frames;
 }
 
 /// Lays lumps of flesh and cloth along the bones of the bind pose.
@@ -246,6 +203,7 @@ Performer::Performer(const MotionClip& clip, const PerformerOptions& options)
   const MotionClip bind = BindClip(clip_);
   world_from_bind_ = UprightFrames(bind, 0);
   const std::vector<Flesh> lumps = Dresser(clip_, world_from_bind_, &random).Dress();
+  FreeArms(lumps, world_from_bind_, &clip_);
   Vector3d low = lumps[0].a, high = lumps[0].a;
   for (const Flesh& lump : lumps)
     for (const auto& [x, r] : {std::pair{lump.a, lump.ra}, {lump.b, lump.rb}})

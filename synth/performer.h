@@ -36,6 +36,8 @@ class Performer {
   void PlaceAs(const Performer& other) { shift_ = other.shift_; }
 
   int frame_count() const { return clip_.frame_count(); }
+  /// The motion as it is filmed: metres, with arms that stay outside of the trunk (FreeArms).
+  const MotionClip& clip() const { return clip_; }
   /// Faces, and the paint of the vertices without light, sRGB.
   const Mesh& bind() const { return bind_; }
   /// Vertices in a frame [m], z up; the lowest point of all frames is on z = 0, the middle of the
