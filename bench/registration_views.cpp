@@ -21,6 +21,7 @@
 #include "core/io/mesh_io.h"
 #include "core/kd_tree.h"
 #include "core/render.h"
+#include "core/same_faces.h"
 
 namespace keypose {
 namespace {
@@ -92,7 +93,7 @@ std::vector<Image8> Row(const Direction& direction, const std::vector<std::strin
                                Render(target, of_target, plain)};
   for (std::size_t i = 2; i < paths.size(); ++i) {
     const Mesh mesh = ReadMesh(paths[i]);
-    if (mesh.faces != source.faces)
+    if (!SameFaces(mesh.faces, source.faces))
       throw InputError(paths[i] + " does not have the faces of " + paths[0] +
                        "; register it first");
     RenderOptions options = painted;

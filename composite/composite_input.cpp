@@ -12,6 +12,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 
 namespace keypose::composite {
@@ -34,7 +35,7 @@ void ReadFrames(const fs::path& folder, double fps, CompositeInput* input, Progr
     ReportProgress(progress, 0.1 * SizeOf(input->frames) / SizeOf(paths), "reading frames");
     input->frames.push_back(ReadMesh(path));
     const Mesh& first = input->frames.front();
-    if (input->frames.back().faces != first.faces ||
+    if (!SameFaces(input->frames.back().faces, first.faces) ||
         input->frames.back().points.rows() != first.points.rows())
       throw InputError(
           fmt::format("composite: {} has other faces than the first frame; all frames "

@@ -18,6 +18,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 
 namespace keypose::composite {
@@ -162,7 +163,7 @@ void ReadMeshes(const std::vector<fs::path>& files, const Shows& shows,
     if (added) {
       Mesh read = ReadMesh(files[mesh]);
       RequireUsable(read, "locate: " + files[mesh].filename().string());
-      if (!input.shot.poses.empty() && read.faces != input.mesh.faces)
+      if (!input.shot.poses.empty() && !SameFaces(read.faces, input.mesh.faces))
         throw InputError("locate: " + files[mesh].string() +
                          " has other faces than the first mesh; pass poses that register or fit "
                          "made from one template");

@@ -10,6 +10,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 
 namespace keypose::exporting {
@@ -33,7 +34,7 @@ void TakeLayout(const fs::path& path, Scene& scene) {
   Mesh& first = scene.frames.front();
   if (first.has_uvs()) return;
   const Mesh layout = ReadMesh(path);
-  if (layout.faces != first.faces || !layout.has_uvs())
+  if (!SameFaces(layout.faces, first.faces) || !layout.has_uvs())
     throw InputError(
         "export: the layout " + PrintableName(path) +
         (layout.has_uvs() ? " has other faces than the frames" : " has no texture coordinates") +

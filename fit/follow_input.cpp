@@ -8,6 +8,7 @@
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "views/atlas/atlas.h"
 #include "views/shot/rig.h"
@@ -55,7 +56,7 @@ void FollowInput::ReadFirst(StageContext& stage) {
   if (stage.Has("layout")) {
     const Mesh layout = ReadMesh(stage.Input("layout"));
     const std::string name = stage.Input("layout").filename().string();
-    if (layout.faces != mesh_.faces)
+    if (!SameFaces(layout.faces, mesh_.faces))
       throw InputError("follow: " + name +
                        " has other faces than the frames; unwrap frame_0000.ply itself");
     mesh_.uvs = layout.uvs, mesh_.uv_faces = layout.uv_faces;
@@ -73,7 +74,7 @@ PointsX3 FollowInput::Points(int frame) const {
   if (frame == 0) return mesh_.points;
   const fs::path& path = paths_[frame];
   Mesh mesh = ReadMesh(path);
-  if (mesh.points.rows() != mesh_.points.rows() || mesh.faces != mesh_.faces)
+  if (mesh.points.rows() != mesh_.points.rows() || !SameFaces(mesh.faces, mesh_.faces))
     throw InputError("follow: " + path.filename().string() +
                      " does not have the faces of the first frame; all frames must be of one mesh");
   RequireFinite(mesh.points, "follow: " + path.filename().string());

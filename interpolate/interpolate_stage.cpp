@@ -11,6 +11,7 @@
 #include "core/io/regions_io.h"
 #include "core/io/timeline.h"
 #include "core/mesh_checks.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
@@ -78,8 +79,7 @@ std::vector<Mesh> LoadKeys(StageContext& stage) {
     keys.push_back(ReadMesh(path));
     const Mesh& key = keys.back();
     RequireUsable(key, "interpolate: key '" + path.filename().string() + "'");
-    if (key.faces.rows() != keys[0].faces.rows() || key.faces != keys[0].faces ||
-        key.points.rows() != keys[0].points.rows())
+    if (!SameFaces(key.faces, keys[0].faces) || key.points.rows() != keys[0].points.rows())
       throw InputError(
           "interpolate: key '" + path.filename().string() +
           "' does not have the faces of the first key; register all poses from one template");

@@ -14,6 +14,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "motion/transfer.h"
@@ -198,8 +199,7 @@ void ReportRun(StageContext& stage, const TransferReport& report,
 
 Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
   Mesh frame = ReadMesh(path);
-  if (frame.points.rows() != reference.points.rows() ||
-      frame.faces.rows() != reference.faces.rows() || frame.faces != reference.faces)
+  if (frame.points.rows() != reference.points.rows() || !SameFaces(frame.faces, reference.faces))
     throw InputError("transfer: " + path.filename().string() +
                      " of the template does not have the faces of its reference; all frames must "
                      "be of one mesh");

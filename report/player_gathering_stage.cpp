@@ -10,6 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "report/player_data.h"
 
@@ -142,7 +143,7 @@ std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::stri
   const StepRecord* first = run.Find("bake", run.template_pose);
   if (!first || first->Input("mesh").empty()) return {};
   const Mesh baked = ReadMesh(first->Input("mesh"));
-  if (baked.faces.rows() != mesh.faces.rows() || baked.faces != mesh.faces) return {};
+  if (!SameFaces(baked.faces, mesh.faces)) return {};
   mesh.uvs = baked.uvs;
   mesh.uv_faces = baked.uv_faces;
   std::vector<Image8> textures;

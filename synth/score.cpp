@@ -12,6 +12,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "core/surface_distance.h"
 
@@ -113,7 +114,7 @@ Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarit
 
 CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b,
                                         const Mesh& template_a, const PointsX3& registered_b) {
-  if (truth_a.points.rows() != truth_b.points.rows() || truth_a.faces != truth_b.faces)
+  if (truth_a.points.rows() != truth_b.points.rows() || !SameFaces(truth_a.faces, truth_b.faces))
     throw InputError(
         "synth: the true surfaces are not two poses of one world; render them together");
   RequireOnePerVertex(registered_b.rows(), template_a.points.rows(),

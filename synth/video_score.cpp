@@ -16,6 +16,7 @@
 #include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/render.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 
 namespace keypose::synth {
@@ -56,7 +57,7 @@ Mesh WithUvs(const VideoScoreCommand& command, const fs::path& first) {
   Mesh mesh = ReadMesh(first);
   if (!command.layout.empty()) {
     const Mesh layout = ReadMesh(command.layout);
-    if (layout.faces != mesh.faces)
+    if (!SameFaces(layout.faces, mesh.faces))
       throw InputError("synth: the layout has other faces than the frames");
     mesh.uvs = layout.uvs, mesh.uv_faces = layout.uv_faces;
   }

@@ -156,8 +156,10 @@ class Lesson {
     lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     if (looked_.empty()) return;
     for (Looked& look : looked_) Normalise(&look);
-    if (!given_.empty())
-      given_ = Scaled(std::move(given_), ExposureOf(lessons_.plate.light, given_, {}));
+    if (!given_.empty()) {
+      const Vector3d exposure = ExposureOf(lessons_.plate.light, given_, {});
+      given_ = Scaled(std::move(given_), exposure);
+    }
     lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
   }
 

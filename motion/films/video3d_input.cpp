@@ -8,6 +8,7 @@
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/same_faces.h"
 #include "core/size_of.h"
 #include "motion/video3d/depth_view.h"
 #include "views/shot/rig.h"
@@ -97,7 +98,8 @@ void Video3dInput::ReadMeshes(StageContext& stage) {
     Mesh mesh = ReadMesh(path);
     if (meshes_.empty())
       RequireUsable(mesh, "video3d: " + path.filename().string());
-    else if (mesh.points.rows() != meshes_[0].points.rows() || mesh.faces != meshes_[0].faces)
+    else if (mesh.points.rows() != meshes_[0].points.rows() ||
+             !SameFaces(mesh.faces, meshes_[0].faces))
       throw InputError("video3d: " + path.filename().string() +
                        " does not have the faces of the first frame; all frames must be of one "
                        "mesh");
@@ -108,7 +110,7 @@ void Video3dInput::ReadMeshes(StageContext& stage) {
   Mesh& first = meshes_.front();
   if (stage.Has("layout")) {
     const Mesh layout = ReadMesh(stage.Input("layout"));
-    if (layout.faces != first.faces || !layout.has_uvs())
+    if (!SameFaces(layout.faces, first.faces) || !layout.has_uvs())
       throw InputError("video3d: " + stage.Input("layout").filename().string() +
                        (layout.has_uvs()
                             ? " has other faces than the frames; unwrap frame_0000.ply "

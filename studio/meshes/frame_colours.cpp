@@ -10,6 +10,7 @@
 #include "core/file_names.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/same_faces.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
 #include "studio/project/photographs.h"
@@ -45,7 +46,7 @@ std::vector<fs::path> PaintedTextures(Snapshot& snapshot, const std::string& sho
 
 /// Whether each corner of each face lies at the same place in both.
 bool SameLayout(const Mesh& one, const Mesh& two) {
-  if (!one.has_uvs() || !two.has_uvs() || one.faces != two.faces) return false;
+  if (!one.has_uvs() || !two.has_uvs() || !SameFaces(one.faces, two.faces)) return false;
   for (Eigen::Index f = 0; f < one.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const auto apart = one.uvs.row(one.uv_faces(f, k)) - two.uvs.row(two.uv_faces(f, k));
@@ -114,7 +115,7 @@ Mesh FrameWithLayout(Snapshot& snapshot, const std::string& shot, Mesh frame) {
   const auto file = snapshot.ResultPath("layout", shot, "unwrapped");
   if (!file) return frame;
   Mesh layout = ReadMesh(*file);
-  if (!layout.has_uvs() || layout.faces != frame.faces) return frame;
+  if (!layout.has_uvs() || !SameFaces(layout.faces, frame.faces)) return frame;
   frame.uvs = std::move(layout.uvs);
   frame.uv_faces = std::move(layout.uv_faces);
   return frame;
