@@ -1,13 +1,13 @@
 #include "synth/free_arms.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/rotations.h"
 #include "core/size_of.h"
 
 namespace keypose::synth {
@@ -25,17 +25,6 @@ Flesh Moved(Flesh lump, const Rigid3& move) {
   lump.a = move * lump.a;
   lump.b = move * lump.b;
   return lump;
-}
-
-Quaterniond TurnBy(const Vector3d& vector) {
-  const double angle = vector.norm();
-  if (angle < 1e-12) return Quaterniond::Identity();
-  return Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
-}
-
-Vector3d VectorOf(const Quaterniond& turn) {
-  const Eigen::AngleAxisd about(turn);
-  return about.angle() * about.axis();
 }
 
 /// One arm and the trunk in one frame.
@@ -77,7 +66,7 @@ Quaterniond Posed::Outside(Quaterniond turn) const {
     // A turn by `axis` times t moves the place outwards by |axis|^2 t.
     const Vector3d wanted = axis * (deepest / std::max(axis.squaredNorm(), 1e-4));
     const double factor = std::min(1.0, kMostTurn / std::max(wanted.norm(), 1e-12));
-    turn = (TurnBy(factor * wanted) * turn).normalized();
+    turn = (QuaternionOf(factor * wanted) * turn).normalized();
   }
   return turn;
 }
@@ -119,9 +108,10 @@ class Arm {
     for (int pass = 0; pass < kSmoothPasses; ++pass) {
       std::vector<Vector3d> more(frames);
       ParallelFor(frames, [&](std::int64_t f) {
-        more[f] = VectorOf(posed[f].Outside(turns[f]) * turns[f].conjugate());
+        more[f] = LogOf(posed[f].Outside(turns[f]) * turns[f].conjugate());
       });
-      for (int f = 0; f < frames; ++f) turns[f] = (TurnBy(Smooth(more, f)) * turns[f]).normalized();
+      for (int f = 0; f < frames; ++f)
+        turns[f] = (QuaternionOf(Smooth(more, f)) * turns[f]).normalized();
     }
     for (int f = 0; f < frames; ++f) Write(f, posed[f].Outside(turns[f]));
   }
@@ -161,7 +151,7 @@ class Arm {
   /// Turns the shoulder in the world, z up.
   void Write(int frame, const Quaterniond& turn) {
     constexpr double kNothing = 1e-6;
-    if (VectorOf(turn).norm() < kNothing) return;
+    if (LogOf(turn).norm() < kNothing) return;
     const std::vector<Rigid3> frames = UprightFrames(clip_, frame);
     const int parent = clip_.joints[shoulder_].parent;
     const Quaterniond local =
