@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "core/same_faces.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -14,6 +15,17 @@ TEST(Geometry, BoxHasItsAreaVolumeAndDiagonal) {
   EXPECT_NEAR(SurfaceArea(box.points, box.faces), 22, 1e-12);
   EXPECT_NEAR(SignedVolume(box.points, box.faces), 6, 1e-12);
   EXPECT_NEAR(BoundingDiagonal(box.points), std::sqrt(14.0), 1e-12);
+}
+
+TEST(Geometry, FacesAreTheSameOnlyWithEqualNumbersAndOrder) {
+  const Mesh box = MakeBox(1, 2, 3);
+  EXPECT_TRUE(SameFaces(box.faces, MakeBox(3, 2, 1).faces));
+  const FacesX3 fewer = box.faces.topRows(box.faces.rows() - 1);
+  EXPECT_FALSE(SameFaces(box.faces, fewer));
+  EXPECT_FALSE(SameFaces(fewer, box.faces));
+  FacesX3 swapped = box.faces;
+  swapped.row(0).swap(swapped.row(1));
+  EXPECT_FALSE(SameFaces(box.faces, swapped));
 }
 
 TEST(Geometry, VolumeOfAFarAwayMeshKeepsItsDigits) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/rotations.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
 
@@ -91,9 +92,7 @@ Rigid3 Improved(const std::vector<Sightings>& sightings, const std::vector<View>
     }
     h.diagonal().array() += 1e-9 * h.trace() + 1e-300;
     const Eigen::Matrix<double, 6, 1> step = -h.ldlt().solve(g);
-    const double angle = step.head<3>().norm();
-    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-    if (angle > 1e-15) rotation = Eigen::AngleAxisd(angle, step.head<3>() / angle);
+    const Eigen::Quaterniond rotation = QuaternionOf(step.head<3>());
     improved = {(rotation * improved.rotation).normalized(),
                 rotation * improved.translation + step.tail<3>()};
   }

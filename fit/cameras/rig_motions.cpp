@@ -84,7 +84,7 @@ class MotionSearch {
     std::vector<RigMotion> motions = {first};
     RigMotion stayed;
     Assign(sightings_, rig_, stayed);
-    if (!IsNew(mesh_, stayed, motions)) return motions;
+    if (first.clear && !IsNew(mesh_, stayed, motions)) return motions;
     if (stayed.agreeing >= kFewest) motions.push_back(stayed);
     if (const RigMotion common = MostCommon();
         2 * common.agreeing >= SizeOf(sightings_) && IsNew(mesh_, common, motions))

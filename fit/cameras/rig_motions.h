@@ -17,9 +17,9 @@ namespace keypose::fit {
 /// nearly as good the least is taken: on an even turntable a figure turned by one step looks like
 /// one that stayed, under the next camera.
 ///
-/// The half of a figure that has more texture may have turned. So, unless the first motion is that
-/// the figure stayed, others follow that can be tried too: that it stayed, if two photographs
-/// agree, and the one with which most photographs agree, if it is half of them.
+/// The half of a figure that has more texture may have turned. So, unless the first motion is
+/// clear and is that the figure stayed, others follow that can be tried too: that it stayed, if two
+/// photographs agree, and the one with which most photographs agree, if it is half of them.
 ///
 /// @return empty if no camera was found
 /// Same bits for any thread count.

@@ -94,6 +94,18 @@ TEST_F(RigMotions, ThatItStayedIsTriedTooWhereAnotherHalfHasMoreMatches) {
   EXPECT_EQ(found[1].rig_view, (std::vector<int>{-1, -1, 2, 7}));
 }
 
+TEST_F(RigMotions, ThatItStayedIsTriedTooWhereItIsLikeliestButNotClear) {
+  Add(5, Rigid3(), 40, Rigid3(), 30);
+  Add(0, Rigid3(), 35, Rigid3(), 30);
+  for (const int i : {2, 7, 3}) Add(i, Rigid3(), 3, Rigid3(), 2);
+  const std::vector<RigMotion> found = Found();
+  ASSERT_GE(found.size(), 2u);
+  EXPECT_LT(Degrees(found[0]), 0.01);
+  EXPECT_FALSE(found[0].clear) << "two photographs of five agree";
+  EXPECT_EQ(Degrees(found[1]), 0);
+  EXPECT_EQ(found[1].rig_view, (std::vector<int>{5, 0, -1, -1, -1}));
+}
+
 TEST_F(RigMotions, OnePhotographWithManyMatchesDoesNotOutvoteTheOthers) {
   const Rigid3 turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ())),
                       Eigen::Vector3d(0.2, -0.1, 0)};
