@@ -35,6 +35,10 @@ echo "== baked: hard stops on twos, and smooth between the same frames as keys"
 "$keypose" armature bake $puppet --curves "$take/curves.json" --between smooth \
   --frames "$out/smooth" --overwrite
 
+echo "== over the plate, lit by a lamp from the left"
+"$keypose" composite --frames "$take/frames" --shot "$files/shot.json" --plate "$files/plate.png" \
+  --set "$files/set.ply" --pictures "$out/over" --lamp 0.6 --lamp_from -60 --lamp_height 40 --overwrite
+
 echo "== exported"
 "$keypose" export --frames "$take/frames" --animation "$out/animation" --formats glb,video --overwrite
 ls "$out/animation"

@@ -56,13 +56,35 @@ std::vector<double> WeightsAt(double t, const std::vector<int>& of_key, int coun
   return weights;
 }
 
+/// One colour all over: the mean of the vertices', or that of clay.
+Looks PlainLooks(const Mesh& mesh) {
+  Image8 colour(1, 1, 3);
+  const Eigen::RowVector3d mean = mesh.colors.rows() > 0
+                                      ? mesh.colors.cast<double>().colwise().mean().eval()
+                                      : Eigen::RowVector3d(190, 182, 170);
+  for (int c = 0; c < 3; ++c) colour.data[c] = static_cast<std::uint8_t>(std::lround(mean[c]));
+  Looks looks;
+  looks.plain = true;
+  looks.faces = mesh.faces;
+  looks.uvs = UvsX2::Constant(1, 2, 0.5);
+  looks.uv_faces = FacesX3::Zero(mesh.faces.rows(), 3);
+  looks.textures.push_back(LinearOf(colour));
+  return looks;
+}
+
 void ReadLooks(StageContext& stage, CompositeInput* input) {
   const Mesh& first = input->frames.front();
+  Looks& looks = input->looks;
+  if (!stage.Has("textures")) {
+    looks = PlainLooks(first);
+    stage.Note("composite: without textures the character has one colour all over");
+    return;
+  }
   if (!first.has_uvs())
     throw InputError(
-        "composite: the frames have no texture coordinates, so the character has no colours; make "
-        "them from the unwrapped template");
-  Looks& looks = input->looks;
+        "composite: the frames have no texture coordinates, so the textures cannot be laid on; "
+        "make the frames from the unwrapped template, or leave the textures out for a character of "
+        "one colour");
   looks.faces = first.faces, looks.uvs = first.uvs, looks.uv_faces = first.uv_faces;
   const std::vector<fs::path> paths = stage.Inputs("textures");
   std::vector<std::string> contents;

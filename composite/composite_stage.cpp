@@ -22,6 +22,7 @@ struct CompositeOptions {
   double fps = 24;
   std::string format = "png";
   bool follow = false;
+  StatedLight light;
   bool shadow = true, grain = true, video = true, compare = true, blender = true;
 
   void Describe(keypose::OptionVisitor& visit) {
@@ -43,6 +44,27 @@ struct CompositeOptions {
            "filmed frames beside them",
            ""});
     visit("shadow", shadow, {"the character's shadow on the table", ""});
+    visit(
+        "lamp", light.lamp,
+        {"where no filmed frame shows the character: share of the light that comes from a lamp; 0: "
+         "an even sky",
+         "",
+         0,
+         1,
+         {}});
+    visit("lamp_from", light.from_deg,
+          {"where that lamp stands: 0 on the camera's side, 90 to the right, -90 to the left, 180 "
+           "behind",
+           "deg",
+           -180,
+           180,
+           {}});
+    visit("lamp_height", light.height_deg, {"its height above the table", "deg", 10, 90, {}});
+    visit(
+        "lamp_size", light.size_deg,
+        {"how large it looks from the table; the larger, the softer the shadow", "deg", 1, 90, {}});
+    visit("brightness", light.brightness,
+          {"of the character over its textures, where no filmed frame shows it", "", 0.1, 10, {}});
     visit("grain", grain, {"the film's grain on rendered pictures", ""});
     visit("video", video, {"write shot.mp4", ""});
     visit(
@@ -55,14 +77,16 @@ struct CompositeOptions {
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "3",
+    .version = "4",
     .summary = "Renders in-betweens into a filmed shot.",
     .inputs = {{.name = "frames",
                 .kind = "folder",
                 .help = "the animation's frames (frame_0000.ply, ..., distortion.json)"},
                {.name = "textures",
                 .kind = "file",
-                .help = "texture of each key, in the keys' order; or one for all",
+                .help = "texture of each key, in the keys' order; or one for all; else the "
+                        "character has one colour",
+                .optional = true,
                 .repeatable = true},
                {.name = "shot", .kind = "file", .help = "camera and places (.json), of `locate`"},
                {.name = "plate",
@@ -187,8 +211,9 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   const CompositeInput input = ReadCompositeInput(stage, options.fps);
   ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
   const Film film = FilmOf(input, geometry);
-  const FilmLessons lessons = LearnFromFilm(geometry, input.looks, film,
-                                            {options.samples, options.follow}, stage.progress());
+  const FilmLessons lessons =
+      LearnFromFilm(geometry, input.looks, film, {options.samples, options.follow, options.light},
+                    stage.progress());
   geometry.SetShifts(lessons.shifts);
   ReportLessons(stage, lessons);
   OutputOptions output;

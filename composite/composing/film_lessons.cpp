@@ -231,6 +231,10 @@ class Lesson {
   void LearnShadow() {
     ReportProgress(progress_, 0.6, "shadow");
     const std::vector<ShadowSamples> samples = AllSamples();
+    if (looked_.empty()) {
+      lessons_.shadow.strength = ShadowOf(options_.stated, geometry_.ViewAt(0), table_.up);
+      return;
+    }
     lessons_.shadow = FitShadow(samples, table_);
     if (lessons_.shadow.explained < kLeastExplained) return ForgetShadow(!samples.empty());
     for (Looked& look : looked_) look.kept = KeptOf(look, table_);
@@ -262,10 +266,26 @@ class Lesson {
                                       looks_.faces, *look.scene, look.view,
                                       kCompareBlur * camera_.width));
     }
+    if (observed.empty()) return StateLight();
     lessons_.light = FitShotLight(observed, looks_.faces);
-    if (observed.empty())
+    if (options_.stated != StatedLight())
       lessons_.notes.push_back(
-          "no located frame was filmed, so the character has the light of its textures");
+          "the light was learnt from the filmed frames; what is stated of lamp and brightness is "
+          "not used");
+  }
+
+  void StateLight() {
+    const StatedLight& stated = options_.stated;
+    lessons_.light = LightOf(stated, looks_.plain, geometry_.ViewAt(0), table_.up);
+    lessons_.notes.push_back(
+        stated.lamp > 0
+            ? fmt::format("no located frame was filmed; by what is stated {:.0f} % of the light "
+                          "comes from a lamp at {:.0f} degrees, {:.0f} high",
+                          100 * stated.lamp, stated.from_deg, stated.height_deg)
+            : "no located frame was filmed, so the character has the light of an even sky; where "
+              "the "
+              "set has a lamp, say how strong it is and where it stands (lamp, lamp_from, "
+              "lamp_height)");
   }
 
   void LearnGrain() {

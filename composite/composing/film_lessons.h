@@ -2,6 +2,7 @@
 #pragma once
 
 #include "composite/composing/lessons.h"
+#include "composite/light/stated_light.h"
 #include "core/progress.h"
 
 namespace keypose::composite {
@@ -9,6 +10,7 @@ namespace keypose::composite {
 struct LearnOptions {
   int along = 4;        ///< rays along each side of a pixel
   bool follow = false;  ///< bend the animation's frames that were filmed until they lie on the film
+  StatedLight stated;   ///< where no filmed frame tells the light
 };
 
 /// @throws InputError  the character is outside of the picture in all filmed frames

@@ -27,6 +27,7 @@ struct Looks {
   std::vector<ImageF> textures;              ///< RGB, linear, of one size
   std::vector<std::vector<double>> weights;  ///< per frame of the animation, one a texture; empty:
                                              ///< the first texture
+  bool plain = false;                        ///< one colour, without the light that textures hold
   /// With the texture of one frame.
   Character At(int frame) const;
 };

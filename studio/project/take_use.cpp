@@ -49,7 +49,6 @@ std::string LackOf(const std::string& use, const BakedTake& take) {
   std::vector<std::string> lacks;
   if (take.plate.empty()) lacks.push_back("a plate");
   if (take.shot.empty()) lacks.push_back("the plate's camera");
-  if (take.texture.empty()) lacks.push_back("a texture of the character");
   return fmt::format("{}", fmt::join(lacks, ", "));
 }
 

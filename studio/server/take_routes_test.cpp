@@ -263,10 +263,14 @@ TEST_F(TakeUses, AProjectKeepsItsTextAndGetsItBack) {
 
 TEST_F(TakeUses, WhatIsMissingIsSaid) {
   Bake();
-  EXPECT_EQ(Uses()["uses"]["composite"]["lack"], "a texture of the character");
+  EXPECT_EQ(Uses()["uses"]["composite"]["lack"], "") << "a character of one colour will do";
+  setup_.update({{"take", "walk"}, {"shot", ""}});
+  fs::create_directories(folder_ / ".keypose/studio/takes");
+  WriteFile(folder_ / ".keypose/studio/takes/walk.json", setup_.dump());
+  EXPECT_EQ(Uses()["uses"]["composite"]["lack"], "the plate's camera");
   const Answer refused = Use("composite", true, "");
   EXPECT_EQ(refused.status, 400);
-  EXPECT_NE(Words(refused).find("its files lack a texture"), std::string::npos);
+  EXPECT_NE(Words(refused).find("its files lack the plate"), std::string::npos);
   EXPECT_EQ(Use("frame", true, "").status, 400);
   EXPECT_FALSE(fs::exists(folder_ / "pipeline.yaml"));
   const auto later = fs::last_write_time(folder_ / "armature/walk/frames/frame_0000.ply");

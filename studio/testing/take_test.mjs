@@ -324,7 +324,20 @@ async function project() {
   await button('Export with the project').waitFor();
 }
 
-/** The other take over its plate, once its character has a texture. */
+/** A lamp from the left, in pipeline.yaml. */
+async function lightIt() {
+  await field('Lamp').fill('60');
+  await field('Lamp').dispatchEvent('change');
+  const dial = page.getByRole('slider', { name: 'Where the lamp stands' });
+  const box = await dial.boundingBox();
+  await page.mouse.click(box.x + 0.2 * box.width, box.y + 0.5 * box.height);
+  await page.getByText('The lamp from the left').waitFor();
+  const said = () => readFileSync(pipelineFile, 'utf8');
+  await until('the lamp is in pipeline.yaml', () => /lamp: 0.6.*lamp_from: -90/s.test(said()));
+  await record(page, 'take_lamp', options.pictures);
+}
+
+/** The other take over its plate, under a lamp. */
 async function overPlate() {
   const example = join(folder, 'armature/example');
   const [plain, unwrapped] = [join(example, 'theropod.ply'), join(example, 'it.obj')];
@@ -341,6 +354,7 @@ async function overPlate() {
   await bakeAs('hold');
   await button('Put over its plate').click();
   await page.getByText('is a step of the project').waitFor();
+  await lightIt();
   program('run', '-C', folder);
   await page.getByText('Made:').waitFor();
   const pictures = join(folder, 'out/takes/early_pictures');
@@ -353,6 +367,11 @@ async function overPlate() {
   const share = covered / before.rgb.length;
   console.log(`    the puppet covers ${(100 * share).toFixed(1)} % of its plate`);
   check(share > 0.02 && share < 0.5, 'the puppet is not over its plate');
+  const darker = (pixel, now) => now.every((value, k) => value < 0.9 * pixel[k] && value * 3 > pixel[k]);
+  const like = ([r, g, b]) => r > 1.4 * b && g < r; // the wooden table, also in shadow
+  const dark = before.rgb.filter((pixel, i) => like(pixel) && like(after.rgb[i]) && darker(pixel, after.rgb[i]));
+  console.log(`    its shadow covers ${((100 * dark.length) / before.rgb.length).toFixed(1)} %`);
+  check(dark.length / before.rgb.length > 0.003, 'the puppet throws no shadow');
   await button('Take composite_early out').click();
   await until('the file is gone', () => !existsSync(pipelineFile));
 }

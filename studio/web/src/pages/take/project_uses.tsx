@@ -4,12 +4,13 @@ import { useCallback, useEffect, useState } from 'preact/hooks'
 
 import { api } from '../../api'
 import { useStudio } from '../../state'
+import { LightForm } from './light_form'
 import { takeApi } from './take_api'
 import type { TakeUse, Use } from './take_api'
 
 const kUses: { use: Use; put: string; what: string }[] = [
   { use: 'export', put: 'Export with the project', what: 'film, GLB and the other formats' },
-  { use: 'composite', put: 'Put over its plate', what: 'pictures and a film of it, unshaded' },
+  { use: 'composite', put: 'Put over its plate', what: 'pictures and a film of it' },
 ]
 
 interface RowProps {
@@ -33,7 +34,8 @@ function UseRow({ state, row, busy, set }: RowProps) {
         <p class="small soft">{lack ? `For that, its files lack ${lack}.` : `Makes ${what}.`}</p>
       </div>
     )
-  const made = steps.steps.find((one) => one.step === step)?.state === 'done'
+  const inSteps = steps.steps.find((one) => one.step === step)
+  const made = inSteps?.state === 'done'
   return (
     <div class="stack take-use">
       <p>
@@ -50,6 +52,7 @@ function UseRow({ state, row, busy, set }: RowProps) {
           </>
         )}
       </p>
+      {use === 'composite' && inSteps && <LightForm step={inSteps} />}
       <div class="row">
         <button class="main" disabled={busy || running !== null || made} onClick={() => void run()}>
           Run {step}
