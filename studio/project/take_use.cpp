@@ -144,7 +144,9 @@ void SaveTakeUse(const fs::path& project, const BakedTake& take, const std::stri
     WritePipelineFile(project, edited, revision);
     return;
   }
-  const std::string edited = Edited([&] { return WithoutValue(text, {"steps", step}); });
+  const std::string edited = Edited([&] {
+    return WithoutValue(WithoutValue(text, {"options", step}), {"steps", step});
+  });
   // A file that was made for takes goes with the last of them.
   if (edited == kFirstText && RevisionOf(project / "pipeline.yaml") == revision)
     fs::remove(project / "pipeline.yaml");

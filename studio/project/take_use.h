@@ -20,7 +20,8 @@ struct BakedTake {
 /// @throws UsageError  pipeline.yaml cannot be read
 nlohmann::json TakeUseJson(const std::filesystem::path& project, const BakedTake& take);
 
-/// Writes the step of that use to pipeline.yaml, or takes it out again. All else keeps its text.
+/// Writes the step of that use to pipeline.yaml, or takes it and its options out again. All else
+/// keeps its text.
 /// @param use  "export" or "composite"
 /// @throws UsageError  no such use, frames are not baked, something is missing
 /// @throws ChangedMeanwhile

@@ -230,8 +230,15 @@ TEST_F(TakeUses, AFolderOfTakesBecomesAProjectAndStopsBeingOne) {
   EXPECT_NE(Text().find("frames: ./armature/walk/frames"), std::string::npos) << Text();
   EXPECT_NE(Text().find("fps: 24"), std::string::npos) << Text();
   EXPECT_EQ(Use("export", false, "another").status, 409);
-  EXPECT_EQ(Use("export", false, uses["revision"]).status, 200);
-  EXPECT_FALSE(fs::exists(folder_ / "pipeline.yaml"));
+  const json option = {{"step", "export_walk"},
+                       {"option", "fps"},
+                       {"pose", ""},
+                       {"value", "12"},
+                       {"revision", uses["revision"]}};
+  ASSERT_EQ(routes_->Handle({"POST", "/api/options", {}, option.dump()}).status, 200);
+  EXPECT_NE(Text().find("fps: 12"), std::string::npos) << Text();
+  EXPECT_EQ(Use("export", false, Uses()["revision"]).status, 200);
+  EXPECT_FALSE(fs::exists(folder_ / "pipeline.yaml")) << "its options go with the step";
   EXPECT_EQ(Project()["empty"], true);
 }
 

@@ -135,22 +135,36 @@ export function LightForm({ step }: { step: Step }) {
   const { complain, reload } = useStudio()
   const said = lightOf(step)
   const [light, setLight] = useState(said)
+  // What pipeline.yaml has, also before the page has read it again; changes go one after the other.
+  const kept = useRef(said)
+  const writing = useRef({ last: Promise.resolve(), waiting: 0 })
   const saidText = JSON.stringify(said)
-  useEffect(() => setLight(JSON.parse(saidText) as Light), [saidText])
-  const keep = async (next: Light) => {
-    setLight(next)
+  useEffect(() => {
+    if (writing.current.waiting > 0) return
+    kept.current = JSON.parse(saidText) as Light
+    setLight(kept.current)
+  }, [saidText])
+
+  const write = async (next: Light) => {
     try {
       let { revision } = await api.project()
       for (const option of Object.keys(next) as (keyof Light)[]) {
-        if (next[option] === said[option]) continue
+        if (next[option] === kept.current[option]) continue
         const value = next[option] === kDefault[option] ? null : String(next[option])
         const change = { step: step.step, pose: '', option, value, revision }
         revision = (await api.setOption(change)).revision
+        kept.current = { ...kept.current, [option]: next[option] }
       }
     } catch (error) {
       complain(error)
     }
+    writing.current.waiting -= 1
     await reload()
+  }
+  const keep = (next: Light) => {
+    setLight(next)
+    writing.current.waiting += 1
+    writing.current.last = writing.current.last.then(() => write(next))
   }
   return (
     <div class="stack lamp-form" role="group" aria-label="Light">
@@ -160,11 +174,11 @@ export function LightForm({ step }: { step: Step }) {
         most={100}
         shown={light.lamp === 0 ? 'none: an even sky' : `${Math.round(100 * light.lamp)} %`}
         change={(value) => setLight({ ...light, lamp: value / 100 })}
-        keep={(value) => void keep({ ...light, lamp: value / 100 })}
+        keep={(value) => keep({ ...light, lamp: value / 100 })}
       />
       {light.lamp > 0 && (
         <div class="row">
-          <Dial light={light} change={setLight} keep={(next) => void keep(next)} />
+          <Dial light={light} change={setLight} keep={keep} />
           <p class="small soft">
             The lamp {sideOf(light.lamp_from)}, {light.lamp_height}° high. Seen from above, the camera
             below; the nearer to the middle, the higher.
@@ -177,7 +191,7 @@ export function LightForm({ step }: { step: Step }) {
         most={300}
         shown={`${Math.round(100 * light.brightness)} %`}
         change={(value) => setLight({ ...light, brightness: Math.max(10, value) / 100 })}
-        keep={(value) => void keep({ ...light, brightness: Math.max(10, value) / 100 })}
+        keep={(value) => keep({ ...light, brightness: Math.max(10, value) / 100 })}
       />
     </div>
   )
