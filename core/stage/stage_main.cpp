@@ -15,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/stage/awaited_arguments.h"
 #include "core/stage/interruption.h"
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
@@ -397,8 +398,16 @@ int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
 
 int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options,
          const std::function<void(StageContext&)>& run, const std::vector<BoundAction>& actions) {
+  std::vector<std::string> awaited;
+  std::vector<char*> words(argv, argv + argc);
+  if (argc == 2 && std::string(argv[1]) == "--await") {
+    awaited = AwaitArguments(STDIN_FILENO);
+    if (awaited.empty()) return 0;
+    words.pop_back();
+    for (std::string& argument : awaited) words.push_back(argument.data());
+  }
   try {
-    return Run(argc, argv, spec, options, run, actions);
+    return Run(static_cast<int>(words.size()), words.data(), spec, options, run, actions);
   } catch (const Error& error) {
     return Fail(spec, error.code(), error.what());
   } catch (const fs::filesystem_error& error) {

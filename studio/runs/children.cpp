@@ -96,21 +96,42 @@ bool ReadAll(int fd, double seconds, std::string* text) {
 
 ChildResult RunChild(const std::vector<std::string>& arguments, const fs::path& folder,
                      double seconds) {
-  Pipe output = MakePipe();
+  return PipedChild(arguments, folder).Finish("", seconds);
+}
+
+PipedChild::PipedChild(const std::vector<std::string>& arguments, const fs::path& folder) {
+  Pipe to = MakePipe(), from = MakePipe();
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
-  const pid_t pid = fork();
-  if (pid == 0) Become(words, where.c_str(), {-1, output.write, output.write});
-  CloseIt(output.write);
-  if (pid < 0) {
-    CloseIt(output.read);
-    throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
-  }
+  pid_ = fork();
+  if (pid_ == 0) Become(words, where.c_str(), {to.read, from.write, from.write});
+  CloseIt(to.read);
+  CloseIt(from.write);
+  input_ = to.write;
+  output_ = from.read;
+  if (pid_ > 0) return;
+  CloseIt(input_);
+  CloseIt(output_);
+  throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
+}
+
+PipedChild::~PipedChild() {
+  CloseIt(input_);
+  CloseIt(output_);
+  int status = 0;
+  if (pid_ > 0) waitpid(pid_, &status, WNOHANG);
+}
+
+ChildResult PipedChild::Finish(const std::string& input, double seconds) {
+  // One that does not read it has ended, or will tell why by its output.
+  if (!input.empty() && write(input_, input.data(), input.size()) < 0) CloseIt(input_);
+  CloseIt(input_);
   ChildResult result;
-  const bool ended = ReadAll(output.read, seconds, &result.output);
-  CloseIt(output.read);
-  if (!ended) kill(-pid, SIGTERM);
-  const int code = WaitFor(pid);
+  const bool ended = ReadAll(output_, seconds, &result.output);
+  CloseIt(output_);
+  if (!ended) kill(-pid_, SIGTERM);
+  const int code = WaitFor(pid_);
+  pid_ = -1;
   result.exit_code = ended ? code : 124;
   return result;
 }

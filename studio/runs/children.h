@@ -17,6 +17,23 @@ struct ChildResult {
 ChildResult RunChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                      double seconds);
 
+/// A program that is given its input at once, and whose output and error are one.
+class PipedChild {
+ public:
+  /// @throws DiskError  it cannot be started
+  PipedChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  /// Closes its input and leaves it alone.
+  ~PipedChild();
+  PipedChild(const PipedChild&) = delete;
+  PipedChild& operator=(const PipedChild&) = delete;
+
+  /// Writes all its input and waits for its end, as RunChild does.
+  ChildResult Finish(const std::string& input, double seconds);
+
+ private:
+  int pid_ = -1, input_ = -1, output_ = -1;
+};
+
 /// Starts a program that goes on by itself; its standard output and error go to files.
 /// @return its process id @throws DiskError  it cannot be started
 int StartChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,

@@ -1,5 +1,6 @@
 #include "studio/runs/children.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <filesystem>
 
 #include "core/io/files.h"
+#include "studio/runs/warm_program.h"
 
 namespace keypose::studio {
 namespace {
@@ -80,6 +82,60 @@ TEST(RunChild, LateOnesAreStopped) {
   const ChildResult result = RunChild({"/bin/sh", "-c", "echo begun; sleep 60"}, "/", 0.5);
   EXPECT_EQ(result.exit_code, 124);
   EXPECT_EQ(result.output, "begun\n");
+}
+
+class Warm : public testing::Test {
+ protected:
+  /// A script that says when it was started, and then what it was given.
+  void WriteProgram(const char* name) {
+    WriteFile(program_, fmt::format("#!/bin/sh\n: >> {}.$$\necho {} $1; tr '\\0' ' '; exit 3\n",
+                                    (folder_ / "started").string(), name));
+    fs::permissions(program_, fs::perms::owner_all);
+  }
+  int Started() const {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      count += entry.path().filename().string().starts_with("started");
+    return count;
+  }
+  /// Whether so many have been started, soon.
+  bool Start(int count) const {
+    for (int i = 0; i < 100 && Started() < count; ++i) usleep(50'000);
+    return Started() == count;
+  }
+  void SetUp() override {
+    ::signal(SIGPIPE, SIG_IGN);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("warm_program_test_" + std::to_string(getpid()));
+  const fs::path program_ = folder_ / "program";
+};
+
+TEST_F(Warm, TheOneThatWaitsIsUsedAndTheNextOneWaits) {
+  WriteProgram("one");
+  WarmProgram warm(program_, folder_);
+  warm.Warm();
+  warm.Warm();
+  EXPECT_TRUE(Start(1));
+  const ChildResult first = warm.Run({"--mesh", "a b"}, 20);
+  EXPECT_EQ(first.output, "one --await\n--mesh a b ");
+  EXPECT_EQ(first.exit_code, 3);
+  EXPECT_TRUE(Start(2));
+  EXPECT_EQ(warm.Run({}, 20).output, "one --await\n");
+}
+
+TEST_F(Warm, OneThatWasReplacedIsNotUsed) {
+  WriteProgram("old");
+  WarmProgram warm(program_, folder_);
+  warm.Warm();
+  EXPECT_TRUE(Start(1));
+  fs::remove(program_);
+  WriteProgram("new");
+  fs::last_write_time(program_, fs::last_write_time(program_) + std::chrono::seconds(1));
+  EXPECT_EQ(warm.Run({"x"}, 20).output, "new --await\nx ");
 }
 
 TEST(WhatItSaid, ExitCodeSpeaksForThoseWhoSayNothing) {

@@ -13,6 +13,7 @@
 #include "studio/runs/run_control.h"
 #include "studio/runs/shoot_control.h"
 #include "studio/runs/take_desk.h"
+#include "studio/runs/warm_program.h"
 #include "studio/server/answers.h"
 #include "studio/server/event_hub.h"
 #include "studio/server/project_watch.h"
@@ -78,6 +79,7 @@ class Routes {
   std::mutex described_mutex_;
   std::map<std::string, nlohmann::json> described_;  ///< stages, by program and its stamp
   std::unique_ptr<RunControl> run_;
+  std::unique_ptr<WarmProgram> locate_;
   std::unique_ptr<ShootControl> shoot_;
   std::unique_ptr<ArmatureControl> armature_;
   std::unique_ptr<TakeDesk> takes_;

@@ -11,7 +11,6 @@
 #include "studio/project/shot.h"
 #include "studio/project/shot_clicks.h"
 #include "studio/project/shot_setup.h"
-#include "studio/runs/children.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -39,10 +38,10 @@ std::string FaultOf(const std::string& text) {
 
 /// Runs `keypose locate --quick`. Clicks that do not agree are no fault of the request: their words
 /// come as "problem".
-json QuickAnswer(const fs::path& folder, std::vector<std::string> flags, const QuickFiles& files) {
-  flags.insert(flags.begin(), (pipeline::ProgramFolder() / "keypose-locate").string());
+json QuickAnswer(WarmProgram& locate, const std::vector<std::string>& flags,
+                 const QuickFiles& files) {
   const auto begin = std::chrono::steady_clock::now();
-  const ChildResult result = RunChild(flags, folder, kQuickSeconds);
+  const ChildResult result = locate.Run(flags, kQuickSeconds);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
   json answer = result.exit_code == 0 ? QuicklyLocatedJson(files) : json::object();
   answer["problem"] = result.exit_code == 0 ? "" : FaultOf(result.output);
@@ -53,6 +52,7 @@ json QuickAnswer(const fs::path& folder, std::vector<std::string> flags, const Q
 }  // namespace
 
 void Routes::AddShot() {
+  locate_ = std::make_unique<WarmProgram>(pipeline::ProgramFolder() / "keypose-locate", folder_);
   const auto whole = [this](const Question&) {
     return JsonAnswer(With([](Snapshot& now) { return ShotJson(now); }));
   };
@@ -68,13 +68,16 @@ void Routes::AddShot() {
     };
   };
   Add("PUT", "/api/shot", change(SaveShot));
-  Add("PUT", "/api/shot/clicks", change(SaveClicks));
+  Add("PUT", "/api/shot/clicks", [this, save = change(SaveClicks)](const Question& question) {
+    locate_->Warm();  // outlines will be asked for
+    return save(question);
+  });
   Add("POST", "/api/shot/quick", [this](const Question& question) {
     static std::atomic<int> number = 0;
     const int frame = question.Json().at("frame"), mine = number++ % kMostFrames;
     const QuickFiles files = QuickFilesOf(folder_, mine);
     const auto flags = With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
-    json answer = QuickAnswer(folder_, flags, files);
+    json answer = QuickAnswer(*locate_, flags, files);
     answer["frame"] = frame;
     answer["number"] = mine;
     return JsonAnswer(answer);
