@@ -147,8 +147,4 @@ struct PipelineFile {
 /// wrong type; with file:line
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file);
 
-/// Merges `project` over `defaults`: its steps add to, change or disable steps of the same name.
-/// Everything else is taken from `project`.
-PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project);
-
 }  // namespace keypose::pipeline

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/errors.h"
+#include "pipeline/pipeline_overlay.h"
 
 namespace keypose::pipeline {
 

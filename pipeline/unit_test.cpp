@@ -15,6 +15,7 @@
 #include "pipeline/fingerprint.h"
 #include "pipeline/observer.h"
 #include "pipeline/pipeline_file.h"
+#include "pipeline/pipeline_overlay.h"
 #include "pipeline/real_disk.h"
 #include "pipeline/results_folder.h"
 #include "pipeline/stage_info.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/build_graph.h"
+#include "pipeline/pipeline_overlay.h"
 
 namespace keypose::pipeline {
 namespace {
