@@ -87,6 +87,12 @@ if(KEYPOSE_TESTS)
   set(KEYPOSE_BENCHMARK benchmark::benchmark_main)
 endif()
 
+# How many times as long the sanitizers' tests may take.
+set(KEYPOSE_SLOWER 1)
+if(CMAKE_BUILD_TYPE STREQUAL "Debug" AND CMAKE_CXX_FLAGS_DEBUG MATCHES "KEYPOSE_SANITIZED")
+  set(KEYPOSE_SLOWER 12)
+endif()
+
 # keypose_test(NAME SOURCES foo_test.cpp ... [LINK keypose_room ...] [LABELS full]): a GoogleTest program known to ctest, one ctest entry a program.
 # LABELS full: only `./dev test --full` runs it.
 function(keypose_test name)
@@ -99,6 +105,7 @@ function(keypose_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
+  math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * ${KEYPOSE_SLOWER}")
   set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
 

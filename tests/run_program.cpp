@@ -18,6 +18,13 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+// As KEYPOSE_SLOWER of cmake/KeyposeTargets.cmake.
+#if defined(KEYPOSE_SANITIZED)
+constexpr double kSlower = 12;
+#else
+constexpr double kSlower = 1;
+#endif
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -123,6 +130,7 @@ bool Program::running() {
 
 bool Program::WaitForOutput(const std::string& text, double seconds) {
   const auto start = Clock::now();
+  seconds *= kSlower;
   while (result_.output.find(text) == std::string::npos) {
     if (!running() || SecondsSince(start) > seconds)
       return result_.output.find(text) != std::string::npos;
@@ -133,6 +141,7 @@ bool Program::WaitForOutput(const std::string& text, double seconds) {
 
 RunResult Program::Wait(double seconds) {
   const auto start = Clock::now();
+  seconds *= kSlower;
   while (running()) {
     Read(20);
     if (SecondsSince(start) < seconds) continue;

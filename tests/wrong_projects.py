@@ -27,6 +27,7 @@ import typing
 
 USAGE, INPUT, DISK, TOOL, GATE, LOCKED = 2, 3, 4, 5, 6, 7
 POSES = 'poses:\n  rest: photos/rest\n  bent: photos/bent\n'
+PATIENCE_S = 120 * float(os.environ.get('KEYPOSE_SLOWER', 1))
 STATUS, CAPTURE = ('status',), ('run', '--until', 'capture')
 NEVER = ('bug', 'terminate called', 'Traceback', 'std::', 'Assertion', 'what():', 'basic_string', 'json.exception', 'yaml-cpp', 'OpenCV', 'nan%')
 
@@ -556,7 +557,7 @@ class Bench:
         before = prints_of(folder)
         first = photographs(folder)[0].name if photographs(folder) else ''
         command = [self.keypose, *case.command] + ([] if case.outside else ['-C', str(folder)])
-        done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120,
+        done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE_S,
                               env={**os.environ, **case.environment})
         answer = done.stdout.decode('utf-8', 'replace')
         wrong = [] if done.returncode == case.code else [f'exit code {done.returncode}, not {case.code}']
