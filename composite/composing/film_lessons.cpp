@@ -283,8 +283,7 @@ class Lesson {
                           "comes from a lamp at {:.0f} degrees, {:.0f} high",
                           100 * stated.lamp, stated.from_deg, stated.height_deg)
             : "no located frame was filmed, so the character has the light of an even sky; where "
-              "the "
-              "set has a lamp, say how strong it is and where it stands (lamp, lamp_from, "
+              "the set has a lamp, say how strong it is and where it stands (lamp, lamp_from, "
               "lamp_height)");
   }
 

@@ -52,7 +52,7 @@ double SurfaceWeight(const Round& round);
 /// Weight of one pick in a round.
 double MarkWeight(const Round& round, const BendOptions& options);
 
-/// All views of one pose. Every function may be called from several threads for different views.
+/// All views of one pose. `Of` may be called from several threads at once.
 class ViewEvidence {
  public:
   /// Everything given must outlive it.

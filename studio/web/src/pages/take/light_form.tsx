@@ -156,6 +156,7 @@ export function LightForm({ step }: { step: Step }) {
         kept.current = { ...kept.current, [option]: next[option] }
       }
     } catch (error) {
+      setLight(kept.current)
       complain(error)
     }
     writing.current.waiting -= 1
