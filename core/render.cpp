@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/scan_conversion.h"
 #include "core/size_of.h"
 #include "core/srgb.h"
 
@@ -79,7 +83,7 @@ struct Shader {
   const RayScene& scene;
   const View& view;
   const RenderOptions& options;
-  PointsX3 vertex_normals;
+  PointsX3 vertex_normals, face_normals;  ///< those of the faces are not of unit length
   Eigen::Matrix3d world_from_camera;
   Vector3d eye;
   Vector3d key_lamp, fill_lamp;  ///< unit, in world
@@ -89,6 +93,12 @@ struct Shader {
     if (o.smooth)
       vertex_normals =
           m.normals.rows() == m.points.rows() ? m.normals : VertexNormals(m.points, m.faces);
+    face_normals.resize(m.faces.rows(), 3);
+    for (Eigen::Index f = 0; f < m.faces.rows(); ++f) {
+      const Vector3d a = m.points.row(m.faces(f, 0)), b = m.points.row(m.faces(f, 1)),
+                     c = m.points.row(m.faces(f, 2));
+      face_normals.row(f) = (b - a).cross(c - a);
+    }
     world_from_camera = v.camera_from_world.rotation.conjugate().toRotationMatrix();
     eye = v.Center();
     key_lamp = world_from_camera * Vector3d(-0.45, -0.65, -0.75).normalized();
@@ -97,14 +107,12 @@ struct Shader {
 
   Vector3d Normal(const RayScene::Hit& hit, const Vector3d& direction) const {
     const auto f = mesh.faces.row(hit.face);
-    const Vector3d a = mesh.points.row(f[0]), b = mesh.points.row(f[1]), c = mesh.points.row(f[2]);
-    const Vector3d flat = (b - a).cross(c - a).normalized();
-    Vector3d n = flat;
-    if (options.smooth) {
+    const Vector3d flat = face_normals.row(hit.face);
+    Vector3d n = Vector3d::Zero();
+    if (options.smooth)
       n = (1 - hit.u - hit.v) * vertex_normals.row(f[0]) + hit.u * vertex_normals.row(f[1]) +
           hit.v * vertex_normals.row(f[2]);
-      n = n.squaredNorm() > 1e-12 ? n.normalized().eval() : flat;
-    }
+    n = (n.squaredNorm() > 1e-12 ? n : flat).normalized();
     // Both sides are lit, so that holes and inverted faces remain visible.
     return flat.dot(direction) > 0 ? (-n).eval() : n;
   }
@@ -139,82 +147,154 @@ struct Shader {
     return nearest * view.camera.fx / depth;
   }
 
-  /// Linear colour along the ray through a position in the image.
-  /// @return  depth in the camera's frame; infinity where nothing is hit: `color` stays
-  double Trace(const Vector2d& pixel, Vector3d& color) const {
-    const Vector3d in_camera = view.camera.Unproject(pixel);
-    const Vector3d direction = world_from_camera * in_camera;
-    const RayScene::Hit hit = scene.Cast(eye, direction);
-    if (hit.face < 0) return std::numeric_limits<double>::infinity();
-    const Vector3d n = Normal(hit, direction);
-    const double light =
-        0.26 + 0.62 * std::max(0.0, n.dot(key_lamp)) + 0.24 * std::max(0.0, n.dot(fill_lamp));
-    color = LinearColor(hit) * (1 - options.shading + options.shading * light);
-    if (options.wireframe && EdgeDistancePixels(hit, hit.distance) < 0.6) color = 0.35 * color;
-    return hit.distance;
+  Vector3d Direction(const Vector2d& pixel) const {
+    return world_from_camera * view.camera.Unproject(pixel);
+  }
+
+  /// What the ray through a position in the image hits; the distance is the depth in the camera's
+  /// frame.
+  RayScene::Hit Cast(const Vector2d& pixel) const { return scene.Cast(eye, Direction(pixel)); }
+
+  /// Linear colour of what is hit at a position in the image.
+  Vector3d Color(const RayScene::Hit& hit, const Vector2d& pixel) const {
+    Vector3d color = LinearColor(hit);
+    if (options.shading > 0) {
+      const Vector3d n = Normal(hit, Direction(pixel));
+      const double light =
+          0.26 + 0.62 * std::max(0.0, n.dot(key_lamp)) + 0.24 * std::max(0.0, n.dot(fill_lamp));
+      color *= 1 - options.shading + options.shading * light;
+    }
+    const bool on_wire = options.wireframe && EdgeDistancePixels(hit, hit.distance) < 0.6;
+    return on_wire ? (0.35 * color).eval() : color;
   }
 };
 
-/// What some rays of one pixel hit.
-struct PixelSample {
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();  ///< linear, mean over the rays that hit
-  float near = std::numeric_limits<float>::infinity(), far = 0;  ///< depths; of no ray: near > far
-  float covered = 0;                                             ///< share of the rays that hit
+/// What the samples of pixels hit. By scan conversion where the camera allows it, else by rays.
+class SampleHits {
+ public:
+  SampleHits(const Shader& shader, std::vector<Vector2d> pattern)
+      : shader_(shader),
+        pattern_(std::move(pattern)),
+        scan_(ScanConversion::Of(shader.mesh.points, shader.mesh.faces, shader.view, pattern_)) {}
+
+  int per_pixel() const { return SizeOf(pattern_); }
+  /// Where in the image a sample lies.
+  Vector2d Place(int x, int y, int s) const { return Vector2d(x, y) + pattern_[s]; }
+
+  /// The hits of some rows of pixels.
+  class Rows {
+   public:
+    /// @param places  see ScanConversion::Fill; of pixels that are not wanted, nothing may be asked
+    Rows(const SampleHits& samples, const PixelBox& box, std::vector<int> places = {})
+        : samples_(samples), box_(box), places_(std::move(places)) {
+      if (samples.scan_) samples.scan_->Fill(box, places_, hits_);
+    }
+    RayScene::Hit At(int x, int y, int s) const {
+      if (!samples_.scan_) return samples_.shader_.Cast(samples_.Place(x, y, s));
+      const int pixel = (y - box_.y0) * (box_.x1 - box_.x0) + (x - box_.x0);
+      const std::size_t place = places_.empty() ? pixel : places_[pixel];
+      return hits_[place * samples_.per_pixel() + s];
+    }
+
+   private:
+    const SampleHits& samples_;
+    PixelBox box_;
+    std::vector<int> places_;
+    std::vector<RayScene::Hit> hits_;
+  };
+
+ private:
+  const Shader& shader_;
+  std::vector<Vector2d> pattern_;
+  std::optional<ScanConversion> scan_;
 };
 
-PixelSample SamplePixel(const Shader& shader, int x, int y, const std::vector<Vector2d>& offsets) {
-  PixelSample pixel;
-  Vector3d sum = Vector3d::Zero(), color;
-  int hits = 0;
-  for (const Vector2d& offset : offsets) {
-    const double depth = shader.Trace(Vector2d(x, y) + offset, color);
-    if (!std::isfinite(depth)) continue;
-    sum += color;
-    pixel.near = std::min(pixel.near, static_cast<float>(depth));
-    pixel.far = std::max(pixel.far, static_cast<float>(depth));
-    ++hits;
-  }
-  if (hits > 0) pixel.color = (sum / hits).cast<float>();
-  pixel.covered = static_cast<float>(hits) / static_cast<float>(offsets.size());
-  return pixel;
-}
-
-std::vector<Vector2d> GridOffsets(int n) {
-  std::vector<Vector2d> offsets;
-  for (int s = 0; s < n * n; ++s) offsets.emplace_back((s % n + 0.5) / n, (s / n + 0.5) / n);
-  return offsets;
+std::vector<Vector2d> GridPattern(int n) {
+  std::vector<Vector2d> pattern;
+  for (int s = 0; s < n * n; ++s) pattern.emplace_back((s % n + 0.5) / n, (s / n + 0.5) / n);
+  return pattern;
 }
 
 /// Points whose projections on both axes are evenly spaced, so that an upright or level edge has as
 /// many steps of coverage as there are points. Source: Hammersley's point set in base 2.
-std::vector<Vector2d> HammersleyOffsets(int bits) {
-  std::vector<Vector2d> offsets;
+std::vector<Vector2d> HammersleyPattern(int bits) {
+  std::vector<Vector2d> pattern;
   const int count = 1 << bits;
   for (int i = 0; i < count; ++i) {
     int reversed = 0;
     for (int bit = 0; bit < bits; ++bit) reversed |= ((i >> bit) & 1) << (bits - 1 - bit);
-    offsets.emplace_back((i + 0.5) / count, (reversed + 0.5) / count);
+    pattern.emplace_back((i + 0.5) / count, (reversed + 0.5) / count);
   }
-  return offsets;
+  return pattern;
+}
+
+/// Calls `body` for all of the box, a few rows of pixels at a time, in parallel.
+void ForRows(const PixelBox& box, const std::function<void(const PixelBox&)>& body) {
+  constexpr int kRows = 8;
+  const int blocks = std::max(0, box.y1 - box.y0 + kRows - 1) / kRows;
+  ParallelFor(blocks, [&](std::int64_t block) {
+    PixelBox part = box;
+    part.y0 = box.y0 + kRows * static_cast<int>(block);
+    part.y1 = std::min(box.y1, part.y0 + kRows);
+    body(part);
+  });
+}
+
+/// What the samples of one pixel hit.
+struct PixelSample {
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();  ///< linear, mean over the samples that hit
+  float near = std::numeric_limits<float>::infinity(), far = 0;  ///< depths; of none: near > far
+  float covered = 0;                                             ///< share of the samples that hit
+};
+
+PixelSample SamplePixel(const Shader& shader, const SampleHits& samples,
+                        const SampleHits::Rows& rows, int x, int y) {
+  PixelSample pixel;
+  Vector3d sum = Vector3d::Zero();
+  int hits = 0;
+  for (int s = 0; s < samples.per_pixel(); ++s) {
+    const RayScene::Hit hit = rows.At(x, y, s);
+    if (hit.face < 0) continue;
+    sum += shader.Color(hit, samples.Place(x, y, s));
+    pixel.near = std::min(pixel.near, static_cast<float>(hit.distance));
+    pixel.far = std::max(pixel.far, static_cast<float>(hit.distance));
+    ++hits;
+  }
+  if (hits > 0) pixel.color = (sum / hits).cast<float>();
+  pixel.covered = static_cast<float>(hits) / static_cast<float>(samples.per_pixel());
+  return pixel;
 }
 
 /// The pixels of a box, sampled.
 class SampledBox {
  public:
-  SampledBox(const Shader& shader, const PixelBox& box, const std::vector<Vector2d>& offsets)
+  SampledBox(const Shader& shader, const PixelBox& box, int samples)
       : box_(box),
         width_(std::max(0, box.x1 - box.x0)),
         jump_(kJumpPixels / shader.view.camera.fx),
         pixels_(static_cast<std::size_t>(width_) * std::max(0, box.y1 - box.y0)) {
-    ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
-      const int y = box.y0 + static_cast<int>(row);
-      for (int x = box.x0; x < box.x1; ++x)
-        pixels_[Index(x, y)] = SamplePixel(shader, x, y, offsets);
+    const SampleHits hits(shader, GridPattern(samples));
+    ForRows(box, [&](const PixelBox& part) {
+      const SampleHits::Rows rows(hits, part);
+      for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x)
+          pixels_[Index(x, y)] = SamplePixel(shader, hits, rows, x, y);
     });
   }
   const PixelSample& At(int x, int y) const { return pixels_[Index(x, y)]; }
 
-  /// Whether an outline, also of a part in front of another, crosses the pixel or its border.
+  /// The pixels that an outline crosses, or whose border it crosses, as places for
+  /// ScanConversion::Fill.
+  std::vector<int> Outline(const PixelBox& part) const {
+    std::vector<int> places;
+    int found = 0;
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x) places.push_back(OnOutline(x, y) ? found++ : -1);
+    return places;
+  }
+
+ private:
+  /// Also the outline of a part in front of another.
   bool OnOutline(int x, int y) const {
     const PixelSample& here = At(x, y);
     return Between(here, here) || (x > box_.x0 && Between(here, At(x - 1, y))) ||
@@ -223,7 +303,6 @@ class SampledBox {
            (y + 1 < box_.y1 && Between(here, At(x, y + 1)));
   }
 
- private:
   /// A smooth surface rarely changes its depth by more pixels than this from pixel to pixel.
   static constexpr double kJumpPixels = 8;
 
@@ -260,83 +339,6 @@ Rgb8 Between(const Vector3d* anchors, int count, double t) {
 }
 
 }  // namespace
-
-Rigid3 LookAt(const Vector3d& eye, const Vector3d& target, const Vector3d& up) {
-  const Vector3d forward = target - eye;
-  if (!(forward.norm() > 0))
-    throw InputError(
-        "render: the camera's position is the point that it should look at; move one of them");
-  const Vector3d z = forward.normalized();
-  Vector3d x = z.cross(up);
-  if (x.norm() < 1e-9 * up.norm()) x = z.unitOrthogonal();
-  x.normalize();
-  Eigen::Matrix3d camera_from_world;
-  camera_from_world << x.transpose(), z.cross(x).transpose(), z.transpose();
-  Rigid3 result;
-  result.rotation = Eigen::Quaterniond(camera_from_world).normalized();
-  result.translation = -(result.rotation * eye);
-  return result;
-}
-
-View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width,
-             int height, const Vector3d& up, double fov_deg) {
-  if (points.rows() == 0) throw InputError("render: nothing to look at: the mesh has no vertices");
-  if (width < 1 || height < 1)
-    throw InputError("render: a picture needs at least one pixel each way");
-  const Vector3d z = up.normalized();
-  // With z up, the front is -y. For another up axis, any fixed horizontal direction is used.
-  Vector3d right = std::abs(z.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY();
-  right = (right - right.dot(z) * z).normalized();
-  const Vector3d front = right.cross(z);
-  const double a = azimuth_deg * M_PI / 180, e = elevation_deg * M_PI / 180;
-  const Vector3d outward =
-      std::cos(e) * (std::cos(a) * front + std::sin(a) * right) + std::sin(e) * z;
-  const Vector3d center =
-      0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
-  View view;
-  view.camera.width = width;
-  view.camera.height = height;
-  view.camera.fx = view.camera.fy = 0.5 * height / std::tan(fov_deg * M_PI / 360);
-  view.camera.cx = 0.5 * width;
-  view.camera.cy = 0.5 * height;
-  const Rigid3 turned = LookAt(center + outward, center, z);
-  const Eigen::Matrix3d rotation = turned.rotation.toRotationMatrix();
-  const double slope_x = 0.94 * 0.5 * width / view.camera.fx,
-               slope_y = 0.94 * 0.5 * height / view.camera.fy;
-  double distance = 0;
-  for (int v = 0; v < points.rows(); ++v) {
-    const Vector3d x = rotation * (points.row(v).transpose() - center);
-    distance =
-        std::max({distance, std::abs(x.x()) / slope_x - x.z(), std::abs(x.y()) / slope_y - x.z()});
-  }
-  if (!(distance > 0)) distance = 1;
-  view.camera_from_world = LookAt(center + distance * outward, center, z);
-  return view;
-}
-
-PixelBox ProjectedBounds(const PointsX3& points, const View& view) {
-  const Camera& c = view.camera;
-  const PixelBox all{0, 0, c.width, c.height};
-  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
-  for (int v = 0; v < points.rows(); ++v) {
-    const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
-    // The projection of a vertex beside or behind the camera does not bound its faces. Neither does
-    // one with strong distortion far from the axis.
-    if (x.z() <= 1e-3 * x.norm()) return all;
-    const Vector2d p = c.Project(x);
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  // Distortion bends lines, so a face may reach a little beyond its corners.
-  const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
-  const auto clamp = [](double x, int most) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most)));
-  };
-  return {
-      clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
-      clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
-}
 
 Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view) {
   const Camera& c = view.camera;
@@ -394,20 +396,20 @@ Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view,
   Image8 image(c.width, c.height, 3);
   const PixelBox box = ProjectedBounds(mesh.points, view);
   const Vector3d background = ToLinear(options.background.data());
-  const int n = std::max(1, options.samples);
-  ParallelFor(c.height, [&](std::int64_t row) {
-    const int y = static_cast<int>(row);
-    for (int x = 0; x < c.width; ++x) {
-      Vector3d sum = Vector3d::Zero();
-      const bool inside = x >= box.x0 && x < box.x1 && y >= box.y0 && y < box.y1;
-      for (int s = 0; inside && s < n * n; ++s) {
-        Vector3d color = background;
-        shader.Trace({x + (s % n + 0.5) / n, y + (s / n + 0.5) / n}, color);
-        sum += color;
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = options.background[i % 3];
+  const SampleHits samples(shader, GridPattern(std::max(1, options.samples)));
+  ForRows(box, [&](const PixelBox& part) {
+    const SampleHits::Rows rows(samples, part);
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x) {
+        Vector3d sum = Vector3d::Zero();
+        for (int s = 0; s < samples.per_pixel(); ++s) {
+          const RayScene::Hit hit = rows.At(x, y, s);
+          sum += hit.face < 0 ? background : shader.Color(hit, samples.Place(x, y, s));
+        }
+        const Vector3d mean = sum / samples.per_pixel();
+        for (int k = 0; k < 3; ++k) image.at(x, y)[k] = ToByte(mean[k]);
       }
-      const Vector3d mean = inside ? (sum / (n * n)).eval() : background;
-      for (int k = 0; k < 3; ++k) image.at(x, y)[k] = ToByte(mean[k]);
-    }
   });
   return image;
 }
@@ -419,18 +421,21 @@ Image8 RenderCutout(const Mesh& mesh, const RayScene& scene, const View& view,
   const Shader shader(mesh, scene, view, options);
   const PixelBox box = ProjectedBounds(mesh.points, view);
   const int samples = std::max(1, options.samples);
-  const SampledBox sampled(shader, box, GridOffsets(samples));
-  const auto many = HammersleyOffsets(kEdgeBits);
+  const SampledBox sampled(shader, box, samples);
+  const SampleHits many(shader, HammersleyPattern(kEdgeBits));
   Image8 image(view.camera.width, view.camera.height, 4);
-  ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
-    const int y = box.y0 + static_cast<int>(row);
-    for (int x = box.x0; x < box.x1; ++x) {
-      const PixelSample pixel =
-          sampled.OnOutline(x, y) ? SamplePixel(shader, x, y, many) : sampled.At(x, y);
-      std::uint8_t* out = image.at(x, y);
-      for (int k = 0; k < 3 && pixel.covered > 0; ++k) out[k] = ToByte(pixel.color[k]);
-      out[3] = static_cast<std::uint8_t>(std::lround(255 * pixel.covered));
-    }
+  ForRows(box, [&](const PixelBox& part) {
+    const std::vector<int> outline = sampled.Outline(part);
+    const SampleHits::Rows rows(many, part, outline);
+    std::size_t at = 0;
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x, ++at) {
+        const PixelSample pixel =
+            outline[at] >= 0 ? SamplePixel(shader, many, rows, x, y) : sampled.At(x, y);
+        std::uint8_t* out = image.at(x, y);
+        for (int k = 0; k < 3 && pixel.covered > 0; ++k) out[k] = ToByte(pixel.color[k]);
+        out[3] = static_cast<std::uint8_t>(std::lround(255 * pixel.covered));
+      }
   });
   return image;
 }

@@ -190,11 +190,14 @@ nlohmann::json WriteFormats(keypose::StageContext& stage, const Scene& scene,
   std::vector<std::string> formats;
   for (const std::string& name : keypose::exporting::FormatNames())
     if (std::find(wanted.begin(), wanted.end(), name) != wanted.end()) formats.push_back(name);
+  double cost = 0, before = 0;
+  for (const std::string& format : formats) cost += keypose::exporting::FormatCost(format, scene);
+  keypose::SubProgress writing(stage.progress(), keypose::exporting::kReadingShare, 1);
   nlohmann::json notes = nlohmann::json::array();
   for (std::size_t i = 0; i < formats.size(); ++i) {
-    const double share = 0.7 / static_cast<double>(formats.size());
-    const double begin = 0.3 + share * static_cast<double>(i);
-    keypose::SubProgress progress(stage.progress(), begin, begin + share);
+    const double begin = before / cost;
+    before += keypose::exporting::FormatCost(formats[i], scene);
+    keypose::SubProgress progress(&writing, begin, before / cost);
     keypose::ReportProgress(&progress, 0, "writing " + formats[i]);
     const WrittenFormat written = keypose::exporting::WriteFormat(formats[i], scene, texture_names,
                                                                   options.format, stage, &progress);
@@ -242,7 +245,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},

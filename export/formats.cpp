@@ -125,7 +125,7 @@ FilmOptions OptionsOfFilm(const Job& job) {
 }
 
 /// The film as MP4 and GIF, and its pictures if they are wanted. A single frame is no film.
-void WriteFilm(const Job& job, WrittenFormat& written) {
+void WriteFilm(const Job& job, WrittenFormat& written, Progress* progress) {
   const FilmOptions options = OptionsOfFilm(job);
   const double fps = job.scene.playback.fps;
   const std::vector<int> order = FilmOrder(job.scene);
@@ -148,8 +148,7 @@ void WriteFilm(const Job& job, WrittenFormat& written) {
       WriteFile(job.folder / "video" / "png" / PictureName(number), EncodePng(picture));
     ++number;
   };
-  SubProgress progress(job.progress, 0, 0.7);
-  RenderFilm(SceneOfFilm(job.scene), order, options, take, &progress);
+  RenderFilm(SceneOfFilm(job.scene), order, options, take, progress);
   if (mp4) mp4->Finish();
   gif.Finish();
   if (gif.Shortened())
@@ -157,17 +156,22 @@ void WriteFilm(const Job& job, WrittenFormat& written) {
   written.measured["pictures"] = SizeOf(order);
 }
 
-void WriteTurntable(const Job& job, WrittenFormat& written) {
+void WriteTurntable(const Job& job, WrittenFormat& written, Progress* progress) {
   const FilmOptions options = OptionsOfFilm(job);
   const double fps = job.scene.playback.fps;
   const int frame = FindFrame(job.scene, job.options.turntable);
   Mp4Writer mp4(job.folder / "character_turntable.mp4", options.width, options.height, fps);
-  SubProgress progress(job.progress, 0.7, 1);
   RenderTurntable(
       SceneOfFilm(job.scene), frame, fps, options, [&](const Image8& picture) { mp4.Add(picture); },
-      &progress);
+      progress);
   mp4.Finish();
   written.files.push_back("character_turntable.mp4");
+}
+
+/// The pictures of the film and of the turntable.
+std::pair<int, int> VideoPictures(const Scene& scene) {
+  return {scene.frame_count() > 1 ? SizeOf(FilmOrder(scene)) : 0,
+          CanWriteMp4() ? TurntablePictures(scene.playback.fps) : 0};
 }
 
 WrittenFormat WriteVideo(const Job& job) {
@@ -177,8 +181,11 @@ WrittenFormat WriteVideo(const Job& job) {
     job.stage.Warn(
         "no MP4 was written: libavcodec has no x264 here; install Debian's libavcodec59, or leave "
         "`video` out of `formats`");
-  if (job.scene.frame_count() > 1) WriteFilm(job, written);
-  if (CanWriteMp4()) WriteTurntable(job, written);
+  const auto [film, turntable] = VideoPictures(job.scene);
+  const double share = film / std::max(1.0, static_cast<double>(film + turntable));
+  SubProgress film_progress(job.progress, 0, share), turn_progress(job.progress, share, 1);
+  if (film > 0) WriteFilm(job, written, &film_progress);
+  if (turntable > 0) WriteTurntable(job, written, &turn_progress);
   return written;
 }
 
@@ -205,6 +212,12 @@ std::vector<std::string> FormatNames() {
   std::vector<std::string> names;
   for (const auto& [name, write] : Formats()) names.push_back(name);
   return names;
+}
+
+double FormatCost(const std::string& format, const Scene& scene) {
+  constexpr double kFrame = 0.2;  // a frame in a file, against a rendered picture
+  const auto [film, turntable] = VideoPictures(scene);
+  return format == "video" ? film + turntable : std::max(1.0, kFrame * scene.frame_count());
 }
 
 WrittenFormat WriteFormat(const std::string& format, const Scene& scene,

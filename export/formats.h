@@ -16,6 +16,9 @@ namespace keypose::exporting {
 /// The names of all formats, in the order in which they are written.
 std::vector<std::string> FormatNames();
 
+/// How long a format takes to write, roughly, in rendered pictures: for progress.
+double FormatCost(const std::string& format, const Scene& scene);
+
 /// Options that only some formats have.
 struct FormatOptions {
   std::string pose_textures = "jpeg";  ///< of the GLB: "jpeg", "png" or "none"

@@ -189,7 +189,7 @@ std::vector<KeyMark> MarkKeys(const FrameNotes& notes, const std::vector<std::st
 Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
                 const std::vector<std::string>& poses) {
   const fs::path folder = stage.Input("frames");
-  SubProgress reading(stage.progress(), 0, 0.3);
+  SubProgress reading(stage.progress(), 0, kReadingShare);
   Scene scene;
   scene.playback = playback;
   scene.z_up = z_up;

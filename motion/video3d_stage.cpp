@@ -86,7 +86,7 @@ struct Video3dOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "video3d";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
   spec.inputs = MovingMeshPorts();
   spec.inputs.push_back(

@@ -25,9 +25,9 @@ using nlohmann::ordered_json;
 constexpr double kFarthest = 1e12;  // a coordinate beyond it is a damaged file
 
 /// Reads fields of one object. Messages name `where`.
-class Fields {
+class ShotFields {
  public:
-  Fields(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+  ShotFields(const json& object, std::string where) : object_(object), where_(std::move(where)) {
     if (!object.is_object()) Fail("is not an object");
   }
 
@@ -37,7 +37,7 @@ class Fields {
     if (!Has(name)) Fail(fmt::format("has no '{}'", name));
     return object_[name];
   }
-  Fields Part(const char* name) const { return {Get(name), where_ + ": '" + name + "'"}; }
+  ShotFields Part(const char* name) const { return {Get(name), where_ + ": '" + name + "'"}; }
 
   double Number(const char* name, double least, double most) const {
     const json& value = Get(name);
@@ -95,7 +95,7 @@ class Fields {
   std::string where_;
 };
 
-Camera CameraFrom(const Fields& root, const Fields& lens, const std::string& where) {
+Camera CameraFrom(const ShotFields& root, const ShotFields& lens, const std::string& where) {
   Camera camera;
   camera.width = root.Whole("width", 1, 1 << 20), camera.height = root.Whole("height", 1, 1 << 20);
   constexpr double kMost = 1e7;
@@ -112,16 +112,16 @@ Camera CameraFrom(const Fields& root, const Fields& lens, const std::string& whe
   return camera;
 }
 
-ShotFrame FrameFrom(const Fields& fields) {
+ShotFrame FrameFrom(const ShotFields& fields) {
   ShotFrame frame;
   frame.frame = fields.Whole("frame", 0, 1 << 24);
   frame.picture = fields.Text("picture");
   if (frame.picture.empty() || frame.picture.find('/') != std::string::npos)
     fields.Fail("has a 'picture' that is not the name of a file in the film's folder");
   if (fields.Has("pose")) frame.pose = fields.Text("pose");
-  const Fields camera = fields.Part("camera_from_world");
+  const ShotFields camera = fields.Part("camera_from_world");
   frame.camera_from_world = {camera.Rotation(), camera.Vector<3>("translation")};
-  const Fields place = fields.Part("world_from_character");
+  const ShotFields place = fields.Part("world_from_character");
   frame.world_from_character = {place.Has("scale") ? place.Number("scale", 1e-9, kFarthest) : 1,
                                 place.Rotation().toRotationMatrix(),
                                 place.Vector<3>("translation")};
@@ -213,11 +213,11 @@ FilmedShot ParseShot(const std::string& text, const std::string& source) {
   RequireShallowJson(text, source);
   try {
     const json root_node = json::parse(text);
-    const Fields root(root_node, source);
+    const ShotFields root(root_node, source);
     if (const int schema = root.Whole("schema", 1, 1 << 20); schema != 1)
       root.Fail(fmt::format("has schema {}; this program reads schema 1", schema));
     FilmedShot shot;
-    const Fields lens = root.Part("camera");
+    const ShotFields lens = root.Part("camera");
     if (lens.Has("model")) lens.OneOf("model", {"OPENCV"});
     shot.camera = CameraFrom(root, lens, source);
     if (lens.Has("focal")) shot.focal = lens.OneOf("focal", {"exif", "solved", "given", "kept"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <future>
 #include <iterator>
 
 #include "core/errors.h"
@@ -99,6 +100,25 @@ double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& 
   return sum;
 }
 
+/// Passes on pictures in their order while the next ones are rendered.
+class Taking {
+ public:
+  explicit Taking(const TakePicture& take) : take_(take) {}
+  /// @throws  whatever taking the picture before this one threw
+  void Add(const Image8& picture) {
+    Finish();
+    before_ = std::async(std::launch::async, [this, picture] { take_(picture); });
+  }
+  /// @throws  whatever taking the last picture threw
+  void Finish() {
+    if (before_.valid()) before_.get();
+  }
+
+ private:
+  const TakePicture& take_;
+  std::future<void> before_;
+};
+
 }  // namespace
 
 FilmScene SceneOfFilm(const Scene& scene) {
@@ -148,13 +168,15 @@ void RenderFilm(const FilmScene& scene, const std::vector<int>& order, const Fil
   const View view = FilmView(scene.frames, options);
   const Ground ground = GroundUnder(scene.frames, Up(options));
   Image8 picture;
+  Taking taking(take);
   for (std::size_t i = 0; i < order.size(); ++i) {
     ReportProgress(progress, static_cast<double>(i) / static_cast<double>(order.size()),
                    "rendering the film");
     if (i == 0 || order[i] != order[i - 1])
       picture = RenderPicture(scene, order[i], view, options.shadow ? &ground : nullptr);
-    take(picture);
+    taking.Add(picture);
   }
+  taking.Finish();
 }
 
 std::vector<View> TurntableViews(const Mesh& frame, const FilmOptions& options, int count) {
@@ -192,11 +214,13 @@ void RenderTurntable(const FilmScene& scene, int frame, double fps, const FilmOp
   FilmOptions first = options;
   if (first.azimuth_deg < 0) first.azimuth_deg = AzimuthOfMotion(scene.frames, options);
   const std::vector<View> views = TurntableViews(mesh, first, TurntablePictures(fps));
+  Taking taking(take);
   for (std::size_t i = 0; i < views.size(); ++i) {
     ReportProgress(progress, static_cast<double>(i) / static_cast<double>(views.size()),
                    "rendering the turntable");
-    take(painter.Picture(views[i]));
+    taking.Add(painter.Picture(views[i]));
   }
+  taking.Finish();
 }
 
 int FindFrame(const Scene& scene, const std::string& wanted) {

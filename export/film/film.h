@@ -37,7 +37,8 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
 /// shadow.
 View FilmView(const std::vector<Mesh>& frames, const FilmOptions& options);
 
-/// Takes one picture after the other: RGBA, straight alpha; see FramePainter.
+/// Takes one picture after the other: RGBA, straight alpha; see FramePainter. It is called from
+/// another thread, one call at a time.
 using TakePicture = std::function<void(const Image8&)>;
 
 /// Renders the frames of `order` and passes on each picture. Equal consecutive frames are rendered
