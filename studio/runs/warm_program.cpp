@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/errors.h"
+
 namespace keypose::studio {
 
 WarmProgram::WarmProgram(std::filesystem::path program, std::filesystem::path folder)
@@ -34,8 +36,12 @@ WarmProgram::Waiting WarmProgram::Take() {
 ChildResult WarmProgram::Run(const std::vector<std::string>& arguments, double seconds) {
   std::string text;
   for (const std::string& argument : arguments) text += argument + '\0';
-  const ChildResult result = Take().child->Finish(text, seconds);
-  Warm();
+  ChildResult result = Take().child->Finish(text, seconds);
+  try {
+    Warm();
+  } catch (const Error&) {
+    // The answer is there; whoever asks next starts a program and hears why it does not start.
+  }
   return result;
 }
 

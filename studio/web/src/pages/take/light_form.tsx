@@ -3,39 +3,46 @@
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import type { Step } from '../../api'
+import type { StageOption, Step } from '../../api'
 import { useStudio } from '../../state'
+import { useStages } from '../run/use_stages'
 
-interface Light {
-  lamp: number
-  lamp_from: number
-  lamp_height: number
-  brightness: number
-}
+const kNames = ['lamp', 'lamp_from', 'lamp_height', 'brightness'] as const
+type Name = (typeof kNames)[number]
+type Light = Record<Name, number>
+/** What `composite` says of its options. */
+type Options = Record<Name, StageOption>
 
-const kDefault: Light = { lamp: 0, lamp_from: -45, lamp_height: 50, brightness: 1 }
-const kLowest = 10
 const kRadius = 44
 
-function lightOf(step: Step): Light {
-  const light = { ...kDefault }
-  for (const name of Object.keys(light) as (keyof Light)[])
-    if (step.options[name] !== undefined) light[name] = Number(step.options[name])
-  return light
+/** @return null if the stage does not have them all */
+function optionsOf(all: StageOption[]): Options | null {
+  const known = all.filter((one) => (kNames as readonly string[]).includes(one.name))
+  if (known.length < kNames.length) return null
+  return Object.fromEntries(known.map((one) => [one.name, one])) as Options
+}
+
+function lightOf(step: Step, options: Options): Light {
+  const valueOf = (name: Name) => [name, Number(step.options[name] ?? options[name].default)]
+  return Object.fromEntries(kNames.map(valueOf)) as Light
+}
+
+function lowestOf(options: Options): number {
+  return options.lamp_height.min ?? 0
 }
 
 /** From above, the camera below: the middle is overhead, the rim the lowest height. */
-function placeOf(light: Light): [number, number] {
-  const far = (kRadius * (90 - light.lamp_height)) / (90 - kLowest)
+function placeOf(light: Light, lowest: number): [number, number] {
+  const far = (kRadius * (90 - light.lamp_height)) / (90 - lowest)
   const angle = (light.lamp_from * Math.PI) / 180
   return [far * Math.sin(angle), far * Math.cos(angle)]
 }
 
-function lightAt(x: number, y: number): Pick<Light, 'lamp_from' | 'lamp_height'> {
+function lightAt(x: number, y: number, lowest: number): Pick<Light, 'lamp_from' | 'lamp_height'> {
   const far = Math.min(1, Math.hypot(x, y) / kRadius)
   return {
     lamp_from: far === 0 ? 0 : Math.round((Math.atan2(x, y) * 180) / Math.PI),
-    lamp_height: Math.round(90 - (90 - kLowest) * far),
+    lamp_height: Math.round(90 - (90 - lowest) * far),
   }
 }
 
@@ -46,19 +53,21 @@ function sideOf(from: number): string {
 
 interface DialProps {
   light: Light
+  /** the least height of the lamp, in degrees */
+  lowest: number
   change: (light: Light) => void
   keep: (light: Light) => void
 }
 
-function Dial({ light, change, keep }: DialProps) {
+function Dial({ light, lowest, change, keep }: DialProps) {
   const svg = useRef<SVGSVGElement>(null)
-  const [x, y] = placeOf(light)
+  const [x, y] = placeOf(light, lowest)
   const at = (event: PointerEvent) => {
     const box = svg.current!.getBoundingClientRect()
     const scale = 100 / box.width
     const right = (event.clientX - box.left) * scale - 50
     const down = (event.clientY - box.top) * scale - 50
-    return { ...light, ...lightAt(right, down) }
+    return { ...light, ...lightAt(right, down, lowest) }
   }
   const turn = (event: KeyboardEvent) => {
     const ways: Record<string, [number, number]> = {
@@ -74,7 +83,7 @@ function Dial({ light, change, keep }: DialProps) {
     keep({
       ...light,
       lamp_from: from > 180 ? from - 360 : from < -180 ? from + 360 : from,
-      lamp_height: Math.min(90, Math.max(kLowest, light.lamp_height + way[1])),
+      lamp_height: Math.min(90, Math.max(lowest, light.lamp_height + way[1])),
     })
   }
   return (
@@ -132,8 +141,14 @@ function Slider(props: {
 
 /** @param step  the step that puts the take over its plate */
 export function LightForm({ step }: { step: Step }) {
+  const stage = useStages()?.find((one) => one.stage === step.stage)
+  const options = stage && optionsOf(stage.options)
+  return options ? <KnownLightForm step={step} options={options} /> : null
+}
+
+function KnownLightForm({ step, options }: { step: Step; options: Options }) {
   const { complain, reload } = useStudio()
-  const said = lightOf(step)
+  const said = lightOf(step, options)
   const [light, setLight] = useState(said)
   // What pipeline.yaml has, also before the page has read it again; changes go one after the other.
   const kept = useRef(said)
@@ -148,9 +163,10 @@ export function LightForm({ step }: { step: Step }) {
   const write = async (next: Light) => {
     try {
       let { revision } = await api.project()
-      for (const option of Object.keys(next) as (keyof Light)[]) {
+      for (const option of kNames) {
         if (next[option] === kept.current[option]) continue
-        const value = next[option] === kDefault[option] ? null : String(next[option])
+        const isDefault = next[option] === Number(options[option].default)
+        const value = isDefault ? null : String(next[option])
         const change = { step: step.step, pose: '', option, value, revision }
         revision = (await api.setOption(change)).revision
         kept.current = { ...kept.current, [option]: next[option] }
@@ -167,6 +183,7 @@ export function LightForm({ step }: { step: Step }) {
     writing.current.waiting += 1
     writing.current.last = writing.current.last.then(() => write(next))
   }
+  const brightnessOf = (percent: number) => Math.max(options.brightness.min ?? 0, percent / 100)
   return (
     <div class="stack lamp-form" role="group" aria-label="Light">
       <Slider
@@ -179,7 +196,7 @@ export function LightForm({ step }: { step: Step }) {
       />
       {light.lamp > 0 && (
         <div class="row">
-          <Dial light={light} change={setLight} keep={keep} />
+          <Dial light={light} lowest={lowestOf(options)} change={setLight} keep={keep} />
           <p class="small soft">
             The lamp {sideOf(light.lamp_from)}, {light.lamp_height}° high. Seen from above, the camera
             below; the nearer to the middle, the higher.
@@ -191,8 +208,8 @@ export function LightForm({ step }: { step: Step }) {
         value={Math.round(100 * light.brightness)}
         most={300}
         shown={`${Math.round(100 * light.brightness)} %`}
-        change={(value) => setLight({ ...light, brightness: Math.max(10, value) / 100 })}
-        keep={(value) => keep({ ...light, brightness: Math.max(10, value) / 100 })}
+        change={(value) => setLight({ ...light, brightness: brightnessOf(value) })}
+        keep={(value) => keep({ ...light, brightness: brightnessOf(value) })}
       />
     </div>
   )
