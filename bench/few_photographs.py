@@ -117,19 +117,20 @@ class Seed:
         project = self.folder / f'scan_{count}_project'
         if not (project / 'out/limbs/mesh.obj').exists():
             rest, limbs = f'rest={world / "photos/rest"}', f'limbs={world / "photos/limbs"}'
-            call([self.program(''), 'init', project, '--pose', rest, '--pose', limbs])
+            if not project.exists():
+                call([self.program(''), 'init', project, '--pose', rest, '--pose', limbs])
             text = (project / 'pipeline.yaml').read_text().replace('method: fit', 'method: scan')
             (project / 'pipeline.yaml').write_text(text)
             done = call([self.program(''), 'run', '-C', project, '--until', 'register'], check=False)
             if done.returncode != 0:
                 lines = [line for line in done.stdout.splitlines() if 'error' in line]
-                return {'failed': lines[0] if lines else f'exit {done.returncode}'}
+                return {'failed': lines[-1] if lines else f'exit {done.returncode}'}
         out = project / 'out/limbs'
-        return self.score(world, out / 'model', out / 'mesh.obj', project / 'out/rest')
+        return self.score(world, out / 'model', out / 'mesh.obj', (world / 'truth/rest', project / 'out/rest'))
 
-    def score(self, world, model, mesh, rest=None):
-        truth, own = self.template()
-        rest = rest or own
+    def score(self, world, model, mesh, template=None):
+        """`template` is the truth of the template and the folder with its mesh.obj and model."""
+        truth, rest = template or self.template()
         done = call([self.program('-synth'), 'score', '--truth', world / 'truth/limbs', '--model', model, '--mesh', mesh, '--registered', mesh,
                      '--template-truth', truth, '--template-model', rest / 'model', '--template-mesh', rest / 'mesh.obj'])
         return json.loads(done.stdout)['correspondence']

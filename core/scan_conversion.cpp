@@ -25,9 +25,9 @@ int PixelOf(double coordinate, int first, int last) {
 
 /// A face's edges, for testing samples. Edge k is opposite to corner k.
 struct ScanConversion::Face {
-  /// Twice the signed area of the triangle that a point makes with an edge, times the sign of the
-  /// face's own: not negative for all three where the point lies in the face. Two faces compute it
-  /// from the same corner of their common edge, so that rounding cannot put a point outside both.
+  /// `sign` * At is twice the area of the triangle that a point makes with the edge, and negative
+  /// on the side where the face is not. Two faces compute it from the same corner of their common
+  /// edge, so that rounding cannot put a point outside both.
   struct Edge {
     double from_x, from_y, dx, dy, sign;
     double At(double x, double y) const { return dx * (y - from_y) - dy * (x - from_x); }
@@ -59,11 +59,13 @@ struct ScanConversion::Face {
     std::array<double, 3> weights;  // areas on the face instead of in the picture
     double areas = 0, sum = 0;
     for (int k = 0; k < 3; ++k) {
-      const double area = edge[k].sign * edge[k].At(at.x(), at.y());
+      // A face without area in the picture may have rounded ones of either sign.
+      const double area = std::max(0.0, edge[k].sign * edge[k].At(at.x(), at.y()));
       weights[k] = area * corner[k].inverse_depth;
       areas += area;
       sum += weights[k];
     }
+    if (!(sum > 0)) return {face, 1 / corner[0].inverse_depth, 0, 0};
     return {face, areas / sum, weights[1] / sum, weights[2] / sum};
   }
 };

@@ -133,6 +133,23 @@ TEST(ScanConversion, APartOfThePictureIsThatPartOfTheWholeAndOnlyWhatIsWanted) {
     }
 }
 
+TEST(ScanConversion, FacesWithoutAreaGiveNoHitThatIsNotInThem) {
+  Mesh mesh;  // needles through the centres of samples, level, upright and oblique; and a point
+  mesh.points.resize(9, 3);
+  mesh.points << 10.5, 10.5, 1, 60.5, 10.5, 1, 35.5, 10.5 + 1e-15, 1,  //
+      20.5, 5.5, 1, 20.5, 60.5, 1, 20.5, 30.5, 1,                      //
+      5.5, 5.5, 1, 55.5, 55.5, 1, 30.5, 30.5 + 4e-15, 1;
+  mesh.faces.resize(4, 3);
+  mesh.faces << 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 0, 0;
+  View view;
+  view.camera = {kWidth, kHeight, 1, 1, 0, 0};
+  for (const RayScene::Hit& hit : AllHits(mesh, view, 3)) {
+    if (hit.face < 0) continue;
+    EXPECT_NEAR(hit.distance, 1, 1e-9);
+    EXPECT_TRUE(hit.u >= 0 && hit.v >= 0 && hit.u + hit.v <= 1 + 1e-12) << hit.u << " " << hit.v;
+  }
+}
+
 TEST(ScanConversion, LeavesToRaysWhatItCannotProject) {
   const Mesh mesh = MakeIcosphere(2);
   const View view = FitView(mesh.points, 20, 25, kWidth, kHeight);
