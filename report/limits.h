@@ -9,6 +9,9 @@ namespace keypose::report {
 constexpr double kOutlineGood = 0.0025, kOutlineWrong = 0.010;
 // For a single view: above this limit the view is named.
 constexpr double kViewOutlineLook = 0.008;
+// A part of the figure that a mask shows and the mesh lacks: its share of the figure in the picture.
+// Above this limit in two photographs it is told.
+constexpr double kMissingLook = 0.01;
 // Details: correlation of render and photograph; median over the views.
 constexpr double kStructureGood = 0.6, kStructureWrong = 0.2;
 constexpr double kViewStructureLook = 0.3;

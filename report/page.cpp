@@ -158,6 +158,10 @@ json EvidenceJson(const PoseEvidence& evidence) {
   return {{"outline_off", evidence.outline_off},
           {"structure", evidence.structure},
           {"edges", evidence.edges},
+          {"missing",
+           {{"largest", evidence.missing.largest},
+            {"shown_by", evidence.missing.shown_by},
+            {"left_out_by", evidence.missing.left_out_by}}},
           {"views", views}};
 }
 

@@ -298,6 +298,7 @@ class Findings {
     const PoseEvidence& e = pose.evidence;
     if (e.views.empty()) return;
     Outlines(pose.name, e, fitted);
+    MissingPart(pose.name, e.missing, fitted);
     Details(pose.name, e, fitted);
     if (e.edges < kEdgesGood)
       Put({Grade::kLook, pose.name, "compared",
@@ -330,6 +331,22 @@ class Findings {
          "The mesh\u2019s outline does not fit " + Bold(Joined(off)) + ".",
          "look at these photographs and their masks: moved, another object, a hand, or a bad "
          "mask"});
+  }
+
+  void MissingPart(const std::string& pose, const MissingEvidence& missing, bool fitted) {
+    if (missing.shown_by.empty()) return;
+    std::string text = "The mesh lacks a part of the figure that the masks of " +
+                       Bold(Joined(missing.shown_by)) + " show, up to " +
+                       Bold(Percent(missing.largest)) + " of it in a picture.";
+    if (!missing.left_out_by.empty())
+      text += " The masks of " + Bold(Joined(missing.left_out_by)) + " leave it out.";
+    Put({Grade::kLook, pose, "compared", text,
+         fitted ? kMorePhotographs
+         : missing.left_out_by.empty()
+             ? "shoot that part from more sides, and look at the mesh and the dense points there"
+             : "look at these masks: a dark side before a dark backdrop, a shadow? paint the part "
+               "in "
+               "with the studio\u2019s brush, or light it evenly and shoot again"});
   }
 
   void Details(const std::string& pose, const PoseEvidence& e, bool fitted) {

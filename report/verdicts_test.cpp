@@ -114,6 +114,19 @@ TEST(Judge, AgreesWithTheTruthOnRecordedSets) {
     EXPECT_EQ(Judged(Ideal(outline_off, structure)).grade, grade) << outline_off;
 }
 
+TEST(Judge, APartThatTheMeshLacksIsToldWithTheMasksThatLeaveItOut) {
+  Contents contents = Ideal();
+  contents.poses[0].evidence.missing = {0.052, {"IMG_112", "IMG_113"}, {"IMG_105"}};
+  Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why, testing::AllOf(HasSubstr("IMG_112"), HasSubstr("IMG_105"), HasSubstr("5.2")));
+  EXPECT_THAT(verdict.cure, HasSubstr("these masks"));
+  contents.poses[0].evidence.missing.left_out_by.clear();
+  verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.cure, HasSubstr("more sides"));
+}
+
 TEST(Judge, ASmearedTextureIsNotGood) {
   EXPECT_EQ(Judged(Ideal(0.0005, 0.4)).grade, Grade::kLook);
   EXPECT_EQ(Judged(Ideal(0.0005, 0.1)).grade, Grade::kWrong);

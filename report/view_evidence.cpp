@@ -20,15 +20,6 @@ bool InMask(const Image8& mask, int x, int y) {
   return x >= 0 && y >= 0 && x < mask.width && y < mask.height && *mask.at(x, y) >= 128;
 }
 
-/// 255 where the ray through the pixel's centre meets the mesh.
-Image8 Covered(const Mesh& mesh, const RayScene& scene, const View& view) {
-  const Raster raster = Rasterize(mesh, scene, view);
-  Image8 covered(view.camera.width, view.camera.height, 1);
-  for (std::size_t i = 0; i < covered.data.size(); ++i)
-    covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
-  return covered;
-}
-
 /// Separable Gaussian of `values`, normalised by `weight`. Pixels of weight 0 have no effect.
 Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int height,
                      double sigma) {
@@ -188,6 +179,14 @@ double MiddleOf(const std::vector<ViewEvidence>& views, double ViewEvidence::*me
 }
 
 }  // namespace
+
+Image8 Covered(const Mesh& mesh, const RayScene& scene, const View& view) {
+  const Raster raster = Rasterize(mesh, scene, view);
+  Image8 covered(view.camera.width, view.camera.height, 1);
+  for (std::size_t i = 0; i < covered.data.size(); ++i)
+    covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+  return covered;
+}
 
 double ViewEvidence::Misfit() const {
   return std::max(outline_off / kViewOutlineLook, (1 - structure) / (1 - kViewStructureLook));

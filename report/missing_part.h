@@ -1,0 +1,36 @@
+// A part of the figure that several masks show and the mesh lacks, and the masks that leave it out.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+
+namespace keypose::report {
+
+/// A mask, and what the mesh covers of the same picture. Both have the camera's size.
+struct CoveredMask {
+  View view;
+  Image8 mask;     ///< 1 channel, object where >= 128
+  Image8 covered;  ///< 1 channel, 255 where the mesh is
+};
+
+struct MissingPart {
+  /// views whose mask shows more than kMissingLook of the figure that the mesh lacks, most first
+  std::vector<int> shown_by;
+  double largest = 0;  ///< of the figure in the first of these
+  /// views in whose masks most of it is outside, at the depth that fewest masks contradict; most
+  /// first. Empty: the masks agree that it is there
+  std::vector<int> left_out_by;
+};
+
+/// Share of the mask that is not covered, thin rims aside.
+double MissingShare(const CoveredMask& view);
+
+/// @param points  of the mesh: the missing part is looked for around them
+/// @return without views if fewer than two show one: a single mask may be wrong
+/// Same bits for any thread count.
+MissingPart FindMissingPart(const std::vector<CoveredMask>& views, const PointsX3& points);
+
+}  // namespace keypose::report
