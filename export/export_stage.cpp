@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/frame_folder.h"
 #include "core/name_list.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -17,6 +18,8 @@ using keypose::exporting::FormatOptions;
 using keypose::exporting::Scene;
 using keypose::exporting::WrittenFormat;
 
+constexpr double kUsualRate = 24, kLeastRate = 0.1, kMostRate = 1000;  // frames per second
+
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
@@ -25,6 +28,7 @@ std::string Joined(const std::vector<std::string>& words) {
 
 struct ExportOptions {
   std::string formats = "glb,video,obj,ply";
+  double fps = 0;
   keypose::exporting::PlaybackOptions playback;
   std::string up = "z";  // axis that points up in the frames
   std::string poses;
@@ -34,7 +38,8 @@ struct ExportOptions {
     visit("formats", formats,
           {"formats to write, separated by commas: " + Joined(keypose::exporting::FormatNames()),
            ""});
-    visit("fps", playback.fps, {"frames per second", "1/s", 0.1, 1000, {}});
+    visit("fps", fps,
+          {"frames per second; 0: those of the frames' folder, else 24", "1/s", 0, kMostRate, {}});
     visit("hold", playback.hold,
           {"extra frames for which the first and the last frame are held", "frames", 0, 10000, {}});
     visit("loop", playback.loop,
@@ -73,6 +78,7 @@ struct ExportOptions {
       if (std::find(known.begin(), known.end(), name) == known.end())
         problems.push_back("formats names '" + name + "', but the formats are " + Joined(known));
     if (wanted.empty()) problems.push_back("formats is empty; the formats are " + Joined(known));
+    if (fps > 0 && fps < kLeastRate) problems.push_back("fps must be 0 or at least 0.1");
     if (format.film.width % 2 != 0 || format.film.height % 2 != 0)
       problems.push_back("video_width and video_height are " + std::to_string(format.film.width) +
                          " and " + std::to_string(format.film.height) +
@@ -226,8 +232,17 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
   }
 }
 
+/// A motion that was filmed or recorded has a rate of its own.
+double RateOf(const fs::path& frames, const ExportOptions& options) {
+  if (options.fps > 0) return options.fps;
+  const double own = keypose::FrameRateOf(frames);
+  return own >= kLeastRate && own <= kMostRate ? own : kUsualRate;
+}
+
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
-  const Scene scene = keypose::exporting::ReadScene(stage, options.playback, options.up == "z",
+  keypose::exporting::PlaybackOptions playback = options.playback;
+  playback.fps = RateOf(stage.Input("frames"), options);
+  const Scene scene = keypose::exporting::ReadScene(stage, playback, options.up == "z",
                                                     keypose::NamesIn(options.poses));
   const fs::path out = stage.Output("animation");
   const bool per_frame = !scene.frame_texture_names.empty();
@@ -245,7 +260,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},

@@ -108,6 +108,21 @@ bool HasValidator() {
   return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator");
 }
 
+TEST_F(ExportedGlb, PlaysAtTheRateOfItsFramesUnlessAnotherIsGiven) {
+  const auto has_rate = [&](const std::string& rate) {
+    return ReadFile(animation_ / "animation.json").find("\"fps\": " + rate + ",") !=
+           std::string::npos;
+  };
+  ASSERT_EQ(Export({"--formats", "glb"}).exit_code, 0);
+  EXPECT_TRUE(has_rate("24.0")) << "nobody says";
+  WriteFile(frames_ / "distortion.json", R"({"fps": 50, "frames": [{}, {}, {}, {}, {}, {}]})");
+  ASSERT_EQ(Export({"--formats", "glb"}).exit_code, 0);
+  EXPECT_TRUE(has_rate("50.0")) << "as filmed";
+  ASSERT_EQ(Export({"--formats", "glb", "--fps", "12"}).exit_code, 0);
+  EXPECT_TRUE(has_rate("12.0"));
+  EXPECT_EQ(Export({"--formats", "glb", "--fps", "0.05"}).exit_code, 2);
+}
+
 TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
   if (!HasValidator())
     GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";

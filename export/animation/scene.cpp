@@ -40,6 +40,11 @@ PointsX3 WithYUp(const PointsX3& points, bool z_up) {
   return turned;
 }
 
+std::string FirstTextureFile(const Scene& scene) {
+  const std::vector<std::string>& of_frames = scene.frame_texture_names;
+  return of_frames.empty() ? scene.textures[0].FileName(0) : of_frames[0];
+}
+
 double SceneDiagonal(const Scene& scene) { return BoundingDiagonal(scene.frames[0].points); }
 
 }  // namespace keypose::exporting

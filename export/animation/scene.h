@@ -51,7 +51,7 @@ struct Scene {
   /// their pixels, RGB, read when asked for. `textures` is then the first frame's alone.
   std::vector<std::string> frame_texture_names;
   std::function<Image8(int frame)> texture_of_frame;
-  std::vector<KeyMark> keys;                         ///< in order of time; may be empty
+  std::vector<KeyMark> keys;  ///< in order of time; may be empty
 
   int frame_count() const { return clip.frame_count(); }
 };
@@ -83,6 +83,10 @@ std::vector<double> KeySeconds(const Scene& scene);
 
 /// Points of a frame in a world whose +y points up: (x, y, z) -> (x, z, -y), or unchanged.
 PointsX3 WithYUp(const PointsX3& points, bool z_up);
+
+/// The name in the folder `textures` of the texture that programs show which show only one.
+/// @pre there is a texture
+std::string FirstTextureFile(const Scene& scene);
 
 /// Bounding diagonal of the first frame; errors are given relative to it.
 double SceneDiagonal(const Scene& scene);

@@ -126,8 +126,7 @@ nlohmann::json Description(const Scene& scene, const Pictures& pictures) {
   out["weights"] = nlohmann::json::array();
   const bool blends = !scene.texture_weights.empty();
   for (int i = 0; i < SizeOf(scene.textures) && (blends || i == 0); ++i) {
-    const std::string name = scene.frame_texture_names.empty() ? scene.textures[i].FileName(i)
-                                                               : scene.frame_texture_names[i];
+    const std::string name = i == 0 ? FirstTextureFile(scene) : scene.textures[i].FileName(i);
     out["textures"].push_back({{"file", "../textures/" + name}, {"pose", scene.poses[i]}});
   }
   if (!blends) return out;

@@ -108,6 +108,10 @@ TEST(MakePc2, TheMeshBesideTheCacheHasTheVerticesOfTheFirstSample) {
   }
   const std::string material = ReadFile(folder.path() / "cache/character.mtl");
   EXPECT_THAT(material, testing::HasSubstr("map_Kd ../textures/texture_0.png\n"));
+  Scene filmed = scene;
+  filmed.frame_texture_names.assign(scene.frames.size(), "frame_0000.jpg");
+  EXPECT_THAT(BytesOf(MakePc2(filmed, nullptr), "cache/character.mtl"),
+              testing::HasSubstr("map_Kd ../textures/frame_0000.jpg\n"));
 }
 
 TEST(MakePc2, OneFrameWithoutTextureCoordinatesIsOneSample) {

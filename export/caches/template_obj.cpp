@@ -68,7 +68,7 @@ std::vector<FormatFile> MakeTemplateObj(const Scene& scene, const std::string& p
   std::string mtl = "newmtl clay\nKa 1 1 1\nKd 0.8 0.8 0.8\nKs 0 0 0\n";
   if (mesh.has_uvs() && !scene.textures.empty())
     mtl = "newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd ../textures/" +
-          scene.textures[0].FileName(0) + '\n';
+          FirstTextureFile(scene) + '\n';
   return {{path + ".obj", obj}, {path + ".mtl", mtl}};
 }
 

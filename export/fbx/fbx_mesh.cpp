@@ -129,8 +129,9 @@ FbxRecord Material(bool textured) {
 
 /// The image itself, and the texture that shows it. The name of the file is where programs find it
 /// that do not read embedded images, and what the others call it.
-void AddTexture(const EncodedImage& image, FbxObjects& out) {
-  const std::string file = "textures/" + image.FileName(0);
+void AddTexture(const Scene& scene, FbxObjects& out) {
+  const EncodedImage& image = scene.textures[0];
+  const std::string file = "textures/" + FirstTextureFile(scene);
   const std::string name = image.name.empty() ? "texture" : image.name;
   out.objects.push_back({"Video",
                          {kFbxVideoId, FbxName(name, "Video"), "Clip"},
@@ -216,7 +217,7 @@ void AddFbxMesh(const Scene& scene, FbxObjects& out) {
   out.Connect(kFbxModelId, 0);
   out.Connect(kFbxGeometryId, kFbxModelId);
   out.Connect(kFbxMaterialId, kFbxModelId);
-  if (!scene.textures.empty()) AddTexture(scene.textures[0], out);
+  if (!scene.textures.empty()) AddTexture(scene, out);
 }
 
 void AddFbxShapes(const Scene& scene, const std::vector<int>& frames, FbxObjects& out,

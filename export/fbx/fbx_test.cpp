@@ -132,6 +132,10 @@ TEST(MakeFbx, TextureCoordinatesAreNotSplitAndTheImageIsInside) {
   const FbxRecord& video = Only(objects, "Video Clip");
   EXPECT_EQ(video.Inner("Content").values[0].AsText(), scene.textures[0].bytes);
   EXPECT_EQ(video.Inner("RelativeFilename").values[0].AsText(), "textures/texture_0.png");
+  Scene filmed = scene;
+  filmed.frame_texture_names.assign(scene.frames.size(), "frame_0000.jpg");
+  const FbxRecord other = Only(ObjectsOf(BytesOf(filmed)), "Video Clip");
+  EXPECT_EQ(other.Inner("RelativeFilename").values[0].AsText(), "textures/frame_0000.jpg");
 }
 
 TEST(MakeFbx, OneFrameWithoutTextureHasNoShapesAndNoAnimation) {

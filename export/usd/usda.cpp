@@ -180,7 +180,7 @@ void WriteMaterial(UsdaWriter& out, const Scene& scene) {
   out.Line("float inputs:roughness = 0.9");
   out.Line("token outputs:surface");
   out.Close();
-  if (textured) WriteTextureShaders(out, material, "textures/" + scene.textures[0].FileName(0));
+  if (textured) WriteTextureShaders(out, material, "textures/" + FirstTextureFile(scene));
   out.Close();
   out.Close();
 }

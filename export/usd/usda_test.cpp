@@ -54,6 +54,13 @@ TEST(MakeUsda, AStepHasASampleAThousandthOfAFrameBefore) {
     EXPECT_THAT(text, HasSubstr(time));
 }
 
+TEST(MakeUsda, OfATextureForEachFrameTheFirstIsNamedAsItLies) {
+  Scene scene = TestScene();
+  EXPECT_THAT(TextOf(scene), HasSubstr("@textures/texture_0.png@"));
+  scene.frame_texture_names.assign(scene.frames.size(), "frame_0000.jpg");
+  EXPECT_THAT(TextOf(scene), HasSubstr("@textures/frame_0000.jpg@"));
+}
+
 TEST(MakeUsda, SameBytesForAnyThreadCount) {
   SetThreadCount(1);
   const std::string one = TextOf(TestScene());
