@@ -37,13 +37,14 @@ struct SilhouettesOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "silhouettes";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Masks of an actor in films of fixed cameras, against the empty set.";
   spec.inputs = {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg",
        "", false, false}};
-  spec.outputs = {{"masked", "folder", "masks/CAMERA/000.png ...", "masked", false, false}};
+  spec.outputs = {
+      {"masked", "folder", "masks/CAMERA/000.png ..., rate.json", "masked", false, false}};
   spec.memory_gib = 2;
   return spec;
 }
@@ -115,6 +116,7 @@ void Run(StageContext& stage, const SilhouettesOptions& options) {
     }
     ++done, frames += camera.frames();
   }
+  if (shot.frames_per_second > 0) WriteShotRate(stage.Output("masked"), shot.frames_per_second);
   stage.Report("masks", frames);
   stage.Report("empty_masks", empty);
   if (empty > 0)

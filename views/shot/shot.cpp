@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <set>
@@ -17,6 +18,9 @@ namespace keypose {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr const char* kRateFile = "rate.json";
+constexpr double kMostRate = 1e6;  // frames per second
 
 std::string LowerExtension(const fs::path& path) {
   std::string text = path.extension().string();
@@ -76,6 +80,20 @@ FrameSource SourceAt(const fs::path& path, double* frames_per_second) {
   return source;
 }
 
+/// As WriteShotRate has left it; 0: nowhere.
+double RateIn(const fs::path& folder) {
+  const fs::path file = folder / kRateFile;
+  if (!fs::is_regular_file(file)) return 0;
+  const auto told = nlohmann::json::parse(ReadFile(file), nullptr, false);
+  const bool fine = told.is_object() && told.contains("fps") && told["fps"].is_number();
+  const double rate = fine ? told["fps"].get<double>() : 0;
+  if (!(rate > 0 && rate < kMostRate))
+    throw InputError(PrintableName(file) +
+                     " has no rate `fps` above 0; make the masks anew with keypose silhouettes, or "
+                     "delete it");
+  return rate;
+}
+
 std::map<std::string, FrameSource> SourcesIn(const fs::path& folder, double* frames_per_second) {
   std::map<std::string, FrameSource> sources;
   if (!fs::is_directory(folder)) return sources;
@@ -126,6 +144,7 @@ Shot OpenShot(const fs::path& folder) {
   Shot shot;
   std::map<std::string, FrameSource> pictures = SourcesIn(folder, &shot.frames_per_second);
   std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks", nullptr);
+  if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   std::set<std::string> names;
   for (const auto& [name, source] : pictures) names.insert(name);
   if (pictures.empty())
@@ -146,6 +165,11 @@ Shot OpenShot(const fs::path& folder) {
         "the shot " + PrintableName(folder) +
         " has no camera; it needs a folder of numbered pictures, or a video, for each");
   return shot;
+}
+
+void WriteShotRate(const fs::path& folder, double frames_per_second) {
+  WriteFile(folder / kRateFile,
+            nlohmann::json{{"schema", 1}, {"fps", frames_per_second}}.dump() + "\n");
 }
 
 struct FrameReader::Impl {

@@ -4,6 +4,7 @@
 //       cam1/000.jpg ...         or cam1.mp4     a folder or a video for each camera
 //       masks/cam1/000.png ...   or masks/cam1.mp4     optional: 255 where the actor is
 //       background/cam1.jpg      optional: the set without the actor
+//       rate.json                optional, beside masks alone: {"fps"} of their films
 #pragma once
 
 #include <filesystem>
@@ -33,13 +34,16 @@ struct ShotCamera {
 
 struct Shot {
   std::vector<ShotCamera> cameras;  ///< sorted by name, numbers as numbers
-  double frames_per_second = 0;     ///< of the videos; 0: not known
+  double frames_per_second = 0;     ///< of the videos, or by rate.json; 0: not known
   bool has_masks() const;           ///< every camera has them
   std::vector<std::string> names() const;
 };
 
 /// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are needed
 Shot OpenShot(const std::filesystem::path& folder);
+
+/// Writes rate.json, so that a folder of masks says how fast their films are.
+void WriteShotRate(const std::filesystem::path& folder, double frames_per_second);
 
 /// Reads the frames of one source. Reading in order is fast; videos are decoded anew from their
 /// start when an earlier frame is asked for. Not for use in several threads at once.

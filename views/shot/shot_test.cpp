@@ -8,6 +8,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "core/errors.h"
+#include "core/io/files.h"
 #include "core/io/image_io.h"
 
 namespace keypose {
@@ -49,6 +50,17 @@ TEST_F(ShotTest, MasksAloneAreAShot) {
   const Shot shot = OpenShot(folder_);
   EXPECT_TRUE(shot.has_masks());
   EXPECT_EQ(shot.cameras[1].frames(), 1);
+}
+
+TEST_F(ShotTest, MasksAloneHaveTheRateOfTheirFilms) {
+  PutPicture("masks/a/0.png", 255);
+  EXPECT_EQ(OpenShot(folder_).frames_per_second, 0);
+  WriteShotRate(folder_, 30 / 1.001);
+  EXPECT_EQ(OpenShot(folder_).frames_per_second, 30 / 1.001);
+  for (const char* wrong : {"{}", "[", R"({"fps": 0})", R"({"fps": "30"})"}) {
+    WriteFile(folder_ / "rate.json", wrong);
+    EXPECT_THROW(OpenShot(folder_), InputError) << wrong;
+  }
 }
 
 TEST_F(ShotTest, MissingMasksAndEmptyFoldersAreErrors) {
