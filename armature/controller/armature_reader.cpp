@@ -114,8 +114,11 @@ const Reading& ArmatureReader::Poll() {
   try {
     if (away_) {
       if (reading_.time_s < next_try_s_) return reading_;
+      const auto told = static_cast<std::ptrdiff_t>(events_.size());
       Connect();
-      Say("cable-back", "the controller answers again", "");
+      // What it has lost meanwhile is told after that: a page shows the last word.
+      events_.insert(events_.begin() + told,
+                     {"cable-back", "the controller answers again", "", -1});
     }
     if (!link_->Update()) {
       Begin();
