@@ -61,6 +61,19 @@ NewPose ParsePose(const std::string& text) {
   return pose;
 }
 
+/// RAW files are photographs where there are no others: `capture` develops them.
+/// @return whether there are any
+bool TakeRawFiles(NewPose* pose) {
+  std::vector<fs::path>& ignored = pose->ignored;
+  const auto raw = std::stable_partition(ignored.begin(), ignored.end(), [](const fs::path& file) {
+    return !IsRawName(file) || IsMask(file);
+  });
+  const bool any = raw != ignored.end();
+  pose->files.insert(pose->files.end(), raw, ignored.end());
+  ignored.erase(raw, ignored.end());
+  return any;
+}
+
 /// Decides which files to copy.
 /// @throws InputError  there is no photograph; says what is there instead, and what to do
 void Sort(const RealDisk& disk, NewPose* pose) {
@@ -76,14 +89,16 @@ void Sort(const RealDisk& disk, NewPose* pose) {
     (IsPhotographName(file) ? pose->files : pose->ignored).push_back(file);
     any = any || (IsPhotographName(file) && !IsMask(file));
   }
-  if (any) return;
+  if (any || TakeRawFiles(pose)) return;
   const std::string start = fmt::format("--pose {}: {} ", pose->name, pose->photos.string());
   if (pose->ignored.empty())
     throw InputError(start + "has no photographs; name the folder that they are in");
   const std::string cure = CureFor(pose->ignored);
-  throw InputError(fmt::format("{}has no photographs that can be read ({}); there are {}; {}",
-                               start, kReadablePhotographs, KindsOf(pose->ignored),
-                               cure.empty() ? "name the folder that has the photographs" : cure));
+  throw InputError(
+      fmt::format("{}has no photographs that can be read ({}, RAW files such as .cr2 "
+                  "and .nef); there are {}; {}",
+                  start, kReadablePhotographs, KindsOf(pose->ignored),
+                  cure.empty() ? "name the folder that has the photographs" : cure));
 }
 
 void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {

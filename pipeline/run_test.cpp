@@ -254,11 +254,11 @@ TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
   const Ended empty = init(photos + "/rest", (root_ / "empty").string());
   EXPECT_EQ(empty.code, 3);
   EXPECT_THAT(empty.text, HasSubstr("has no photographs; name the folder that they are in"));
-  WriteFile(root_ / "empty/a.CR2", "raw");
-  WriteFile(root_ / "empty/b.cr2", "raw");
+  WriteFile(root_ / "empty/a.CRW", "raw");
+  WriteFile(root_ / "empty/b.crw", "raw");
   const Ended raw = init(photos + "/rest", (root_ / "empty").string());
   EXPECT_EQ(raw.code, 3);
-  EXPECT_THAT(raw.text, HasSubstr("2 .cr2 (a.CR2, b.cr2)"));
+  EXPECT_THAT(raw.text, HasSubstr("2 .crw (a.CRW, b.crw)"));
   EXPECT_THAT(raw.text, HasSubstr(".heic"));
   EXPECT_THAT(raw.text, HasSubstr("develop RAW files to JPEG"));
   EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
@@ -267,6 +267,23 @@ TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
   EXPECT_EQ(run.code, 2);
   EXPECT_THAT(run.text,
               HasSubstr("pipeline.yaml:1: the poses 'rest' and 'bent' have the same photographs"));
+}
+
+TEST_F(RunTest, InitTakesRawFilesWhereThereAreNoOtherPhotographs) {
+  fs::create_directories(root_ / "raw/upright");
+  fs::create_directories(root_ / "pairs");
+  WriteFile(root_ / "raw/upright/a.CR2", "raw");
+  WriteFile(root_ / "raw/notes.txt", "text");
+  WriteFile(root_ / "pairs/b.jpg", "picture");
+  WriteFile(root_ / "pairs/b.cr2", "raw");
+  const Ended made =
+      Keypose({"init", (root_ / "new").string(), "--pose", "raw=" + (root_ / "raw").string(),
+               "--pose", "pairs=" + (root_ / "pairs").string()});
+  ASSERT_EQ(made.code, 0) << made.text;
+  EXPECT_TRUE(fs::exists(root_ / "new/photos/raw/upright/a.CR2"));
+  EXPECT_FALSE(fs::exists(root_ / "new/photos/raw/notes.txt"));
+  EXPECT_TRUE(fs::exists(root_ / "new/photos/pairs/b.jpg"));
+  EXPECT_FALSE(fs::exists(root_ / "new/photos/pairs/b.cr2")) << "the JPEG is taken";
 }
 
 /// The line of a pose in a new project's file.
