@@ -57,6 +57,66 @@ bool PairAgrees(const View& a, const View& b, const Features& first, const Featu
   return 2 * agree > count;
 }
 
+/// Sets the mask where it has no way to the picture's sides.
+/// @return how many pixels
+long FillHoles(GreyMask& mask) {
+  Image8 outside(mask.width, mask.height, 1);
+  std::vector<std::pair<int, int>> open;
+  const auto visit = [&](int x, int y) {
+    if (x < 0 || y < 0 || x >= mask.width || y >= mask.height || *outside.at(x, y) ||
+        InMask(*mask.at(x, y)))
+      return;
+    *outside.at(x, y) = 1;
+    open.emplace_back(x, y);
+  };
+  for (int x = 0; x < mask.width; ++x) visit(x, 0), visit(x, mask.height - 1);
+  for (int y = 0; y < mask.height; ++y) visit(0, y), visit(mask.width - 1, y);
+  while (!open.empty()) {
+    const auto [x, y] = open.back();
+    open.pop_back();
+    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  }
+  long filled = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    if (outside.data[i] || InMask(mask.data[i])) continue;
+    mask.data[i] |= 1;
+    ++filled;
+  }
+  return filled;
+}
+
+/// The same views with the holes of their masks filled; nothing where there are hardly any.
+std::vector<PreparedView> WithoutHoles(const std::vector<PreparedView>& views) {
+  constexpr double kHardly = 0.005;  // of all masks
+  std::vector<PreparedView> filled = views;
+  long holes = 0, all = 0;
+  for (PreparedView& view : filled) {
+    const long added = FillHoles(view.levels.front().grey);
+    view.masked_pixels += added, holes += added, all += view.masked_pixels;
+  }
+  if (static_cast<double>(holes) < kHardly * static_cast<double>(all)) filled.clear();
+  return filled;
+}
+
+struct OutlineAgreement {
+  HullCheck check;
+  HullBox hull;
+};
+
+/// Nothing when the masks have no common space.
+std::optional<OutlineAgreement> Compare(const std::vector<PreparedView>& views) {
+  VisualHullOptions options;
+  options.resolution = 96;
+  try {
+    const VisualHull hull = CarveVisualHull(views, options);
+    return OutlineAgreement{
+        CheckAgainstHull(views, hull, Silhouettes(views, options.outside_votes)),
+        {hull.origin, hull.origin + hull.cell * hull.size.cast<double>()}};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 double CameraEvidence::Score() const {
@@ -111,20 +171,21 @@ void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_imag
 
 std::optional<HullBox> MeasureOutlines(const std::vector<PreparedView>& views,
                                        CameraEvidence& evidence) {
-  VisualHullOptions options;
-  options.resolution = 96;
   evidence.outlines = true;
-  try {
-    const VisualHull hull = CarveVisualHull(views, options);
-    const HullCheck check =
-        CheckAgainstHull(views, hull, Silhouettes(views, options.outside_votes));
-    evidence.hull_iou = check.mean;
-    evidence.hull_iou_least = *std::min_element(check.iou.begin(), check.iou.end());
-    evidence.disagreeing = check.disagreeing;
-    return HullBox{hull.origin, hull.origin + hull.cell * hull.size.cast<double>()};
-  } catch (const InputError&) {  // no common space
-    return std::nullopt;
+  std::optional<OutlineAgreement> agreement = Compare(views);
+  if (!agreement || agreement->check.mean < CameraEvidenceTuning::kSureHullOverlap) {
+    const std::vector<PreparedView> filled = WithoutHoles(views);
+    std::optional<OutlineAgreement> other;
+    if (!filled.empty()) other = Compare(filled);
+    evidence.holes_filled = other && (!agreement || other->check.mean > agreement->check.mean);
+    if (evidence.holes_filled) agreement = std::move(other);
   }
+  if (!agreement) return std::nullopt;
+  const HullCheck& check = agreement->check;
+  evidence.hull_iou = check.mean;
+  evidence.hull_iou_least = *std::min_element(check.iou.begin(), check.iou.end());
+  evidence.disagreeing = check.disagreeing;
+  return agreement->hull;
 }
 
 }  // namespace keypose::reconstruct

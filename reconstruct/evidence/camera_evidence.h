@@ -19,6 +19,9 @@ struct CameraEvidence {
   double hull_iou = 0;  ///< overlap of each mask with the hull of all masks, mean over the views; 0
                         ///< where the masks have no common space
   double hull_iou_least = 0;
+  /// the masks were compared without their holes, which agree better so: dark gaps are holes in
+  /// some masks and parts of the figure in others
+  bool holes_filled = false;
   /// views whose outlines differ from the others' (see HullCheck)
   std::vector<std::string> disagreeing = {};
   int pairs = 0;        ///< pairs of placed photographs with verified matches
@@ -76,7 +79,8 @@ void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_imag
                         double max_error_px, CameraEvidence& evidence);
 
 /// Compares outlines with their hull, on a grid of 96 cells: sets hull_iou, hull_iou_least and
-/// disagreeing.
+/// disagreeing. Where the cameras would not be sure, the masks are compared without their holes
+/// too, and the better agreement counts.
 /// @param views  masks without colour, a few hundred pixels wide, at least 3
 /// @return the hull's bounds; nothing when the masks have no common space, which leaves an overlap
 /// of 0

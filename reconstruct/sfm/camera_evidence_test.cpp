@@ -31,9 +31,9 @@ const std::vector<Ball> kFigure = {{{0.02, 0.03, 0}, 0.3},     {{0, 0.05, 0.38},
                                    {{0.05, -0.22, 0.4}, 0.08}, {{0.15, -0.1, -0.38}, 0.13},
                                    {{-0.16, 0.08, -0.4}, 0.14}};
 
-Image8 MaskOf(const View& view) {
+Image8 MaskOf(const View& view, const std::vector<Ball>& figure = kFigure) {
   Image8 mask(kWidth, kHeight, 1, 0);
-  for (const Ball& ball : kFigure) {
+  for (const Ball& ball : figure) {
     const Vector3d center = view.camera_from_world * ball.center;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
@@ -105,6 +105,48 @@ std::vector<int> Counted(std::size_t count) {
   return numbers;
 }
 
+std::vector<Ball> WithHandle() {
+  std::vector<Ball> figure = kFigure;
+  constexpr int kBalls = 20;
+  for (int k = 0; k < kBalls; ++k) {
+    const double turn = 2 * M_PI * k / kBalls;
+    figure.push_back(
+        {Vector3d(0.45 + 0.4 * std::cos(turn), 0.05, 0.05 + 0.4 * std::sin(turn)), 0.07});
+  }
+  return figure;
+}
+
+/// The mask with what has no way to the picture's sides.
+Image8 Filled(const Image8& mask) {
+  Image8 filled(mask.width, mask.height, 1, 255);
+  std::vector<std::pair<int, int>> open = {{0, 0}};
+  while (!open.empty()) {
+    const auto [x, y] = open.back();
+    open.pop_back();
+    if (x < 0 || y < 0 || x >= mask.width || y >= mask.height || *mask.at(x, y) > 0 ||
+        *filled.at(x, y) == 0)
+      continue;
+    *filled.at(x, y) = 0;
+    for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
+      open.emplace_back(x + dx, y + dy);
+  }
+  return filled;
+}
+
+/// The evidence for `cameras`, for photographs taken by `truth`, in every second of which the gap
+/// of a handle is dark.
+CameraEvidence EvidenceWithDarkGaps(const Scene& truth, const Scene& cameras) {
+  std::vector<PreparedView> views;
+  for (int v = 0; v < SizeOf(cameras.views); ++v) {
+    const Image8 mask = MaskOf(truth.views[v], WithHandle());
+    views.push_back(PrepareView(cameras.views[v], v, Image8(kWidth, kHeight, 3, 128),
+                                v % 2 == 0 ? Filled(mask) : mask, 1, 1));
+  }
+  CameraEvidence evidence{.images = SizeOf(truth.views), .placed = SizeOf(cameras.views)};
+  MeasureOutlines(views, evidence);
+  return evidence;
+}
+
 /// The evidence for `cameras`, for photographs taken by `truth`.
 CameraEvidence EvidenceOf(const Scene& truth, const Scene& cameras, const Matched& matched) {
   CameraEvidence evidence;
@@ -134,6 +176,19 @@ TEST(CameraEvidence, TrueCamerasAreSureAndEveryWrongRingIsNot) {
     EXPECT_FALSE(IsSure(wrong));
     EXPECT_TRUE(IsBetter(right, wrong));
     EXPECT_FALSE(IsBetter(wrong, right));
+  }
+}
+
+// Seen on a ruined temple between whose columns the backdrop was as dark as the shadows: right
+// cameras were refused with an overlap of 0.79.
+TEST(CameraEvidence, GapsThatOnlySomeMasksFillSayNothingAgainstTrueCameras) {
+  const Scene truth = Ring(15, 24);
+  const CameraEvidence right = EvidenceWithDarkGaps(truth, truth);
+  EXPECT_TRUE(right.holes_filled);
+  EXPECT_TRUE(right.hull_iou > CameraEvidenceTuning::kSureHullOverlap) << right.hull_iou;
+  for (const double step_deg : {-24.0, 12.0, 32.0}) {
+    const CameraEvidence wrong = EvidenceWithDarkGaps(truth, Ring(15, step_deg));
+    EXPECT_FALSE(IsPlausible(wrong)) << step_deg << " degrees: " << wrong.hull_iou;
   }
 }
 

@@ -84,6 +84,7 @@ CameraEvidence EvidenceCheck::Evaluate(const Scene& scene, const std::vector<Fea
 void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {
   stage.Report("hull_iou_mean", evidence.hull_iou);
   stage.Report("hull_iou_least", evidence.hull_iou_least);
+  if (evidence.holes_filled) stage.Report("mask_holes_filled", 1);
   stage.ReportJson("views_disagreeing", nlohmann::json(evidence.disagreeing).dump());
   stage.Report("pairs_tied", evidence.pairs);
   stage.Report("pairs_agreeing", evidence.pairs_agree);
