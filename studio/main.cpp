@@ -44,7 +44,8 @@ void OpenBrowser(const std::string& address) {
   const bool desktop = getenv("DISPLAY") || getenv("WAYLAND_DISPLAY");
   const char* const program = "/usr/bin/xdg-open";
   if (!desktop || access(program, X_OK) != 0) return;
-  std::thread([address, program] { RunChild({program, address}, "/", 10); }).detach();
+  // It may itself become the browser, for as long as that is open.
+  LetGo({program, address}, "/");
 }
 
 /// Counts up when the studio shall end. A handler may do little more than write to it.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "core/same_faces.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
+#include "studio/meshes/frames.h"
 #include "studio/project/photographs.h"
 
 namespace keypose::studio {
@@ -40,7 +40,7 @@ std::vector<fs::path> PaintedTextures(Snapshot& snapshot, const std::string& sho
   if (!folder) return textures;
   for (const auto& entry : fs::directory_iterator(*folder))
     if (IsTexture(entry.path())) textures.push_back(entry.path());
-  std::sort(textures.begin(), textures.end());
+  SortByNumber(&textures);
   return textures;
 }
 

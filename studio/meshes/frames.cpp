@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -33,7 +34,7 @@ std::vector<fs::path> FrameFiles(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("frame_") && name.ends_with(".ply")) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  SortByNumber(&files);
   return files;
 }
 
@@ -64,6 +65,13 @@ json KeysOf(const json& distortion, const std::vector<std::string>& poses, std::
 }
 
 }  // namespace
+
+void SortByNumber(std::vector<fs::path>* files) {
+  std::sort(files->begin(), files->end(), [](const fs::path& a, const fs::path& b) {
+    const std::string one = a.filename().string(), other = b.filename().string();
+    return std::pair(one.size(), one) < std::pair(other.size(), other);
+  });
+}
 
 json FramesJson(Snapshot& snapshot, const std::string& shot) {
   const fs::path folder = FramesFolder(snapshot, shot);

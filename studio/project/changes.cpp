@@ -251,8 +251,8 @@ fs::path OwnMaskFile(Snapshot& snapshot, const std::string& pose, const std::str
   return {};
 }
 
-void SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
-              const std::string& png) {
+fs::path SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                  const std::string& png) {
   RequirePhotograph(snapshot, pose, name);
   const ImageInfo original = OriginalOf(snapshot, pose, name);
   const fs::path scratch = snapshot.project() / ".keypose/studio";
@@ -268,6 +268,7 @@ void SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& na
   pipeline::RealDisk(scratch).Copy(writing, file);
   fs::remove(writing);
   SetAside(folder, name, file);
+  return file;
 }
 
 }  // namespace keypose::studio

@@ -59,8 +59,9 @@ std::filesystem::path OwnMaskFile(Snapshot& snapshot, const std::string& pose,
 /// Writes a mask to the pose's folder of masks (masks/POSE if it has none, which then stands in
 /// pipeline.yaml). The masks of the other photographs stay computed.
 /// @param png  8-bit, of the photograph's size
+/// @return the written file
 /// @throws UsageError, InputError  no such photograph, not a PNG, of another size
-void SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
-              const std::string& png);
+std::filesystem::path SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                               const std::string& png);
 
 }  // namespace keypose::studio

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/errors.h"
 #include "core/io/files.h"
 #include "pipeline/builder.h"
 #include "pipeline/collect_ending.h"
 #include "pipeline/commands.h"
 #include "pipeline/real_disk.h"
 #include "studio/project/photographs.h"
+#include "studio/project/picks.h"
 
 namespace keypose::studio {
 
@@ -20,6 +22,14 @@ using pipeline::Step;
 using pipeline::StepPlan;
 
 namespace {
+
+bool HasPicks(Snapshot& snapshot, const std::string& pose) {
+  try {
+    return !ExistingPicks(snapshot, pose).empty();
+  } catch (const Error&) {
+    return false;  // PicksJson tells of it
+  }
+}
 
 json PoseJson(Snapshot& snapshot, const std::string& pose) {
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
@@ -34,7 +44,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
           {"photographs", OriginalPhotographs(photos).size()},
           {"masks", rule && rule->masks ? rule->masks->text : ""},
-          {"has_landmarks", fs::exists(snapshot.project() / "landmarks" / (pose + ".json"))},
+          {"has_landmarks", HasPicks(snapshot, pose)},
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},
           {"has_confidence", snapshot.ConfidencePath(pose).has_value()},

@@ -17,8 +17,6 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/ray_scene.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
 #include "studio/project/changes.h"
 #include "studio/project/photographs.h"
 #include "studio/project/picks.h"
@@ -41,18 +39,6 @@ void RequireFitted(Snapshot& snapshot, const std::string& pose) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
   if (!snapshot.IsFitted(pose))
     throw UsageError(fmt::format("pose '{}' is scanned: it is picked on its mesh", pose));
-}
-
-/// Where picks are or will be. @throws UsageError  outside of the project
-fs::path PhotoPicksFile(Snapshot& snapshot, const std::string& pose) {
-  const fs::path& project = snapshot.project();
-  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  if (!rule || !rule->landmarks) return project / "landmarks" / (pose + ".json");
-  const std::string written = pipeline::WithHome(rule->landmarks->text);
-  const fs::path file = project / pipeline::OnDisk(pipeline::RealDisk(), project, written);
-  if (!IsWithin(fs::weakly_canonical(file), fs::canonical(project)))
-    throw UsageError(fmt::format("the landmarks {} are outside of the project", file.string()));
-  return file;
 }
 
 /// @throws UsageError  in words that follow the pick's name
@@ -312,7 +298,7 @@ json PhotoPicksJson(Snapshot& snapshot, const std::string& pose) {
     answer["problems"].push_back({{"name", name}, {"text", text}});
   };
   try {
-    const fs::path file = PhotoPicksFile(snapshot, pose);
+    const fs::path file = PicksFile(snapshot, pose);
     answer["revision"] = RevisionOf(file);
     const std::map<std::string, json> photographs = Captured(snapshot, pose);
     const auto unread = [&](const std::string& name, const std::string& words) {
@@ -335,7 +321,7 @@ json PhotoPicksJson(Snapshot& snapshot, const std::string& pose) {
 
 void SavePhotoPicks(Snapshot& snapshot, const std::string& pose, const json& body) {
   RequireFitted(snapshot, pose);
-  const fs::path file = PhotoPicksFile(snapshot, pose);
+  const fs::path file = PicksFile(snapshot, pose);
   if (RevisionOf(file) != body.at("revision").get<std::string>())
     throw ChangedMeanwhile(file.filename().string() + " was changed elsewhere; it was read again");
   if (body.at("pixels").size() > kMostPicks) throw UsageError("more than 10000 picks");
@@ -363,7 +349,7 @@ void SavePhotoPicks(Snapshot& snapshot, const std::string& pose, const json& bod
   }
   json changed = WithPicks(root, picks);
   if (picks.empty()) changed.erase("pixels"), changed.erase("schema");
-  if (changed.empty()) return pipeline::RealDisk().Remove(file);
+  if (changed.empty()) return RemovePicks(snapshot, pose);
   if (picks.empty()) changed["schema"] = 2;
   fs::create_directories(file.parent_path());
   WriteFileAtomically(file, PicksText(changed));
@@ -383,7 +369,7 @@ json PhotoFitJson(Snapshot& snapshot, const std::string& pose) {
   answer["refused"] = RefusedJson(fitted->measurements);
   const auto unread = [](const std::string&, const std::string&) {};
   try {
-    AddHints(*fitted, PicksIn(Written(PhotoPicksFile(snapshot, pose)), unread), answer);
+    AddHints(*fitted, PicksIn(Written(PicksFile(snapshot, pose)), unread), answer);
   } catch (const Error&) {
     // PhotoPicksJson tells of it.
   }

@@ -8,12 +8,15 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
 #include "core/io/stiffness_io.h"
+#include "core/io/yaml_edit.h"
+#include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
 #include "studio/project/changes.h"
 
@@ -23,22 +26,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
-  return snapshot.project() / "landmarks" / (pose + ".json");
-}
-
-/// The file with a pose's picks: ours, else MeshLab's; empty if there is none.
-fs::path ExistingPicks(Snapshot& snapshot, const std::string& pose) {
-  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  std::vector<fs::path> places;
-  if (rule && rule->landmarks) places.push_back(snapshot.project() / rule->landmarks->text);
-  places.push_back(PicksFile(snapshot, pose));
-  places.push_back(snapshot.project() / "landmarks" / (pose + ".pp"));
-  for (const fs::path& place : places)
-    if (fs::is_regular_file(place)) return place;
-  return {};
-}
 
 Mesh PickedMeshOf(Snapshot& snapshot, const std::string& pose) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
@@ -96,17 +83,32 @@ void RequireNamesOnce(const std::vector<Landmark>& picks) {
       throw UsageError(fmt::format("two landmarks are called '{}'", pick.name));
 }
 
-/// Our files are written beside others of the pose, so the pipeline must not see two.
 void WritePicks(Snapshot& snapshot, const std::string& pose, const Mesh& mesh,
                 const std::vector<Landmark>& picks) {
+  if (picks.empty()) return RemovePicks(snapshot, pose);
   const fs::path file = PicksFile(snapshot, pose);
+  if (file.extension() != ".json")
+    throw UsageError(fmt::format(
+        "pipeline.yaml names {} for the landmarks of '{}', and picks are saved as .json: take the "
+        "line `landmarks` out there, or let it name a .json file",
+        file.filename().string(), pose));
   pipeline::RealDisk disk(snapshot.project() / ".keypose/studio");
-  if (picks.empty()) return disk.Remove(file);
   const fs::path writing = snapshot.project() / ".keypose/studio/picks.json";
   disk.MakeFolder(writing.parent_path());
   WriteLandmarks(writing, mesh, picks);
   disk.Copy(writing, file);
   disk.Remove(writing);
+}
+
+/// The page does not show what cannot be read, so it would be lost.
+void RequireReadable(Snapshot& snapshot, const std::string& pose, const Mesh& mesh) {
+  const fs::path file = PicksFile(snapshot, pose);
+  if (!fs::is_regular_file(file)) return;
+  try {
+    ReadPicks(file, mesh, nullptr, pose);
+  } catch (const Error& error) {
+    throw InputError(fmt::format("{}; mend or delete it in an editor first", error.what()));
+  }
 }
 
 /// Picks without a partner, and what the pipeline would say of the file.
@@ -127,16 +129,52 @@ std::string TemplatePose(Snapshot& snapshot) { return snapshot.graph().template_
 
 }  // namespace
 
+fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
+  const fs::path& project = snapshot.project();
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  if (!rule || !rule->landmarks) return project / "landmarks" / (pose + ".json");
+  const std::string written = pipeline::WithHome(rule->landmarks->text);
+  const fs::path file = project / pipeline::OnDisk(pipeline::RealDisk(), project, written);
+  if (!IsWithin(fs::weakly_canonical(file), fs::canonical(project)))
+    throw UsageError(fmt::format("the landmarks {} are outside of the project", file.string()));
+  return file;
+}
+
+fs::path ExistingPicks(Snapshot& snapshot, const std::string& pose) {
+  const fs::path file = PicksFile(snapshot, pose);
+  if (fs::is_regular_file(file)) return file;
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  const fs::path points = snapshot.project() / "landmarks" / (pose + ".pp");
+  const bool taken = !(rule && rule->landmarks) && fs::is_regular_file(points);
+  return taken ? points : fs::path();
+}
+
+void RemovePicks(Snapshot& snapshot, const std::string& pose) {
+  const fs::path file = PicksFile(snapshot, pose);
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  if (rule && rule->landmarks) {
+    const fs::path whole = snapshot.project() / "pipeline.yaml";
+    const std::string revision = RevisionOf(whole), text = ReadFile(whole);
+    const std::string edited = Edited([&] {
+      const std::string without = WithoutValue(text, {"poses", pose, "landmarks"});
+      // A pose of which nothing else was said goes with its empty map.
+      const bool there = pipeline::ParsePipelineFile(without, "pipeline.yaml").FindPose(pose);
+      return there ? without : WithValue(text, {"poses", pose}, YamlScalar("photos/" + pose));
+    });
+    WritePipelineFile(snapshot.project(), edited, revision);
+  }
+  pipeline::RealDisk().Remove(file);
+}
+
 json PicksJson(Snapshot& snapshot, const std::string& pose) {
   const Mesh mesh = PickedMeshOf(snapshot, pose);
-  const fs::path file = ExistingPicks(snapshot, pose);
-  json picks = {{"pose", pose},
-                {"revision", RevisionOf(PicksFile(snapshot, pose))},
-                {"picks", json::array()},
-                {"problems", json::array()}};
-  if (file.empty()) return picks;
+  json picks = {
+      {"pose", pose}, {"revision", ""}, {"picks", json::array()}, {"problems", json::array()}};
   CarryLog log;
   try {
+    picks["revision"] = RevisionOf(PicksFile(snapshot, pose));
+    const fs::path file = ExistingPicks(snapshot, pose);
+    if (file.empty()) return picks;
     for (const Landmark& pick : ReadPicks(file, mesh, &log, pose))
       picks["picks"].push_back(PickJson(pick));
     picks["problems"] = ProblemsOf(log);
@@ -149,6 +187,7 @@ json PicksJson(Snapshot& snapshot, const std::string& pose) {
 void SavePicks(Snapshot& snapshot, const std::string& pose, const json& body) {
   const Mesh mesh = PickedMeshOf(snapshot, pose);
   RequireRevision(PicksFile(snapshot, pose), body);
+  RequireReadable(snapshot, pose, mesh);
   std::vector<Landmark> picks;
   for (const json& value : body.at("picks")) picks.push_back(PickFrom(value, mesh));
   RequireNamesOnce(picks);
@@ -189,11 +228,11 @@ std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::
 
 std::vector<Landmark> TemplatePicks(Snapshot& snapshot, Mesh* mesh) {
   const std::string whole = TemplatePose(snapshot);
-  const fs::path file = ExistingPicks(snapshot, whole);
   if (!snapshot.PickedMesh(whole)) return {};
   *mesh = PickedMeshOf(snapshot, whole);
-  if (file.empty()) return {};
   try {
+    const fs::path file = ExistingPicks(snapshot, whole);
+    if (file.empty()) return {};
     return ReadPicks(file, *mesh, nullptr, whole);
   } catch (const Error&) {
     return {};  // PicksJson tells of it

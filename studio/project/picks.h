@@ -11,13 +11,26 @@
 
 namespace keypose::studio {
 
+/// Where the pipeline takes a pose's picks from once they are saved: the file that pipeline.yaml
+/// names, else landmarks/POSE.json. @throws UsageError  outside of the project
+std::filesystem::path PicksFile(Snapshot& snapshot, const std::string& pose);
+
+/// The file with a pose's picks as the pipeline takes them: PicksFile or, where pipeline.yaml names
+/// none, MeshLab's landmarks/POSE.pp; empty if there is none. @throws UsageError  as PicksFile
+std::filesystem::path ExistingPicks(Snapshot& snapshot, const std::string& pose);
+
+/// Removes PicksFile; pipeline.yaml then does not name it any more.
+/// @throws UsageError  pipeline.yaml cannot be changed
+void RemovePicks(Snapshot& snapshot, const std::string& pose);
+
 /// A pose's picks on the mesh that they are picked on, with what is wrong with them.
 /// @throws UsageError  no such pose, or its mesh is not made yet
 nlohmann::json PicksJson(Snapshot& snapshot, const std::string& pose);
 
-/// Writes landmarks/POSE.json; without picks, removes it.
+/// Writes PicksFile; without picks, removes it.
 /// @param body  {"picks": [{name, face, barycentric}], "revision": ...}
-/// @throws ChangedMeanwhile, UsageError, InputError
+/// @throws ChangedMeanwhile, UsageError
+/// @throws InputError  the file cannot be read, and what is in it would be lost
 void SavePicks(Snapshot& snapshot, const std::string& pose, const nlohmann::json& body);
 
 /// Replaces a pose's picks by those of a file: MeshLab's .pp, Wrap's points, or our JSON.

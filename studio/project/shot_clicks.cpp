@@ -60,6 +60,35 @@ json ClickFrom(const json& click) {
   return written;
 }
 
+/// The clicks of a file. @throws InputError  it, or one of them, cannot be read
+json ClicksIn(const fs::path& file) {
+  json clicks = json::array();
+  if (!fs::is_regular_file(file)) return clicks;
+  const std::string name = file.filename().string();
+  try {
+    const json written = JsonOfFile(file);
+    for (json click : written.at("clicks")) {
+      // Without a frame: that of the first picture.
+      if (!click.contains("frame")) click["frame"] = 0;
+      clicks.push_back(ClickFrom(click));
+    }
+  } catch (const UsageError& error) {
+    throw InputError(fmt::format("{}: click {}: {}", name, clicks.size() + 1, error.what()));
+  } catch (const json::exception& error) {
+    throw InputError(fmt::format("{}: the clicks cannot be read: {}", name, JsonFault(error)));
+  }
+  return clicks;
+}
+
+/// The page does not show what cannot be read, so it would be lost.
+void RequireReadable(const fs::path& file) {
+  try {
+    ClicksIn(file);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}; mend or delete it in an editor first", error.what()));
+  }
+}
+
 /// A click a line: small changes are small in a comparison, too.
 std::string ClicksText(const json& clicks) {
   std::string text = "{\"schema\": 1, \"clicks\": [";
@@ -106,19 +135,12 @@ json ClicksJson(Snapshot& snapshot) {
     const fs::path file = ClicksFile(snapshot);
     clicks["revision"] = RevisionOf(file);
     if (!fs::is_regular_file(file)) return clicks;
-    const json written = JsonOfFile(file);
-    for (json click : written.at("clicks")) {
-      // Without a frame: that of the first picture.
-      if (!click.contains("frame")) click["frame"] = 0;
-      clicks["clicks"].push_back(ClickFrom(click));
-    }
+    clicks["clicks"] = ClicksIn(file);
     if (!ShotOf(snapshot).clicks)
       clicks["problem"] =
           "clicks.json is there, but pipeline.yaml does not name it; the next change does";
   } catch (const Error& error) {
     clicks["problem"] = error.what();
-  } catch (const json::exception& error) {
-    clicks["problem"] = "the clicks cannot be read: " + JsonFault(error);
   }
   return clicks;
 }
@@ -127,6 +149,7 @@ void SaveClicks(Snapshot& snapshot, const json& body) {
   const fs::path file = ClicksFile(snapshot);
   if (RevisionOf(file) != body.at("revision"))
     throw ChangedMeanwhile(file.filename().string() + " was changed elsewhere; it was read again");
+  RequireReadable(file);
   if (body.at("clicks").size() > kMostClicks) throw UsageError("more than 1000 clicks");
   json clicks = json::array();
   for (const json& click : body.at("clicks")) clicks.push_back(ClickFrom(click));

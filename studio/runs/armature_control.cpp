@@ -15,8 +15,6 @@ using nlohmann::json;
 
 namespace {
 
-/// A session of many days repeats itself; pages want its end.
-constexpr std::size_t kMostArmatureEvents = 5000;
 /// A hand does not move faster than a page can show.
 constexpr int kReadings = 60, kPoses = 30;
 
@@ -62,11 +60,23 @@ std::vector<std::string> BakeWords(const ArmatureSetup& setup, const fs::path& t
 
 bool HasEvent(const std::string& line) {
   const json told = json::parse(line, nullptr, false);
-  return told.is_object() && told.contains("event");
+  return told.is_object() && told.contains("event") && told["event"].is_string();
 }
 
+/// What an event is about: the next one about the same takes its place.
+std::string SubjectOf(const std::string& line) {
+  const json told = json::parse(line);
+  const std::string event = told.at("event");
+  for (const char* of_box : {"cable-out", "cable-back", "silent", "power-lost"})
+    if (event == of_box) return "controller";
+  const json joint = told.value("joint", json());
+  return joint.is_string() ? "joint " + joint.get<std::string>() : event;
+}
+
+/// A loose plug tells of itself many times a second, and must not push out how the session began.
 void KeepArmatureEvent(const std::string& event, std::vector<std::string>* events) {
-  if (events->size() == kMostArmatureEvents) events->erase(events->begin());
+  const std::string subject = SubjectOf(event);
+  std::erase_if(*events, [&](const std::string& old) { return SubjectOf(old) == subject; });
   events->push_back(event);
 }
 

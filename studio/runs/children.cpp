@@ -28,15 +28,16 @@ std::vector<char*> Words(const std::vector<std::string>& arguments) {
   return words;
 }
 
+/// -1: nothing to read, and nobody who reads.
 struct Streams {
-  int in = -1;  ///< -1: nothing to read
-  int out = -1, error = -1;
+  int in = -1, out = -1, error = -1;
 };
 
 /// In the new process: a session of its own, so that Ctrl-C on the studio does not reach it twice.
 [[noreturn]] void Become(const std::vector<char*>& words, const char* folder, Streams to) {
   setsid();
-  if (to.in < 0) to.in = open("/dev/null", O_RDONLY);
+  for (int* stream : {&to.in, &to.out, &to.error})
+    if (*stream < 0) *stream = open("/dev/null", O_RDWR);
   if (chdir(folder) != 0 || dup2(to.in, 0) < 0 || dup2(to.out, 1) < 0 || dup2(to.error, 2) < 0)
     _exit(126);
   execv(words[0], words.data());
@@ -147,6 +148,19 @@ int StartChild(const std::vector<std::string>& arguments, const fs::path& folder
   close(err);
   if (pid < 0) throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
   return pid;
+}
+
+void LetGo(const std::vector<std::string>& arguments, const fs::path& folder) {
+  const std::vector<char*> words = Words(arguments);
+  const std::string where = folder.string();
+  const pid_t between = fork();
+  if (between < 0) throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
+  if (between == 0) {
+    // Its parent ends at once, so that the system collects it when it ends.
+    if (fork() != 0) _exit(0);
+    Become(words, where.c_str(), {});
+  }
+  WaitFor(between);
 }
 
 std::string WhatItSaid(const fs::path& error, int exit_code) {

@@ -39,6 +39,10 @@ class PipedChild {
 int StartChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                const std::filesystem::path& output, const std::filesystem::path& error);
 
+/// Starts a program that is the person's from then on, such as a browser: it outlives the studio,
+/// nobody reads what it says, and nobody waits for it. @throws DiskError  it cannot be started
+void LetGo(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+
 /// The words of the error in what a program that failed has said.
 std::string ErrorIn(const std::string& said, int exit_code);
 

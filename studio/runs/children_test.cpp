@@ -84,6 +84,20 @@ TEST(RunChild, LateOnesAreStopped) {
   EXPECT_EQ(result.output, "begun\n");
 }
 
+TEST(LetGo, OnesThatAreThePersonsGoOnAndHoldNobodyUp) {
+  const fs::path mark = fs::temp_directory_path() / ("let_go_test_" + std::to_string(getpid()));
+  const auto begin = std::chrono::steady_clock::now();
+  // As xdg-open may do: what it starts keeps its output, and stays when it has ended.
+  LetGo({"/bin/sh", "-c", "(sleep 1; pwd > \"$0.part\"; mv \"$0.part\" \"$0\") & exit 0",
+         mark.string()},
+        "/usr");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(900));
+  for (int i = 0; i < 200 && !fs::exists(mark); ++i) usleep(50'000);
+  EXPECT_EQ(ReadFile(mark), "/usr\n");
+  fs::remove(mark);
+  EXPECT_NO_THROW(LetGo({"/nonexistent/program"}, "/"));
+}
+
 class Warm : public testing::Test {
  protected:
   /// A script that says when it was started, and then what it was given.

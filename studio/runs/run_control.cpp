@@ -64,7 +64,7 @@ RunControl::RunControl(fs::path project, Listener listener)
     : project_(std::move(project)), listener_(std::move(listener)) {}
 
 RunControl::~RunControl() {
-  Stop();
+  if (own_) Stop();
   leave_ = true;
   if (follower_.joinable()) follower_.join();
 }
@@ -76,20 +76,19 @@ void RunControl::Start(const RunSelection& selection) {
   if (running_) throw LockedError("a run is at work already; stop it first");
   if (follower_.joinable()) follower_.join();
   fs::create_directories(File(""));
-  std::vector<std::string> words = {
-      (pipeline::ProgramFolder() / "keypose").string(),
-      "run",
-      "-C",
-      project_.string(),
-      "--progress",
-      "jsonl"};
+  std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose").string(),
+                                    "run",
+                                    "-C",
+                                    project_.string(),
+                                    "--progress",
+                                    "jsonl"};
   Add(words, "--from", selection.from);
   Add(words, "--until", selection.until);
   Add(words, "--only", selection.only);
   Add(words, "--force", selection.force);
   pid_ = StartChild(words, project_, File("run.jsonl"), File("run.txt"));
   WriteFileAtomically(File("run.json"), nlohmann::json{{"pid", pid_.load()}}.dump());
-  running_ = true;
+  running_ = own_ = true;
   follower_ = std::thread([this, pid = pid_.load()] { Follow(pid, true); });
 }
 
@@ -107,6 +106,7 @@ void RunControl::TakeUp() {
       fs::read_symlink(fmt::format("/proc/{}/exe", pid), ignored).filename().string();
   if (pid <= 0 || program != "keypose") return;
   pid_ = pid;
+  own_ = false;
   running_ = true;
   follower_ = std::thread([this, pid] { Follow(pid, false); });
 }

@@ -41,9 +41,10 @@ void Without(const std::string& piece, std::string* text) {
     text->erase(at, piece.size());
 }
 
-/// Differs when a file that the character is made of does.
+/// Differs when a file that the character is made of does, or the project was moved: view.json
+/// names plates by where they are.
 std::string StampOf(const fs::path& project, const ArmatureSetup& setup) {
-  std::string stamp;
+  std::string stamp = project.string() + "\n";
   for (const std::string& name : {setup.description, setup.chains, setup.skeleton, setup.mesh,
                                   setup.weights, setup.plate, setup.shot}) {
     std::error_code error;

@@ -1,6 +1,7 @@
 #include "studio/server/answers.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -29,6 +30,13 @@ Answer ErrorAnswer(int status, const std::string& words) {
 Answer TextAnswer(std::string text) { return {200, "text/plain", std::move(text), {}, {}}; }
 Answer BytesAnswer(std::string bytes) {
   return {200, "application/octet-stream", std::move(bytes), {}, {}};
+}
+
+std::string TagOf(const fs::path& file) {
+  struct stat stat;
+  if (::stat(file.c_str(), &stat) != 0) return "";
+  return fmt::format("\"{:x}-{:x}-{:x}{:x}\"", stat.st_ino, stat.st_size, stat.st_mtim.tv_sec,
+                     stat.st_mtim.tv_nsec);
 }
 
 std::string TypeOf(const fs::path& file) {

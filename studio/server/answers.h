@@ -35,6 +35,9 @@ Answer BytesAnswer(std::string bytes);
 /// A JPEG or PNG. Its type is told by its bytes, as names of photographs may lie.
 Answer PictureAnswer(const std::filesystem::path& file);
 
+/// What a browser keeps a file under, to ask only whether it has changed; "" if it is not there.
+std::string TagOf(const std::filesystem::path& file);
+
 /// The media type by a file's extension.
 std::string TypeOf(const std::filesystem::path& file);
 

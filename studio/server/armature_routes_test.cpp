@@ -89,6 +89,28 @@ TEST_F(ArmatureRoutes, SessionIsStartedFollowedAndEnded) {
   EXPECT_NE(told.find("one pose"), std::string::npos) << told;
 }
 
+TEST_F(ArmatureRoutes, AStoryKeepsTheLastWordOnEachSubject) {
+  json setup = Example();
+  setup["mesh"] = setup["set"] = "";
+  ASSERT_EQ(Post("start", setup).status, 200);
+  const auto count = [&](const char* event) {
+    int found = 0;
+    const json story = Story();
+    for (const json& told : story["events"]) found += told["event"] == event;
+    return found;
+  };
+  ASSERT_TRUE(Until([&] { return count("session") == 1; })) << Story();
+  for (const int plate : {0, 0, 0, 99999}) {
+    const json command = {{"command", "plate"}, {"frame", plate}};
+    EXPECT_EQ(Post("command", command).status, 200);
+  }
+  ASSERT_TRUE(Until([&] { return count("refused") == 1; })) << Story();
+  EXPECT_EQ(count("plate"), 1);
+  EXPECT_EQ(count("session"), 1) << "however many followed it";
+  EXPECT_EQ(Post("command", {{"command", "end"}}).status, 200);
+  ASSERT_TRUE(Until([&] { return !Story()["running"]; }));
+}
+
 TEST_F(ArmatureRoutes, BoardThatIsNotThereIsSaidInWords) {
   json setup = Example();
   setup["port"] = "/dev/no-such-board";

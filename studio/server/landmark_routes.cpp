@@ -107,12 +107,9 @@ Answer Routes::Suggest(const Question& question) {
       if (!path) throw UsageError(fmt::format("pose '{}' has no mesh to pick on yet", of));
       words.insert(words.end(), {flag, path->string()});
     }
-    const auto known = [&](const std::string& of) {
-      return folder_ / "landmarks" / (of + ".json");
-    };
-    if (fs::exists(known(whole)) && fs::exists(known(pose)))
-      words.insert(words.end(),
-                   {"--landmarks", known(whole).string(), "--landmarks", known(pose).string()});
+    const fs::path known = ExistingPicks(now, whole), there = ExistingPicks(now, pose);
+    if (!known.empty() && !there.empty())
+      words.insert(words.end(), {"--landmarks", known.string(), "--landmarks", there.string()});
     return 0;
   });
   fs::create_directories(suggested.parent_path());

@@ -206,6 +206,22 @@ TEST_F(MotionRoutes, PositionsAreThoseOfEachFrame) {
   EXPECT_EQ(Ask("/api/frames/first", "walk").bytes.substr(0, 4), "KPM1");
 }
 
+TEST_F(MotionRoutes, FrameTenThousandComesAfterThoseOfFourDigits) {
+  const fs::path frames = folder_ / "tools/track.frames";
+  const char* const numbers[kFrames] = {"9998", "9999", "10000"};
+  for (int i = 0; i < kFrames; ++i)
+    fs::rename(frames / ("frame_000" + std::to_string(i) + ".ply"),
+               frames / (std::string("frame_") + numbers[i] + ".ply"));
+  Run("track/walk");
+  const std::string bytes = Ask("/api/frames/positions", "walk").bytes;
+  const std::size_t frame = 3 * static_cast<std::size_t>(body.vertex_count());
+  std::vector<float> positions(kFrames * frame);
+  ASSERT_EQ(bytes.size(), sizeof(float) * positions.size());
+  std::memcpy(positions.data(), bytes.data(), bytes.size());
+  for (int i = 0; i < kFrames; ++i)
+    EXPECT_NEAR(positions[static_cast<std::size_t>(i) * frame + 2], body.points(0, 2) + i, 1e-6);
+}
+
 /// The third number of the bytes of a mesh: 1 where it has texture coordinates.
 std::uint32_t FlagsOf(const std::string& mesh_bytes) {
   std::uint32_t flags = 0;

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kWidth = 400, kHeight = 300;
 
@@ -150,19 +151,19 @@ class PhotoPicks : public testing::Test {
     WriteFile(made / "tools" / (name + ".report"), R"({"schema": 1, "measurements": {}})");
   }
   /// A project in which only these three steps are left.
-  static std::string ProjectText(const std::string& wave) {
+  static std::string ProjectText(const std::string& wave, const std::string& rest = "photos/rest") {
     std::string steps;
     for (const char* step : {"sfm", "masks", "dense", "mesh", "refine", "cleanup", "register",
                              "bake", "complete", "interpolate", "export", "report"})
       steps += std::string("  ") + step + ": {enabled: false}\n";
-    return "name: dance\nposes:\n  rest: photos/rest\n"
-           "  wave: {photos: photos/wave, method: fit" +
+    return "name: dance\nposes:\n  rest: " + rest + "\n  wave: {photos: photos/wave, method: fit" +
            wave + "}\ntemplate: rest\nsteps:\n" + steps + kSteps;
   }
-  void Project(const std::string& wave) {
+  void Project(const std::string& wave, const std::string& rest = "photos/rest") {
     routes_.reset();
-    WriteFile(folder_ / "pipeline.yaml", ProjectText(wave));
+    WriteFile(folder_ / "pipeline.yaml", ProjectText(wave, rest));
   }
+  std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
   static void Run(const fs::path& folder, const std::string& until) {
     const fs::path log = folder.string() + ".log";
     const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
@@ -186,6 +187,14 @@ class PhotoPicks : public testing::Test {
   int Put(const json& pixels, const std::string& revision) {
     const json body = {{"pixels", pixels}, {"revision", revision}};
     return Ask({"PUT", "/api/landmarks", {{"pose", "wave"}}, body.dump()}).status;
+  }
+  /// Picks on the mesh of the template.
+  Answer PutOnMesh(const json& picks, const fs::path& file) {
+    const json body = {{"picks", picks}, {"revision", RevisionOf(file)}};
+    return Ask({"PUT", "/api/landmarks", {{"pose", "rest"}}, body.dump()});
+  }
+  static json MeshPick(const std::string& name) {
+    return {{"name", name}, {"face", 3}, {"barycentric", {0.2, 0.3, 0.5}}};
   }
   static json Pick(const std::string& name, const std::string& image, double x, double y) {
     return {{"name", name}, {"image", image}, {"pixel", {x, y}}};
@@ -280,6 +289,53 @@ TEST_F(PhotoPicks, TheFileThatPipelineYamlNamesIsUsedUnlessItIsOutside) {
     const std::string revision = RevisionOf(place_ / "outside/picks.json");
     EXPECT_EQ(Put(json::array({Pick("nose", "a_0.png", 1, 2)}), revision), 400);
     EXPECT_EQ(ReadFile(place_ / "outside/picks.json"), "{}");
+  }
+}
+
+TEST_F(PhotoPicks, TheLastOneTakesItsFileOutOfPipelineYaml) {
+  WriteFile(folder_ / "mine.json",
+            json{{"pixels", json::array({Pick("nose", "a_0.png", 1, 2)})}}.dump());
+  Project(", landmarks: mine.json");
+  ASSERT_EQ(Put(json::array(), RevisionOf(folder_ / "mine.json")), 200);
+  EXPECT_FALSE(fs::exists(folder_ / "mine.json"));
+  EXPECT_EQ(Text(), ProjectText("")) << "a project must not name a file that is gone";
+}
+
+TEST_F(PhotoPicks, OnTheMeshAreSavedInTheFileThatPipelineYamlNames) {
+  Run(folder_, "unwrap");
+  const fs::path mine = folder_ / "mine.json";
+  for (const char* rest :
+       {"{photos: photos/rest, landmarks: mine.json}", "{landmarks: mine.json}"}) {
+    Project("", rest);
+    WriteLandmarks(mine, mesh, {Landmark{"nose", 0, {0.2, 0.3, 0.5}}});
+    const Answer answer = PutOnMesh(json::array({MeshPick("ear")}), mine);
+    ASSERT_EQ(answer.status, 200) << answer.bytes;
+    EXPECT_EQ(json::parse(answer.bytes).at("picks")[0].at("name"), "ear");
+    EXPECT_THAT(ReadFile(mine), HasSubstr("ear"));
+    EXPECT_FALSE(fs::exists(folder_ / "landmarks/rest.json"));
+    ASSERT_EQ(PutOnMesh(json::array(), mine).status, 200);
+    EXPECT_FALSE(fs::exists(mine));
+    EXPECT_THAT(Text(), Not(HasSubstr("mine.json")));
+    EXPECT_THAT(Text(), HasSubstr("photos/rest"));
+  }
+  WriteFile(folder_ / "points.pp", PickedPointsText({Landmark{"nose", 0, {1, 0, 0}}}, mesh));
+  Project("", "{landmarks: points.pp}");
+  const Answer answer = PutOnMesh(json::array({MeshPick("ear")}), folder_ / "points.pp");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_THAT(answer.bytes, HasSubstr("names points.pp"));
+  EXPECT_THAT(ReadFile(folder_ / "points.pp"), HasSubstr("nose"));
+}
+
+TEST_F(PhotoPicks, OnTheMeshThatCannotBeReadAreNamedAndNotLost) {
+  Run(folder_, "unwrap");
+  const fs::path file = folder_ / "landmarks/rest.json";
+  for (const std::string& text :
+       {std::string("{\"landmarks\": ["), std::string(R"({"landmarks": [{"name": "nose"}]})")}) {
+    WriteFile(file, text);
+    const Answer answer = PutOnMesh(json::array({MeshPick("ear")}), file);
+    EXPECT_EQ(answer.status, 400) << text;
+    EXPECT_THAT(answer.bytes, HasSubstr("mend or delete it")) << text;
+    EXPECT_EQ(ReadFile(file), text);
   }
 }
 

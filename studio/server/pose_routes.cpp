@@ -58,11 +58,19 @@ void Routes::AddMasks() {
     return PictureAnswer(MaskPicture(PictureFolder(), mask, size.first, size.second));
   });
   Add("PUT", "/api/mask", [this](const Question& question) {
-    With([&](Snapshot& now) {
-      SaveMask(now, question.Need("pose"), question.Need("name"), question.body);
-      return 0;
+    const std::string pose = question.Need("pose"), name = question.Need("name");
+    const std::string revision = With([&](Snapshot& now) {
+      const auto tag = [&, size = PhotographSize(now, pose, name)](const fs::path& mask) {
+        return TagOf(MaskPicture(PictureFolder(), mask, size.first, size.second));
+      };
+      const fs::path own = OwnMaskFile(now, pose, name);
+      if (question.query.contains("revision") && !own.empty() &&
+          tag(own) != question.Need("revision"))
+        throw ChangedMeanwhile(fmt::format(
+            "the mask of {} was changed elsewhere, and is not written over; open it again", name));
+      return tag(SaveMask(now, pose, name, question.body));
     });
-    return JsonAnswer({{"saved", true}});
+    return JsonAnswer({{"saved", true}, {"revision", revision}});
   });
   Add("GET", "/api/cameras", [this](const Question& question) {
     return JsonAnswer(With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));

@@ -277,7 +277,7 @@ void Routes::AddResults() {
     if (access("/usr/bin/xdg-open", X_OK) != 0)
       throw UsageError(
           fmt::format("this desktop cannot be asked to show it; it is {}", shown.string()));
-    RunChild({"/usr/bin/xdg-open", shown.string()}, folder_, 5);
+    LetGo({"/usr/bin/xdg-open", shown.string()}, folder_);
     return JsonAnswer({{"shown", true}});
   });
 }

@@ -102,14 +102,6 @@ Question QuestionOf(const httplib::Request& request) {
   return question;
 }
 
-/// What a browser keeps a file under, to ask only whether it has changed.
-std::string TagOf(const fs::path& file) {
-  struct stat stat;
-  if (::stat(file.c_str(), &stat) != 0) return "";
-  return fmt::format("\"{:x}-{:x}-{:x}{:x}\"", stat.st_ino, stat.st_size, stat.st_mtim.tv_sec,
-                     stat.st_mtim.tv_nsec);
-}
-
 /// A file in pieces, so that a film of a gigabyte is not held in memory.
 void SendFile(const Answer& answer, const httplib::Request& request, httplib::Response& response) {
   const std::string tag = TagOf(answer.file);

@@ -353,6 +353,21 @@ TEST_F(ShotRoutes, ClicksOfAnEditorAreReadAndNotWrittenOver) {
   EXPECT_FALSE(fs::exists(folder_ / "clicks.json"));
 }
 
+TEST_F(ShotRoutes, ClicksThatCannotBeReadAreNamedAndNotLost) {
+  Project(std::string(kShot) + "  clicks: clicks.json\n");
+  for (const std::string& text :
+       {std::string("{\"clicks\": ["), std::string("[]"), std::string("{\"clicks\": [7]}"),
+        std::string(R"({"clicks": [{"pixel": [3, 4], "vertex": 9}, {"pixel": [3]}]})")}) {
+    WriteFile(folder_ / "clicks.json", text);
+    const json clicks = Shot().at("clicks");
+    EXPECT_THAT(clicks.at("problem").get<std::string>(), HasSubstr("clicks.json")) << text;
+    const Answer answer = Put("/api/shot/clicks", Clicks(json::array({Click(1)})));
+    EXPECT_EQ(answer.status, 400) << text;
+    EXPECT_THAT(answer.bytes, HasSubstr("mend or delete it")) << text;
+    EXPECT_EQ(ReadFile(folder_ / "clicks.json"), text);
+  }
+}
+
 TEST_F(ShotRoutes, ClicksOutsideOfTheProjectAreNeitherReadNorWritten) {
   WriteFile(place_ / "outside/clicks.json", R"({"clicks": []})");
   for (const char* file : {"../outside/clicks.json", "link/clicks.json"}) {

@@ -113,6 +113,18 @@ TEST_F(TakeRoutes, TakeIsOpenedChangedAndKeptAsANewOne) {
   EXPECT_EQ(Save("walk_2", {"step 1"}).status, 409) << "a take is never replaced";
 }
 
+TEST_F(TakeRoutes, ATakeIsWholeAfterItsProjectWasMoved) {
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}}).status, 200);
+  routes_.reset();
+  const fs::path elsewhere = folder_.string() + "_moved";
+  fs::rename(folder_, elsewhere);
+  routes_ = std::make_unique<Routes>(elsewhere);
+  EXPECT_EQ(Post("take/open", {{"take", "walk"}}).status, 200);
+  EXPECT_EQ(Get("/plate", {{"take", "walk"}, {"index", "0"}}).status, 200);
+  routes_.reset();
+  fs::rename(elsewhere, folder_);
+}
+
 TEST_F(TakeRoutes, ATakeOfTheCommandLineFindsItsPuppetByItself) {
   fs::remove_all(folder_ / ".keypose");
   EXPECT_EQ(json::parse(Get("").bytes)["takes"], json({"walk"}));

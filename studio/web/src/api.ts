@@ -341,13 +341,15 @@ export const api = {
   /** stage: 'capture' (before cameras are known) or 'masks' (the final ones) */
   maskUrl: (pose: string, name: string, stage: 'capture' | 'masks' = 'masks') =>
     `/api/mask?${q({ pose, name, stage })}`,
-  /** An 8-bit PNG of the photograph's size, white where the figure is. */
-  saveMask: (pose: string, name: string, png: Blob) =>
-    ask(`/api/mask?${q({ pose, name })}`, {
+  /** An 8-bit PNG of the photograph's size, white where the figure is; the new revision. */
+  saveMask: async (pose: string, name: string, png: Blob, revision: string): Promise<string> => {
+    const answer = await ask(`/api/mask?${q({ pose, name, revision })}`, {
       method: 'PUT',
       headers: { 'Content-Type': 'image/png' },
       body: png,
-    }),
+    })
+    return ((await answer.json()) as { revision: string }).revision
+  },
   cameras: (pose: string) => get<CameraView[]>(`/api/cameras?${q({ pose })}`),
 
   /** See view/mesh_data.ts for the bytes. */

@@ -51,7 +51,8 @@ export function useMaskOutline(
     const small = Math.min(1, kWidest / width)
     const [w, h] = [Math.round(small * width), Math.max(1, Math.round(small * height))]
     loadMask(pose, image, w, h).then(
-      (mask) => current && mask && setPath({ key, path: outlinePath(mask, w, h, width / w) }),
+      (mask) =>
+        current && mask && setPath({ key, path: outlinePath(mask.values, w, h, width / w) }),
       () => undefined, // there is nothing to show
     )
     return () => {

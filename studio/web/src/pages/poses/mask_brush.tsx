@@ -29,6 +29,8 @@ interface Sheet {
 interface Painting {
   picture: ImageBitmap
   model: MaskModel
+  /** of the mask that the strokes are on; '': there was none */
+  revision: string
 }
 
 async function load(pose: string, { photograph }: Judged): Promise<Painting> {
@@ -36,8 +38,9 @@ async function load(pose: string, { photograph }: Judged): Promise<Painting> {
   // Before capture nobody has measured the photograph but the browser.
   const width = photograph.width || picture.width
   const height = photograph.height || picture.height
-  const values = await loadMask(pose, photograph.name, width, height)
-  return { picture, model: new MaskModel(width, height, values ?? undefined) }
+  const mask = await loadMask(pose, photograph.name, width, height)
+  const model = new MaskModel(width, height, mask?.values)
+  return { picture, model, revision: mask?.revision ?? '' }
 }
 
 /** The tool stays from photograph to photograph; the rest begins anew with each. */
@@ -63,7 +66,7 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
   const [, setStrokes] = useState(0)
   const stroked = useCallback(() => setStrokes((old) => old + 1), [])
   const guard = useLeaveGuard(model?.changed ?? false)
-  const saving = useSaving(pose, name, model, stroked)
+  const saving = useSaving(pose, name, painting.value, stroked)
 
   const ready = useCallback((made: MaskCanvas | null) => {
     canvas.current = made
@@ -166,7 +169,7 @@ interface Saving {
 function useSaving(
   pose: Pose,
   name: string,
-  model: MaskModel | null,
+  painting: Painting | null,
   saved: () => void,
 ): Saving {
   const { steps, running, tell, complain, reload } = useStudio()
@@ -174,13 +177,14 @@ function useSaving(
   const held = running ? 'A run is at work; save, and run when it is done.' : steps.locked_by
   const bake = steps.steps.find((step) => step.stage === 'bake' && step.pose === pose.name)
   const save = async (rerun: boolean) => {
-    if (!model || busy) return false
+    if (!painting || busy) return false
+    const { model } = painting
     setBusy(true)
     try {
       if (model.changed) {
         const mark = model.mark()
         const png = await greyPng(model.width, model.height, model.values)
-        await api.saveMask(pose.name, name, png)
+        painting.revision = await api.saveMask(pose.name, name, png, painting.revision)
         model.markSavedAt(mark)
       }
       if (rerun) await api.run({ until: [bake?.id ?? `bake/${pose.name}`] })

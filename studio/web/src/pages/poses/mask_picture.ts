@@ -1,8 +1,14 @@
 // Masks as they come from the server: decoded for the brush, and small for the contact sheet.
 import { api, ApiError } from '../../api'
 
+interface Fetched {
+  picture: ImageBitmap
+  /** sent back with a change of it */
+  revision: string
+}
+
 /** The mask's picture, or null where there is none yet. */
-async function fetchMask(pose: string, name: string): Promise<ImageBitmap | null> {
+async function fetchMask(pose: string, name: string): Promise<Fetched | null> {
   // The address stays the same when the mask changes, so the browser has to ask each time.
   const answer = await fetch(api.maskUrl(pose, name), {
     cache: 'no-cache',
@@ -10,10 +16,11 @@ async function fetchMask(pose: string, name: string): Promise<ImageBitmap | null
   })
   if (answer.status === 404) return null
   if (!answer.ok) throw new ApiError(answer.status, `The mask of ${name} cannot be read`)
-  return createImageBitmap(await answer.blob(), {
+  const picture = await createImageBitmap(await answer.blob(), {
     colorSpaceConversion: 'none',
     premultiplyAlpha: 'none',
   })
+  return { picture, revision: answer.headers.get('ETag') ?? '' }
 }
 
 function pixelsOf(picture: ImageBitmap, width: number, height: number): ImageData {
@@ -23,20 +30,21 @@ function pixelsOf(picture: ImageBitmap, width: number, height: number): ImageDat
   return context.getImageData(0, 0, width, height)
 }
 
-/** The mask's values in the photograph's pixels, or null where there is none yet. */
+/** The mask’s values in the photograph’s pixels, and its revision; null: there is none yet. */
 export async function loadMask(
   pose: string,
   name: string,
   width: number,
   height: number,
-): Promise<Uint8Array | null> {
-  const picture = await fetchMask(pose, name)
-  if (!picture) return null
+): Promise<{ values: Uint8Array; revision: string } | null> {
+  const fetched = await fetchMask(pose, name)
+  if (!fetched) return null
+  const { picture, revision } = fetched
   const pixels = pixelsOf(picture, width, height).data
   picture.close()
   const values = new Uint8Array(width * height)
   for (let i = 0; i < values.length; ++i) values[i] = pixels[4 * i]
-  return values
+  return { values, revision }
 }
 
 /** Few at a time: each is decoded at its full size before it becomes small. */
@@ -64,8 +72,9 @@ export async function drawVeil(
 ): Promise<void> {
   await inTurn(async () => {
     if (!wanted()) return
-    const picture = await fetchMask(pose, name).catch(() => null)
-    if (!picture || !wanted()) return
+    const fetched = await fetchMask(pose, name).catch(() => null)
+    if (!fetched || !wanted()) return
+    const { picture } = fetched
     const width = 320
     const height = Math.max(1, Math.round((width * picture.height) / picture.width))
     const pixels = pixelsOf(picture, width, height)
