@@ -12,7 +12,7 @@
 #include "core/same_faces.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
-#include "studio/meshes/frames.h"
+#include "studio/meshes/frame_order.h"
 #include "studio/project/photographs.h"
 
 namespace keypose::studio {

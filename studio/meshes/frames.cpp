@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
 #include "studio/meshes/frame_colours.h"
+#include "studio/meshes/frame_order.h"
 #include "studio/meshes/mesh_bytes.h"
 
 namespace keypose::studio {
@@ -65,13 +65,6 @@ json KeysOf(const json& distortion, const std::vector<std::string>& poses, std::
 }
 
 }  // namespace
-
-void SortByNumber(std::vector<fs::path>* files) {
-  std::sort(files->begin(), files->end(), [](const fs::path& a, const fs::path& b) {
-    const std::string one = a.filename().string(), other = b.filename().string();
-    return std::pair(one.size(), one) < std::pair(other.size(), other);
-  });
-}
 
 json FramesJson(Snapshot& snapshot, const std::string& shot) {
   const fs::path folder = FramesFolder(snapshot, shot);

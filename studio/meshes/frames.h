@@ -1,17 +1,12 @@
 // The frames of the finished animation, or of a shot of a performance.
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
-
-/// In the order of the numbers in their names, of four digits or, from 10000 on, of five.
-void SortByNumber(std::vector<std::filesystem::path>* files);
 
 /// Count, rate, area and volume of the last frames; of a shot also its colours (frame_colours.h).
 /// @param shot  "" for the animation between the keys
