@@ -32,7 +32,7 @@ TEST(SilhouettesProgram, MasksGoWithTheRateOfTheFilms) {
   WriteImage(root / "shot/background/cam1.png", Image8(kWidth, kHeight, 3, 150));
   cv::VideoWriter writer((root / "shot/cam1.avi").string(),
                          cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), kRate, {kWidth, kHeight});
-  if (!writer.isOpened()) GTEST_SKIP() << "this OpenCV writes no video";
+  ASSERT_TRUE(writer.isOpened());
   for (int f = 0; f < kFrames; ++f) writer.write(Picture(f));
   writer.release();
   const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-silhouettes --video " +

@@ -76,6 +76,17 @@ std::string Percent(double share) {
          (p < 1 && p != 0 ? fmt::format("{:.2f}\u00a0%", p) : fmt::format("{:.1f}\u00a0%", p));
 }
 
+std::string Bold(const std::string& html) { return "<b>" + html + "</b>"; }
+
+std::string Joined(const std::vector<std::string>& names) {
+  constexpr std::size_t kNamesShown = 6;
+  std::string text;
+  const std::size_t shown = std::min(names.size(), kNamesShown);
+  for (std::size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + Escape(names[i]);
+  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
 std::string Base64(const std::string& bytes) {
   static const char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;

@@ -20,6 +20,9 @@ std::string PrettySeconds(double seconds);
 /// "812 MB", "1.35 GB".
 std::string PrettyBytes(double bytes);
 std::string Percent(double share);  ///< "12.3 %"
+std::string Bold(const std::string& html);
+/// "a.jpg, b.jpg and 3 more": up to six.
+std::string Joined(const std::vector<std::string>& names);
 
 std::string Base64(const std::string& bytes);
 

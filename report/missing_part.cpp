@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -14,31 +14,6 @@ namespace {
 
 bool Set(const Image8& image, int x, int y) {
   return x >= 0 && y >= 0 && x < image.width && y < image.height && *image.at(x, y) >= 128;
-}
-
-/// Sets each pixel to the least (or largest) of those within `reach` along the rows; beyond the
-/// picture is as the picture's border.
-Image8 AlongRows(const Image8& image, int reach, bool least) {
-  Image8 out(image.width, image.height, 1);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const int from = std::max(0, x - reach), to = std::min(image.width - 1, x + reach);
-      const std::uint8_t* row = image.at(from, y);
-      *out.at(x, y) = least ? *std::min_element(row, row + to - from + 1)
-                            : *std::max_element(row, row + to - from + 1);
-    }
-  return out;
-}
-
-Image8 Turned(const Image8& image) {
-  Image8 out(image.height, image.width, 1);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) *out.at(y, x) = *image.at(x, y);
-  return out;
-}
-
-Image8 Squared(const Image8& image, int reach, bool least) {
-  return Turned(AlongRows(Turned(AlongRows(image, reach, least)), reach, least));
 }
 
 /// Pixels of the mask that are not covered, opened by a square: without thin rims.
@@ -53,7 +28,9 @@ Image8 Missing(const CoveredMask& view) {
   }
   const int reach =
       std::max(1, static_cast<int>(std::lround(kRim * std::sqrt(2.0 * static_cast<double>(area)))));
-  return Squared(Squared(missing, reach, true), reach, false);
+  cv::Mat pixels(missing.height, missing.width, CV_8U, missing.data.data());
+  cv::morphologyEx(pixels, pixels, cv::MORPH_OPEN, cv::Mat1b::ones(2 * reach + 1, 2 * reach + 1));
+  return missing;
 }
 
 long CountOf(const Image8& image) {
@@ -148,22 +125,29 @@ std::vector<int> LeftOutBy(const std::vector<CoveredMask>& views, int from, cons
   return Above(mean, kMost);
 }
 
-}  // namespace
-
+/// Share of the mask that is not covered, thin rims aside.
 double MissingShare(const CoveredMask& view) {
   const long area = CountOf(view.mask);
   return area == 0 ? 0 : static_cast<double>(CountOf(Missing(view))) / static_cast<double>(area);
 }
 
+std::vector<std::string> NamesOf(const std::vector<CoveredMask>& views,
+                                 const std::vector<int>& chosen) {
+  std::vector<std::string> names;
+  for (const int v : chosen) names.push_back(views[v].view.name);
+  return names;
+}
+
+}  // namespace
+
 MissingPart FindMissingPart(const std::vector<CoveredMask>& views, const PointsX3& points) {
   std::vector<double> shares(views.size());
   ParallelFor(std::ssize(views), [&](std::int64_t v) { shares[v] = MissingShare(views[v]); });
-  MissingPart part;
-  part.shown_by = Above(shares, kMissingLook);
-  if (SizeOf(part.shown_by) < 2) return {};
-  part.largest = shares[part.shown_by.front()];
-  part.left_out_by = LeftOutBy(views, part.shown_by.front(), AroundOf(points));
-  return part;
+  const std::vector<int> shown_by = Above(shares, kMissingLook);
+  if (SizeOf(shown_by) < 2) return {};
+  const int most = shown_by.front();
+  return {shares[most], NamesOf(views, shown_by),
+          NamesOf(views, LeftOutBy(views, most, AroundOf(points)))};
 }
 
 }  // namespace keypose::report

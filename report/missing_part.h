@@ -1,6 +1,7 @@
 // A part of the figure that several masks show and the mesh lacks, and the masks that leave it out.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/camera.h"
@@ -16,17 +17,15 @@ struct CoveredMask {
   Image8 covered;  ///< 1 channel, 255 where the mesh is
 };
 
+/// Views by their names.
 struct MissingPart {
+  double largest = 0;  ///< share of the figure in the picture where most is missing
   /// views whose mask shows more than kMissingLook of the figure that the mesh lacks, most first
-  std::vector<int> shown_by;
-  double largest = 0;  ///< of the figure in the first of these
+  std::vector<std::string> shown_by;
   /// views in whose masks most of it is outside, at the depth that fewest masks contradict; most
   /// first. Empty: the masks agree that it is there
-  std::vector<int> left_out_by;
+  std::vector<std::string> left_out_by;
 };
-
-/// Share of the mask that is not covered, thin rims aside.
-double MissingShare(const CoveredMask& view);
 
 /// @param points  of the mesh: the missing part is looked for around them
 /// @return without views if fewer than two show one: a single mask may be wrong

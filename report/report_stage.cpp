@@ -20,7 +20,6 @@
 #include "core/stage/stage.h"
 #include "report/contents.h"
 #include "report/html.h"
-#include "report/missing_part.h"
 #include "report/pictures.h"
 #include "report/player_gathering_stage.h"
 #include "report/shots_stage.h"
@@ -73,19 +72,6 @@ CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen
   const double degrees = 180 / M_PI, turn = std::atan2(away.dot(side), away.dot(front)) * degrees;
   const double height = std::atan2(away.dot(up), (away - away.dot(up) * up).norm()) * degrees;
   return {view.name, turn < 0 ? turn + 360 : turn, height, outline_off};
-}
-
-/// Where both masks show the figure, at the size at which missing parts are looked for; the camera
-/// is scaled with them.
-Image8 BothMasks(const Image8& first, const Image8& last, Camera& camera) {
-  constexpr double kLongerSide = 400;  // a limb is ten pixels thick
-  const double factor = std::min(1.0, kLongerSide / std::max(camera.width, camera.height));
-  camera = camera.Scaled(factor);
-  Image8 both = Resized(first, camera.width, camera.height);
-  const Image8 other = Resized(last, camera.width, camera.height);
-  for (std::size_t i = 0; i < both.data.size(); ++i)
-    both.data[i] = std::min(both.data[i], other.data[i]);
-  return both;
 }
 
 /// Reads the files that the record names, part by part. A failure becomes a line on the page and
@@ -278,8 +264,9 @@ class Gatherer {
                                     sides_.up, views[k].outline_off));
     pose.evidence = Summarize(std::move(views));
     if (masks && !masks->Output("masked").empty())
-      pose.evidence.missing =
-          LookForMissing(mesh, scene, cameras, set, ReadImageSet(masks->Output("masked")));
+      pose.evidence.missing = FindMissingPart(
+          CoveredMasks(mesh, scene, cameras, set, ReadImageSet(masks->Output("masked"))),
+          mesh.points);
     for (const int k : pose.evidence.worst) {
       const ViewEvidence& view = pose.evidence.views[k];
       pose.worst.push_back(
@@ -288,31 +275,6 @@ class Gatherer {
                        view.name, 100 * view.outline_off, view.structure),
            SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
     }
-  }
-
-  /// Looks for what both the first and the final masks of several photographs show and the mesh
-  /// lacks.
-  static MissingEvidence LookForMissing(const Mesh& mesh, const RayScene& scene,
-                                        const Scene& cameras, const ImageSet& first,
-                                        const ImageSet& last) {
-    std::vector<CoveredMask> views;
-    for (const View& view : cameras.views) {
-      const int i = first.Find(view.name), k = last.Find(view.name);
-      if (i < 0 || k < 0 || first.images[i].mask.empty() || last.images[k].mask.empty()) continue;
-      views.push_back({view, {}, {}});
-    }
-    ParallelFor(std::ssize(views), [&](std::int64_t v) {
-      CoveredMask& one = views[v];
-      const int i = first.Find(one.view.name), k = last.Find(one.view.name);
-      one.mask = BothMasks(ReadImage(first.MaskPath(i), 1), ReadImage(last.MaskPath(k), 1),
-                           one.view.camera);
-      one.covered = Covered(mesh, scene, one.view);
-    });
-    const MissingPart part = FindMissingPart(views, mesh.points);
-    MissingEvidence found{part.largest, {}, {}};
-    for (const int v : part.shown_by) found.shown_by.push_back(views[v].view.name);
-    for (const int v : part.left_out_by) found.left_out_by.push_back(views[v].view.name);
-    return found;
   }
 
   /// Marks where one more landmark would help: on the template, and at its present place in the

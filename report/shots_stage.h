@@ -1,11 +1,22 @@
-// Shots resampled by the image library to the size at which renders are compared with them.
+// Shots and masks resampled by the image library to the size at which they are compared with the
+// mesh.
 #pragma once
 
 #include "report/view_evidence.h"
+
+namespace keypose {
+struct ImageSet;
+}
 
 namespace keypose::report {
 
 /// The shot scaled by `factor`; unchanged if the factor is 1 or more.
 Shot Shrunk(const Shot& shot, double factor);
+
+/// Where both the first and the last mask of a photograph show the figure, and what the mesh covers
+/// there; up to 400 pixels wide, so that a limb is ten thick. Photographs without a camera or
+/// without both masks are left out.
+std::vector<CoveredMask> CoveredMasks(const Mesh& mesh, const RayScene& scene, const Scene& cameras,
+                                      const ImageSet& first, const ImageSet& last);
 
 }  // namespace keypose::report

@@ -8,26 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "report/contents.h"
+#include "report/evidence_findings.h"
 #include "report/html.h"
 #include "report/limits.h"
 
 namespace keypose::report {
 namespace {
-
-constexpr std::size_t kNamesShown = 6;
-constexpr const char* kMorePhotographs =
-    "add photographs of this pose from the sides between, or scan it all round (method: scan)";
-
-std::string Bold(const std::string& text) { return "<b>" + text + "</b>"; }
-
-/// "a.jpg, b.jpg and 3 more".
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  const std::size_t shown = std::min(names.size(), kNamesShown);
-  for (std::size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + Escape(names[i]);
-  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
-  return text;
-}
 
 /// The names in a measurement that is a list of names or of objects with a name.
 std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
@@ -292,78 +278,6 @@ class Findings {
         good ? "" : kMorePhotographs);
   }
 
-  /// The report's own measurements: the textured mesh compared with the photographs.
-  /// @param fitted  the template was bent into the pose's few photographs
-  void Evidence(const PosePart& pose, bool fitted) {
-    const PoseEvidence& e = pose.evidence;
-    if (e.views.empty()) return;
-    Outlines(pose.name, e, fitted);
-    MissingPart(pose.name, e.missing, fitted);
-    Details(pose.name, e, fitted);
-    if (e.edges < kEdgesGood)
-      Put({Grade::kLook, pose.name, "compared",
-           "Along " + Bold(Percent(1 - e.edges)) +
-               " of the mesh\u2019s outline the photographs show no change of colour: masks may "
-               "cut into the figure, or clay and backdrop have similar colours.",
-           "put the figure before a backdrop of another colour, or give masks of your own as "
-           "masks/POSE"});
-  }
-
-  void Outlines(const std::string& pose, const PoseEvidence& e, bool fitted) {
-    const bool good = e.outline_off<kOutlineGood, wrong = e.outline_off> kOutlineWrong;
-    const std::string count = std::to_string(e.views.size());
-    Put({wrong  ? Grade::kWrong
-         : good ? Grade::kGood
-                : Grade::kLook,
-         pose, "compared",
-         "In the median of " + count + " photographs the mesh\u2019s outline is " +
-             Bold(Percent(e.outline_off)) +
-             " of the figure\u2019s size from that of the photograph.",
-         good     ? ""
-         : fitted ? kMorePhotographs
-                  : "look at the pairs below: wrong cameras need photographs at most 20 degrees "
-                    "apart, wrong masks a plainer backdrop"});
-    std::vector<std::string> off;
-    for (const ViewEvidence& view : e.views)
-      if (view.outline_off > kViewOutlineLook) off.push_back(view.name);
-    if (off.empty() || wrong) return;
-    Put({Grade::kLook, pose, "compared",
-         "The mesh\u2019s outline does not fit " + Bold(Joined(off)) + ".",
-         "look at these photographs and their masks: moved, another object, a hand, or a bad "
-         "mask"});
-  }
-
-  void MissingPart(const std::string& pose, const MissingEvidence& missing, bool fitted) {
-    if (missing.shown_by.empty()) return;
-    std::string text = "The mesh lacks a part of the figure that the masks of " +
-                       Bold(Joined(missing.shown_by)) + " show, up to " +
-                       Bold(Percent(missing.largest)) + " of it in a picture.";
-    if (!missing.left_out_by.empty())
-      text += " The masks of " + Bold(Joined(missing.left_out_by)) + " leave it out.";
-    Put({Grade::kLook, pose, "compared", text,
-         fitted ? kMorePhotographs
-         : missing.left_out_by.empty()
-             ? "shoot that part from more sides, and look at the mesh and the dense points there"
-             : "look at these masks: a dark side before a dark backdrop, a shadow? paint the part "
-               "in "
-               "with the studio\u2019s brush, or light it evenly and shoot again"});
-  }
-
-  void Details(const std::string& pose, const PoseEvidence& e, bool fitted) {
-    const bool good = e.structure >= kStructureGood, wrong = e.structure < kStructureWrong;
-    Put({wrong  ? Grade::kWrong
-         : good ? Grade::kGood
-                : Grade::kLook,
-         pose, "compared",
-         "Rendered from the same cameras, the textured mesh repeats the details of the photographs "
-         "to " +
-             Bold(fmt::format("{:.2f}", e.structure)) + " of 1.",
-         good     ? ""
-         : fitted ? kMorePhotographs
-                  : "look at the pairs below; a figure that moved, blur and wrong cameras smear "
-                    "the texture"});
-  }
-
   void Put(Finding finding) { out_.push_back(std::move(finding)); }
 
  private:
@@ -460,7 +374,7 @@ const char* WordOf(Grade grade) {
 std::vector<Finding> FindAll(const Contents& contents) {
   std::vector<Finding> all;
   for (const PosePart& pose : contents.poses)
-    Findings(all).Evidence(pose, contents.run.Find("fit", pose.name) != nullptr);
+    FindInEvidence(pose, contents.run.Find("fit", pose.name) != nullptr, all);
   for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents, all);
   if (contents.animation) FindOnAnimation(*contents.animation, all);
   for (const std::string& trouble : contents.troubles)

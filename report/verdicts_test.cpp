@@ -119,7 +119,8 @@ TEST(Judge, APartThatTheMeshLacksIsToldWithTheMasksThatLeaveItOut) {
   contents.poses[0].evidence.missing = {0.052, {"IMG_112", "IMG_113"}, {"IMG_105"}};
   Verdict verdict = Judged(contents);
   EXPECT_EQ(verdict.grade, Grade::kLook);
-  EXPECT_THAT(verdict.why, testing::AllOf(HasSubstr("IMG_112"), HasSubstr("IMG_105"), HasSubstr("5.2")));
+  EXPECT_THAT(verdict.why,
+              testing::AllOf(HasSubstr("IMG_112"), HasSubstr("IMG_105"), HasSubstr("5.2")));
   EXPECT_THAT(verdict.cure, HasSubstr("these masks"));
   contents.poses[0].evidence.missing.left_out_by.clear();
   verdict = Judged(contents);

@@ -9,6 +9,7 @@
 #include "core/image.h"
 #include "core/mesh.h"
 #include "core/ray_scene.h"
+#include "report/missing_part.h"
 
 namespace keypose::report {
 
@@ -48,19 +49,12 @@ ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* 
 /// Photograph (left) and render from the same camera (right), with the mask's outline in both.
 Image8 SideBySide(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot);
 
-/// What several masks show and the mesh lacks, see MissingPart.
-struct MissingEvidence {
-  double largest = 0;                    ///< share of the figure in a picture
-  std::vector<std::string> shown_by;     ///< photographs
-  std::vector<std::string> left_out_by;  ///< photographs whose masks leave it out
-};
-
 /// The median over the views of each measure, which single bad photographs do not affect.
 struct PoseEvidence {
   std::vector<ViewEvidence> views;  ///< by name
   double outline_off = 1, structure = 0, edges = 0;
   std::vector<int> worst;  ///< indices of views, worst first, at most three
-  MissingEvidence missing;
+  MissingPart missing;
 };
 PoseEvidence Summarize(std::vector<ViewEvidence> views);
 

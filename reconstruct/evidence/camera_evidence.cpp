@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <iterator>
+#include <opencv2/imgproc.hpp>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -60,28 +61,18 @@ bool PairAgrees(const View& a, const View& b, const Features& first, const Featu
 /// Sets the mask where it has no way to the picture's sides.
 /// @return how many pixels
 long FillHoles(GreyMask& mask) {
-  Image8 outside(mask.width, mask.height, 1);
-  std::vector<std::pair<int, int>> open;
-  const auto visit = [&](int x, int y) {
-    if (x < 0 || y < 0 || x >= mask.width || y >= mask.height || *outside.at(x, y) ||
-        InMask(*mask.at(x, y)))
-      return;
-    *outside.at(x, y) = 1;
-    open.emplace_back(x, y);
-  };
-  for (int x = 0; x < mask.width; ++x) visit(x, 0), visit(x, mask.height - 1);
-  for (int y = 0; y < mask.height; ++y) visit(0, y), visit(mask.width - 1, y);
-  while (!open.empty()) {
-    const auto [x, y] = open.back();
-    open.pop_back();
-    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
-  }
+  cv::Mat1b figure(mask.height + 2, mask.width + 2, std::uint8_t{0});  // with a margin around it
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) figure(y + 1, x + 1) = InMask(*mask.at(x, y));
+  constexpr std::uint8_t kAround = 2;
+  cv::floodFill(figure, {0, 0}, kAround, nullptr, {}, {}, 4);
   long filled = 0;
-  for (std::size_t i = 0; i < mask.data.size(); ++i) {
-    if (outside.data[i] || InMask(mask.data[i])) continue;
-    mask.data[i] |= 1;
-    ++filled;
-  }
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (figure(y + 1, x + 1) != 0) continue;
+      *mask.at(x, y) |= 1;
+      ++filled;
+    }
   return filled;
 }
 
