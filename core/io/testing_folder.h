@@ -1,25 +1,44 @@
-// A folder of its own for each test that writes files.
+// A folder of its own for each test that writes files. In the header alone, so that tests of every
+// room have it without a library to link.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace keypose {
 
 namespace fs = std::filesystem;
 
-/// A fixture's folder, which is gone with it.
+/// A folder that no other test has, nor another run of the same one: empty at first, and gone with
+/// the object. A base of fixtures, or a variable of a test.
 class TestingFolder {
  public:
-  TestingFolder();
-  ~TestingFolder();
+  TestingFolder() {
+    std::string name = (fs::temp_directory_path() / "keypose_test_XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      throw std::runtime_error("no folder for the test in " + fs::temp_directory_path().string());
+    folder_ = name;
+  }
+  ~TestingFolder() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
   TestingFolder(const TestingFolder&) = delete;
   TestingFolder& operator=(const TestingFolder&) = delete;
 
- protected:
-  /// Writes a file. @return  its path
-  fs::path Put(const std::string& name, const std::string& text) const;
+  const fs::path& path() const { return folder_; }
 
+  /// Writes a file. @return  its path
+  fs::path Put(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+ protected:
   fs::path folder_;
 };
 
