@@ -297,14 +297,18 @@ export async function ask(path: string, init?: RequestInit): Promise<Response> {
 }
 
 export const get = async <T>(path: string): Promise<T> => (await ask(path)).json() as Promise<T>
-export const send = async <T>(method: string, path: string, body: unknown): Promise<T> =>
-  (
-    await ask(path, {
-      method,
-      headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify(body),
-    })
-  ).json() as Promise<T>
+/** Letters of a body that is sent even if the page is closed: browsers allow 64 kB of such bodies. */
+const kMostAfterClose = 8e3
+export const send = async <T>(method: string, path: string, body: unknown): Promise<T> => {
+  const text = JSON.stringify(body)
+  const answer = await ask(path, {
+    method,
+    headers: { 'Content-Type': 'application/json' },
+    body: text,
+    keepalive: text.length < kMostAfterClose,
+  })
+  return answer.json() as Promise<T>
+}
 
 const q = (values: Record<string, string>): string => new URLSearchParams(values).toString()
 

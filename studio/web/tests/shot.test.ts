@@ -4,7 +4,7 @@ import { test } from 'node:test'
 import { ClickFile, nameOf, nextName, replaced, without } from '../src/pages/shot/click_file'
 import { withShow } from '../src/pages/shot/film_strip'
 import { withinFrame } from '../src/view/frame_view'
-import { faultOf, kNoParts, lackOf, optionsOf, partWords } from '../src/pages/shot/parts'
+import { faultOf, kNoParts, lackOf, optionsOf, partsAfter, partWords } from '../src/pages/shot/parts'
 import { firstShows } from '../src/pages/shot/setup_form'
 import type { Click, Finished, Located, Measured, Offers } from '../src/pages/shot/shot_api'
 import {
@@ -181,6 +181,17 @@ test('each part is chosen from what it can be, and never the film itself', () =>
   assert.deepEqual(of('set', 'moving'), ['films/set.obj'])
   // What an editor has named stays to be seen.
   assert.deepEqual(of('set', 'still', '../rig/set.ply'), ['../rig/set.ply', 'films/set.obj'])
+})
+
+test('a part that was chosen while the set-up was saved stays chosen', () => {
+  const before = { ...kNoParts, set: 'films/set.obj' }
+  const sent = { ...before, plate: 'films/empty.png' }
+  const chosen = { ...sent, mattes: 'films/mattes.mov' }
+  // The file has what was sent; what was chosen since is not in it.
+  assert.deepEqual(partsAfter(chosen, before, sent), chosen)
+  // Somebody else has taken the set out: nobody has chosen it here.
+  assert.deepEqual(partsAfter(chosen, sent, { ...sent, set: '' }), { ...chosen, set: '' })
+  assert.deepEqual(partsAfter(before, before, sent), sent)
 })
 
 test('a moving camera asks for plates, and is not saved with one picture of the set', () => {

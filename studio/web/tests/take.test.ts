@@ -246,6 +246,24 @@ test('changes of one kind in quick succession are one', async () => {
   assert.deepEqual(edits.done, [['x 2'], ['y 1'], ['y 2']])
 })
 
+test('what was changed while the take was saved is still to be saved', async () => {
+  const { edits, rest, shown } = desk()
+  edits.begin([['a']])
+  await rest()
+  const saved = edits.done
+  edits.change(['b'])
+  assert.equal(edits.saved(saved), false)
+  edits.undo()
+  edits.show(['p'])
+  assert.equal(edits.saved(edits.done), false, 'a pull is about to become a change')
+  edits.show([])
+  assert.deepEqual(edits.done, [['a']])
+  assert.equal(edits.saved(edits.done), true)
+  await rest()
+  assert.deepEqual([edits.done, edits.undone], [[], []])
+  assert.equal(shown(), '')
+})
+
 test('what cannot be done is told, and what could be done stays', async () => {
   const { edits, refused, rest, shown } = desk((lines) => lines.includes('bad'))
   edits.begin([])

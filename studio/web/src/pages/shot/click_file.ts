@@ -96,11 +96,11 @@ export class ClickFile {
   }
 
   private async refused(error: unknown): Promise<void> {
-    const status = (error as { status?: number }).status
-    this.dirty = status !== 409
+    this.dirty = true
     this.failed = error instanceof Error ? error.message : String(error)
-    if (status !== 409) return
+    if ((error as { status?: number }).status !== 409) return
     const now = await this.store.read()
+    this.dirty = false
     this.clicks = now.clicks
     this.revision = now.revision
     this.past = []

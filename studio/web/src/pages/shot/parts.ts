@@ -22,6 +22,22 @@ export const partsOf = ({ camera, plate, mattes, holdout, set }: Film): Parts =>
   set,
 })
 
+/**
+ * What the form shows after the file was read again: of each part what was chosen since `before`, what
+ * the file had then, else what it has now.
+ */
+export function partsAfter(chosen: Parts, before: Parts, now: Parts): Parts {
+  const of = <Name extends keyof Parts>(name: Name): Parts[Name] =>
+    chosen[name] === before[name] ? now[name] : chosen[name]
+  return {
+    camera: of('camera'),
+    plate: of('plate'),
+    mattes: of('mattes'),
+    holdout: of('holdout'),
+    set: of('set'),
+  }
+}
+
 export interface PartWords {
   name: PartName
   label: string

@@ -1,8 +1,8 @@
 // The fields of the set-up form for what stands beside the film.
-import { useEffect, useState } from 'preact/hooks'
+import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { useStudio } from '../../state'
-import { faultOf, kCameraWords, lackOf, optionsOf, partsOf, partWords } from './parts'
+import { faultOf, kCameraWords, lackOf, optionsOf, partsAfter, partsOf, partWords } from './parts'
 import type { Parts, PartWords } from './parts'
 import type { CameraKind, Film, Offers, Shot } from './shot_api'
 import type { ShotDesk } from './use_shot'
@@ -95,8 +95,13 @@ export function PartsForm({ film, offers, desk }: { film: Film; offers: Offers; 
   const saved = partsOf(film)
   const signature = JSON.stringify(saved)
   const [parts, setParts] = useState(saved)
-  // What an editor has written, or this form.
-  useEffect(() => setParts(saved), [signature])
+  // What an editor has written, or this form; what was chosen meanwhile is still to be saved.
+  const before = useRef(saved)
+  useEffect(() => {
+    const read = before.current
+    before.current = saved
+    setParts((chosen) => partsAfter(chosen, read, saved))
+  }, [signature])
   const changed = JSON.stringify(parts) !== signature
   return (
     <section class="shot-setup" aria-label="Set-up">

@@ -78,15 +78,21 @@ function SaveForm({ desk, close }: { desk: TakeDesk; close: () => void }) {
   const problem = taken ? `There is a take ${name} already.` : ''
   const save = async () => {
     setBusy(true)
+    const saved = desk.edits.done
     try {
-      await takeApi.save(desk.name, name, desk.edits.lines)
-      desk.edits.clear()
-      tell(`${name} is saved; ${desk.name} stays as it was.`)
-      location.hash = addressOfTake(name)
+      await takeApi.save(desk.name, name, saved.flat())
+      if (desk.edits.saved(saved)) {
+        tell(`${name} is saved; ${desk.name} stays as it was.`)
+        location.hash = addressOfTake(name)
+        return
+      }
+      tell(`${name} is saved, without what was changed meanwhile; that is still to be saved.`)
+      setNames((old) => [...old, name])
+      setName(nextName(desk.name, [...names, name]))
     } catch (error) {
       complain(error)
-      setBusy(false)
     }
+    setBusy(false)
   }
   return (
     <form

@@ -77,11 +77,16 @@ export class Edits {
     return tag === this.last.tag && this.now() - this.last.time < kOneChange_ms
   }
 
-  /** The changes are kept elsewhere: nothing is left to be done. */
-  clear(): void {
+  /**
+   * `saved`, once `done`, is kept elsewhere: nothing is left to be done, unless something was changed
+   * meanwhile, also by a pull that is not let go yet. Then all stays, and the answer is false.
+   */
+  saved(saved: Change[]): boolean {
+    if (this.done !== saved || this.preview.length > 0) return false
     this.done = []
     this.undone = []
     this.stepped()
+    return true
   }
 
   undo(): void {
