@@ -41,9 +41,9 @@ class Studio:
             if line.lower().startswith('set-cookie')
         )
 
-    def raw(self, data, wait=10.0):
+    def raw(self, data, wait=90.0):
         """Status, head and body of the answer to these bytes; status 0: the connection was closed
-        without one."""
+        without one. A busy machine or a sanitized studio needs longer than the usual half second."""
         with socket.create_connection(('127.0.0.1', self.port), timeout=wait) as connection:
             got = b''
             try:
@@ -398,7 +398,7 @@ def stop_in_the_middle(studio):
     """Clients that begin and go silent, and many at once: others are still answered."""
     silent = []
     for i in range(200):
-        connection = socket.create_connection(('127.0.0.1', studio.port), timeout=10)
+        connection = socket.create_connection(('127.0.0.1', studio.port), timeout=90)
         if i % 2:
             connection.sendall(
                 f'POST /api/run HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\nContent-Le'.encode()
