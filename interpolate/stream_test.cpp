@@ -12,6 +12,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -19,15 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class InterpolateProgram : public testing::Test {
+class InterpolateProgram : public testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_interpolate_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     mesh_ = MakeCylinder(0.12, 2, 30, 59);  // 3,600 faces
     Write("a.ply", 0), Write("b.ply", 1.5), Write("c.ply", 2.6);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void Write(const std::string& name, double angle) const {
     Mesh bent = mesh_;
@@ -54,7 +52,6 @@ class InterpolateProgram : public testing::Test {
         std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
 
-  fs::path folder_;
   Mesh mesh_;
 };
 

@@ -1,0 +1,106 @@
+// Surfaces filled with tetrahedra, and inner points placed in them.
+#include "interpolate/volume/tetrahedralize.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "core/geometry.h"
+#include "core/testing_shapes.h"
+#include "interpolate/testing/bars.h"
+#include "interpolate/volume/place_inside.h"
+#include "interpolate/volume/tet_maps.h"
+
+namespace keypose::interpolation {
+namespace {
+
+double SolidVolume(const Solid& solid) {
+  double sum = 0;
+  for (const TetShape& shape : TetShapesOf(solid.points, solid.tets)) sum += shape.volume;
+  return sum;
+}
+
+TEST(Tetrahedralize, FillsTheSurfaceAndKeepsItsVertices) {
+  for (const Mesh& mesh : {MakeBox(1, 2, 3), MakeIcosphere(3), Bar(0.2, true).mesh, HollowBall()}) {
+    const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
+    EXPECT_TRUE(SameBits(solid.points.topRows(mesh.vertex_count()), mesh.points));
+    EXPECT_NEAR(SolidVolume(solid), SignedVolume(mesh.points, mesh.faces),
+                1e-12 * BoundingDiagonal(mesh.points));
+    for (const TetShape& shape : TetShapesOf(solid.points, solid.tets)) EXPECT_GT(shape.volume, 0);
+    for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
+      for (int n : solid.opposite[t])
+        if (n >= 0) {
+          EXPECT_THAT(solid.opposite[n], testing::Contains(static_cast<int>(t)));
+        }
+  }
+}
+
+TEST(Tetrahedralize, BodiesThatOverlapAreFilledEachForItself) {
+  Mesh mesh = MakeIcosphere(2), eye = MakeIcosphere(1);
+  eye.points *= 0.3;
+  eye.points.rowwise() += Eigen::RowVector3d(1, 0, 0);
+  Join(mesh, eye);
+  const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
+  EXPECT_EQ(solid.bodies, 2);
+  EXPECT_NEAR(SolidVolume(solid), SignedVolume(mesh.points, mesh.faces), 1e-12);
+}
+
+TEST(Tetrahedralize, SmallerElementsGiveMoreTetrahedraUpToTheLimit) {
+  const Mesh mesh = MakeIcosphere(3);
+  const auto count = [&](double size, int most) {
+    return Tetrahedralize(mesh.points, mesh.faces, "test",
+                          {.element_size = size, .max_tetrahedra = most})
+        .tets.rows();
+  };
+  EXPECT_GT(count(0.5, 50000), 2 * count(1, 50000));
+  EXPECT_LT(count(0.2, 20000), 40000);
+}
+
+TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
+  const auto fault = [](const Mesh& mesh) {
+    return MessageOf([&] { Tetrahedralize(mesh.points, mesh.faces, "pose"); });
+  };
+  Mesh open = MakeBox(1, 1, 1);
+  open.faces.conservativeResize(11, 3);
+  EXPECT_THAT(fault(open),
+              testing::AllOf(testing::HasSubstr("pose: the surface is not closed: 3 edges"),
+                             testing::HasSubstr("keypose-cleanup")));
+  Mesh flat = MakeBox(1, 1, 1);
+  flat.points.row(0) = flat.points.row(1);
+  EXPECT_THAT(fault(flat), testing::HasSubstr("has no area"));
+  Mesh inside_out = MakeBox(1, 1, 1);
+  inside_out.faces.col(1).swap(inside_out.faces.col(2));
+  EXPECT_THAT(fault(inside_out), testing::HasSubstr("inside out"));
+  Mesh crossing = Bar(0.1).mesh;  // curled up, intersecting itself
+  crossing.points = Bar(0.1).Bent(2.3 * kPi);
+  EXPECT_THAT(fault(crossing),
+              testing::HasSubstr("passes through itself, where the face of vertices"));
+}
+
+TEST(PlaceInside, UntanglesInnerPointsThatWerePushedThroughTheirNeighbours) {
+  const Mesh mesh = MakeIcosphere(2);
+  const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
+  const std::vector<TetShape> shapes = TetShapesOf(solid.points, solid.tets);
+  PointsX3 tangled = solid.points;
+  for (Eigen::Index i = mesh.vertex_count(); i < tangled.rows(); i += 3)
+    tangled.row(i) = 0.9 * tangled.row(i).reverse();
+  int inverted = 0;
+  for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
+    inverted += MapOf(shapes[t], tangled, solid.tets, t).determinant() <= 0;
+  EXPECT_GT(inverted, 50);
+  EXPECT_EQ(Untangle(solid, shapes, mesh.vertex_count(), tangled), 0);
+  EXPECT_TRUE(SameBits(tangled.topRows(mesh.vertex_count()), mesh.points));
+}
+
+TEST(PlaceInside, InnerPointsOfAnEvenlyStretchedSolidAreStretchedAlike) {
+  const Mesh mesh = MakeIcosphere(2);
+  const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
+  const Eigen::Matrix3d map = Turn(2, {1, 2, 3}) * 1.7;
+  const PointsX3 placed = PlaceInside(solid, TetShapesOf(solid.points, solid.tets), mesh.faces,
+                                      mesh.points * map.transpose());
+  EXPECT_LT(Gap(placed, solid.points * map.transpose()), 1e-12);
+}
+
+}  // namespace
+}  // namespace keypose::interpolation
