@@ -14,6 +14,7 @@
 #include "composite/locating/outline/shrunk.h"
 #include "core/errors.h"
 #include "core/exif_focal.h"
+#include "core/io/files.h"
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
@@ -90,10 +91,11 @@ class Shows {
     for (const auto& [frame, mesh] : given_)
       if (std::none_of(pictures_.begin(), pictures_.end(),
                        [&, f = frame](const FilmPicture& p) { return p.frame == f; }))
-        throw InputError(
-            fmt::format("locate: --shows names frame {}, but the plate has no picture "
-                        "of that number",
-                        frame));
+        throw InputError(fmt::format(
+            "locate: --shows names frame {}, but the plate has no picture of that number; frames "
+            "count from the film's first picture, so {} is frame 0 and {} frame {}",
+            frame, PrintableName(pictures_.front().path.filename()),
+            PrintableName(pictures_.back().path.filename()), pictures_.back().frame));
     return chosen;
   }
   std::string NameOf(int mesh) const {
@@ -218,17 +220,19 @@ struct Partners {
   int plates_a_frame = 1;
 
   /// @throws InputError  one matte for several pictures
-  Partners(StageContext& stage, const std::vector<FilmPicture>& film,
-           const std::vector<int>& frames, bool quick) {
+  Partners(StageContext& stage, const LocateStageOptions& options,
+           const std::vector<FilmPicture>& film, const std::vector<int>& frames) {
     if (stage.Has("matte")) {
       mattes.emplace(stage.Input("matte"), "matte");
       if (mattes->single() && frames.size() > 1)
         throw InputError(fmt::format(
             "locate: one matte for {} pictures; pass a folder with a matte for each, or a video",
             frames.size()));
+      mattes->MatchNumbers(film);
       mattes->Decode(frames);
-    } else if (stage.Has("background") && !quick) {
+    } else if (stage.Has("background") && !options.quick) {
       plates.emplace(stage.Input("background"), "plate");
+      if (options.camera == "still") plates->TakeFirst();
       if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
       plates->Decode(frames, plates_a_frame);
     }
@@ -265,8 +269,10 @@ void SetRate(StageContext& stage, double given, LocateInput& input) {
   const double own = input.film->fps();
   input.fps = given > 0 ? given : own > 0 ? own : kUsualFps;
   if (own > 0 && std::abs(input.fps / own - 1) > 1e-3)
-    stage.Note(fmt::format("locate: the video has {:g} pictures a second; they are taken for {:g}",
-                           own, input.fps));
+    stage.Warn(
+        fmt::format("locate: the video has {:g} pictures a second, but they are taken for {:g}; if "
+                    "that is not meant, change --fps (in a project `fps` of its shot)",
+                    own, input.fps));
 }
 
 std::vector<int> FramesOf(const std::vector<std::pair<FilmPicture, int>>& chosen) {
@@ -365,7 +371,7 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   input.film->Decode(frames);  // of a video only the pictures that are used
   SetCamera(stage, options, chosen[0].first.path, input);
   input.shot.quick = options.quick;
-  const Partners partners(stage, pictures, frames, options.quick);
+  const Partners partners(stage, options, pictures, frames);
   for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, partners, input);
   AddClicks(stage, input);
   if (options.quick) RequireClicksEverywhere(input);

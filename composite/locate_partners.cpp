@@ -16,7 +16,14 @@ PartnerFilm::PartnerFilm(const fs::path& path, std::string what)
       what_(std::move(what)),
       single_(!fs::is_directory(path) && !files_.is_video()) {}
 
+void PartnerFilm::MatchNumbers(const std::vector<FilmPicture>& film) {
+  const int first = files_.pictures().front().number, last = files_.pictures().back().number;
+  const bool within = first >= film.front().number && last <= film.back().number;
+  if (within && !single_) offset_ = first - film.front().number;
+}
+
 void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame) {
+  if (single_) return files_.Decode({0});
   std::vector<int> frames;
   for (const int frame : film_frames)
     if (frame * a_frame <= last()) frames.push_back(frame * a_frame);
@@ -26,7 +33,7 @@ void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame) {
 const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const {
   if (single_) return files_.pictures()[0].path;
   for (const FilmPicture& file : files_.pictures())
-    if (file.frame == picture.frame * a_frame) return file.path;
+    if (file.frame + offset_ == picture.frame * a_frame) return file.path;
   throw InputError(
       fmt::format("locate: there is no {} for {}; {}s are numbered as the pictures are", what_,
                   picture.path.filename().string(), what_));

@@ -17,9 +17,15 @@ class PartnerFilm {
   PartnerFilm(const std::filesystem::path& path, std::string what);
   bool single() const { return single_; }
   bool is_video() const { return files_.is_video(); }
+  /// The first picture is for all.
+  void TakeFirst() { single_ = true; }
   /// @param a_frame  numbers of this film for each filmed frame
   void Decode(const std::vector<int>& film_frames, int a_frame = 1);
   int last() const { return files_.pictures().back().frame; }
+  /// Where all numbers in this film's names are among those of the filmed pictures, each belongs to
+  /// the picture of its own number, also when the first ones are missing. Else, and without this
+  /// call, both count from their first pictures.
+  void MatchNumbers(const std::vector<FilmPicture>& film);
   /// @throws InputError  none of that number; names the picture that it belongs to
   const std::filesystem::path& For(const FilmPicture& picture, int a_frame = 1) const;
 
@@ -27,6 +33,7 @@ class PartnerFilm {
   FilmFiles files_;
   std::string what_;
   bool single_;
+  int offset_ = 0;  // the filmed frame of this film's first picture
 };
 
 /// The alpha of a picture that has one which is not opaque all over, else its grey values.

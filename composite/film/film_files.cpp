@@ -41,7 +41,7 @@ FilmFiles::FilmFiles(const fs::path& film) : film_(film) {
   fps_ = header.fps, codec_ = header.codec;
   scratch_ = NewFolder();
   for (int i = 0; i < header.frames; ++i)
-    pictures_.push_back({i, scratch_ / fmt::format("{:04}.png", i)});
+    pictures_.push_back({i, scratch_ / fmt::format("{:04}.png", i), i});
 }
 
 FilmFiles::~FilmFiles() {

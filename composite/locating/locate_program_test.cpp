@@ -165,6 +165,41 @@ TEST_F(LocateProgram, MattesMayBeAVideoOrAlpha) {
   EXPECT_THAT(Log(), HasSubstr("no matte for 0002.png"));
 }
 
+TEST_F(LocateProgram, MattesOfSomeFramesAreThoseOfTheirNumbers) {
+  // The film begins at 1001; only the two frames that are shown have mattes.
+  for (const char* name : {"numbered", "some_mattes"}) fs::create_directories(folder / name);
+  const Image8 picture = ReadImage(folder / "film/0000.png", 3),
+               matte = ReadImage(folder / "mattes/0000.png", 1);
+  for (const char* name : {"a_1001.png", "a_1002.png", "a_1003.png", "a_1004.png", "a_1005.png"})
+    WriteImage(folder / "numbered" / name, picture);
+  WriteImage(folder / "some_mattes/m_1003.png", matte);
+  WriteImage(folder / "some_mattes/m_1005.png", matte);
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/numbered --matte %/some_mattes --shows 2=0,4=0 "
+                "--focal_35mm 50"),
+            0)
+      << Log();
+  EXPECT_GT(ReadShot(folder / "shot.json").frames[1].iou.value(), 0.98);
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/numbered --matte %/some_mattes --shows 0=0,2=0"), 3);
+  EXPECT_THAT(Log(), HasSubstr("there is no matte for a_1001.png"));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/numbered --matte %/some_mattes --shows 1003=0"), 3);
+  EXPECT_THAT(Log(), HasSubstr("a_1001.png is frame 0 and a_1005.png frame 4"));
+}
+
+TEST_F(LocateProgram, AStillCameraTakesTheFirstOfSeveralPlates) {
+  const Image8 picture = ReadImage(folder / "film/0000.png", 3),
+               matte = ReadImage(folder / "mattes/0000.png", 1);
+  Image8 plate = picture;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      if (*matte.at(x, y) > 0) std::copy_n(picture.at(0, 0), 3, plate.at(x, y));
+  fs::create_directories(folder / "two_plates");
+  for (const char* name : {"empty_1.png", "empty_2.png"})
+    WriteImage(folder / "two_plates" / name, plate);
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/film --background %/two_plates --focal_35mm 50"), 0)
+      << Log();
+  EXPECT_GT(ReadShot(folder / "shot.json").frames[1].iou.value(), 0.95);
+}
+
 View MovedCamera(int frame) {
   View view = Camera50();
   view.camera_from_world = LookAt({0.3 + 0.03 * frame, -0.45, 0.25}, {0.01, 0, 0.11});

@@ -202,9 +202,10 @@ void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
                     PrintableName(path.parent_path()), name));
   const auto [at, inserted] = numbered->emplace(number, path);
   if (!inserted)
-    throw InputError(fmt::format("{}: {} and {} have the same frame number {}; remove one",
-                                 PrintableName(path.parent_path()),
-                                 PrintableName(at->second.filename()), name, number));
+    throw InputError(fmt::format(
+        "{}: {} and {} have the same frame number {} (the last number in a "
+        "name counts); rename them, or remove one",
+        PrintableName(path.parent_path()), PrintableName(at->second.filename()), name, number));
 }
 
 }  // namespace
@@ -258,19 +259,29 @@ std::string ShotText(const FilmedShot& shot) {
   return root.dump(1) + "\n";
 }
 
-std::vector<FilmPicture> FilmPictures(const fs::path& path) {
-  if (fs::is_regular_file(path)) return {{0, path}};
-  if (!fs::is_directory(path))
-    throw InputError(PrintableName(path) + " is neither a folder of pictures nor a picture");
+std::vector<FilmPicture> NumberedPictures(const fs::path& folder,
+                                          const std::vector<std::string>& names) {
   std::map<long, fs::path> numbered;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path))
-    if (entry.is_regular_file() && IsPicture(entry.path())) AddNumbered(entry.path(), &numbered);
-  if (numbered.empty())
-    throw InputError(PrintableName(path) +
-                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)");
+  for (const std::string& name : names)
+    if (IsPicture(folder / name)) AddNumbered(folder / name, &numbered);
   std::vector<FilmPicture> pictures;
   for (const auto& [number, picture] : numbered)
-    pictures.push_back({static_cast<int>(number - numbered.begin()->first), picture});
+    pictures.push_back(
+        {static_cast<int>(number - numbered.begin()->first), picture, static_cast<int>(number)});
+  return pictures;
+}
+
+std::vector<FilmPicture> FilmPictures(const fs::path& path) {
+  if (fs::is_regular_file(path)) return {{0, path, 0}};
+  if (!fs::is_directory(path))
+    throw InputError(PrintableName(path) + " is neither a folder of pictures nor a picture");
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
+  std::vector<FilmPicture> pictures = NumberedPictures(path, names);
+  if (pictures.empty())
+    throw InputError(PrintableName(path) +
+                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)");
   return pictures;
 }
 

@@ -22,7 +22,15 @@ std::string ShotText(const FilmedShot& shot);
 struct FilmPicture {
   int frame = 0;  ///< counts from the first picture, which is 0
   std::filesystem::path path;
+  int number = 0;  ///< in its name; of a video, and of one picture alone, its frame
 };
+
+/// Those of a folder's files that are pictures of a film; see FilmPictures.
+/// @param names  of the files, in any order
+/// @return empty if none is a picture
+/// @throws InputError  a name without a number beside others; a number twice
+std::vector<FilmPicture> NumberedPictures(const std::filesystem::path& folder,
+                                          const std::vector<std::string>& names);
 
 /// The pictures of a film's folder, or the one picture that `path` is. The last number in a
 /// picture's name is its frame, counted from the first picture's: what a film leaves out (0000.png,

@@ -134,6 +134,7 @@ TEST_F(FilmFolder, NumbersAreTimesFromTheFirstPicture) {
   EXPECT_EQ(pictures[1].frame, 3);
   EXPECT_EQ(pictures[2].frame, 11);
   EXPECT_EQ(pictures[1].path.filename(), "take2_0102.JPG");
+  EXPECT_EQ(pictures[1].number, 102);
   const std::vector<FilmPicture> one = FilmPictures(folder_ / "take2_0110.png");
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].frame, 0);
