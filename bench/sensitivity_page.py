@@ -1,0 +1,184 @@
+"""The page of sensitivity.py: docs/results/sensitivity.md from a file of results."""
+import json
+import re
+import textwrap
+
+NO_CHANGE = 5e-4  # relative; less is shown as none
+KINDS = ('half', 'double')
+ROW = re.compile(r'^\| `([^`]+)` \| `([^`]+)` \| ([^|]+) \| ([^|]*)' + 3 * r' \| ([^|]+)' + r' \|$',
+                 re.MULTILINE)
+SCENE = re.compile(r'^\| (\w+)\*? \| ([-+.e0-9]+) \| (.+) \|$', re.MULTILINE)
+
+TEXT = '''# How sensitive results are to the tuned constants
+
+Tuned constants stand in one struct per algorithm (`core/tuned.h`). Here each is halved and doubled,
+one at a time:
+
+    cmake --preset release -B build/sensitive -DKEYPOSE_SENSITIVITY=ON
+    cmake --build build/sensitive --target programs score_views
+    bench/sensitivity.py run --results FILE.jsonl --work DIR --budget 60
+    bench/sensitivity.py write FILE.jsonl
+
+`run` goes on where it was ended. The figures are errors against generated truth, so `+` is worse;
+`-`: less than 0.05 %.
+
+{counts}
+
+## Figures
+
+| figure | as it is | what |
+|---|---|---|
+{scenes}
+
+## Constants
+
+`refused`: the stage ended with an error. `over N s`: it was ended after that time of the
+processor.{kept_text}
+
+| algorithm | constant | value | meaning | figure | half | double |
+|---|---|---|---|---|---|---|
+{constants}
+
+## Not measured
+
+{unread}
+
+{left}
+'''
+
+
+def read_results(path):
+    """The rows of a file of results; a last line that was cut off is left out."""
+    rows = []
+    for line in path.read_text().splitlines() if path.exists() else []:
+        try:
+            rows.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return rows
+
+
+def measured(constant, rows):
+    """(scene, row of half, row of double) of the last build, for the present value; or None."""
+    found = {}
+    for row in rows:
+        if row.get('id') == constant['id'] and row['value'] == constant['value']:
+            found[(row['scene'], row['build'], row['kind'])] = row
+    for scene, build, _ in reversed(found):
+        pair = [found.get((scene, build, kind)) for kind in KINDS]
+        if all(pair):
+            return scene, *pair
+    return None
+
+
+def base_of(row, rows):
+    """The scene's row with all constants as they are, of the same build."""
+    return [r for r in rows if r['kind'] == 'scene' and r['scene'] == row['scene']
+            and r['build'] == row['build']][-1]
+
+
+def change_text(row, base):
+    if 'over_s' in row:
+        return f"over {row['over_s']} s"
+    if 'refused' in row:
+        return 'refused'
+    relative = row['error'] / base['error'] - 1
+    return '-' if abs(relative) < NO_CHANGE else f'{100 * relative:+.1f} %'
+
+
+def table_rows(known, rows, old_page):
+    """(constant, figure, half, double) of all that were measured; with an asterisk: of old_page."""
+    old = {f'{file}:{name}': (value, figure.rstrip('*'), half, double)
+           for file, name, value, _, figure, half, double in ROW.findall(old_page)}
+    found = []
+    for constant in known:
+        now = measured(constant, rows)
+        if now:
+            scene, *pair = now
+            base = base_of(pair[0], rows)
+            found.append((constant, scene, *(change_text(row, base) for row in pair)))
+        elif old.get(constant['id'], ('',))[0] == f"{constant['value']:g}":
+            _, figure, half, double = old[constant['id']]
+            found.append((constant, figure + '*', half, double))
+    return found
+
+
+def scenes_of(rows):
+    """The last row of each scene that gave a figure."""
+    return {row['scene']: row for row in rows if row['kind'] == 'scene' and 'error' in row}
+
+
+def unread(known, rows, shown):
+    """Constants of rooms that scenes ran, which no scene read: their ids."""
+    ran = scenes_of(rows).values()
+    read = {name for row in ran for name in row['read']}
+    rooms = {room for row in ran for room in row['rooms']}
+    return [c['id'] for c in known if c['id'] not in read | shown
+            and c['file'].startswith(tuple(rooms))]
+
+
+def left(known, rows):
+    """Ids of the constants without a measurement, and not known to be unread."""
+    shown = {c['id'] for c in known if measured(c, rows)}
+    aside = shown | set(unread(known, rows, shown))
+    return [c['id'] for c in known if c['id'] not in aside]
+
+
+def summary(known, rows):
+    shown = {c['id'] for c in known if measured(c, rows)}
+    aside = unread(known, rows, shown)
+    return (f'{len(shown)} of {len(known)} constants are measured, {len(aside)} are read by no '
+            f'scene of their room, {len(left(known, rows))} are left')
+
+
+def by_file(names):
+    files = {}
+    for name in names:
+        file, _, constant = name.rpartition(':')
+        files.setdefault(file, []).append(f'`{constant}`')
+    return '\n'.join(f"| `{file}` | {' '.join(found)} |" for file, found in sorted(files.items()))
+
+
+def names_text(text, names):
+    return f'{text}\n\n| algorithm | constants |\n|---|---|\n{by_file(names)}' if names else text
+
+
+def largest(cells):
+    """The largest change that a row shows, in percent."""
+    return max(abs(float(cell[:-2])) if cell.endswith('%') else 0 if cell == '-' else 100
+               for cell in cells)
+
+
+def counts_text(known, shown, aside, rest):
+    kept = sum(row[1].endswith('*') for row in shown)
+    moved = sum(largest(row[2:]) > 5 for row in shown)
+    still = sum(row[2:] == ('-', '-') for row in shown)
+    text = (f'Of {len(known)} constants {len(shown)} are measured. {moved} of these move their '
+            f'figure by more than 5 % or end the stage, and {still} not at all.')
+    if kept:
+        text += f' {kept} were measured by an earlier version.'
+    text += (f' {len(aside)} are for cases that no scene of their room has, and {len(rest)} are not '
+             'measured yet.')
+    return textwrap.fill(text, 100)
+
+
+def page(known, rows, old_page):
+    shown = table_rows(known, rows, old_page)
+    names = {row[0]['id'] for row in shown}
+    aside = unread(known, rows, names)
+    rest = [c['id'] for c in known if c['id'] not in names | set(aside)]
+    kept = {row[1].rstrip('*') for row in shown if row[1].endswith('*')}
+    scenes = [f"| {name} | {row['error']:.4g} | {row['what']} |"
+              for name, row in scenes_of(rows).items()]
+    scenes += [f'| {name}* | {error} | {what} |' for name, error, what in SCENE.findall(old_page)
+               if name in kept and f'| {name}* |' not in '\n'.join(scenes)]
+    lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {c['comment']} | {figure} "
+             f'| {half} | {double} |'
+             for c, figure, half, double in sorted(shown, key=lambda r: (r[1], r[0]['file']))]
+    kept_text = ' An asterisk: measured by an earlier version.' if kept else ''
+    return TEXT.format(
+        counts=counts_text(known, shown, aside, rest), scenes='\n'.join(scenes),
+        kept_text=kept_text, constants='\n'.join(lines),
+        unread=names_text('Read by no scene of their room:', aside) if aside
+        else 'Every constant in the rooms of these scenes is read by one of them.',
+        left=names_text('Not measured yet:', rest) if rest else 'None is left.')
