@@ -11,29 +11,21 @@ SCENE = re.compile(r'^\| (\w+)\*? \| ([-+.e0-9]+) \| (.+) \|$', re.MULTILINE)
 
 TEXT = '''# How sensitive results are to the tuned constants
 
-Tuned constants stand in one struct per algorithm (`core/tuned.h`). Here each is halved and doubled,
-one at a time:
+Each constant of `core/tuned.h` halved and doubled:
 
     cmake --preset release -B build/sensitive -DKEYPOSE_SENSITIVITY=ON
     cmake --build build/sensitive --target programs score_views
-    bench/sensitivity.py run --results FILE.jsonl --work DIR --budget 60
+    bench/sensitivity.py run --results FILE.jsonl --work DIR --budget 60  # goes on where it ended
     bench/sensitivity.py write FILE.jsonl
-
-`run` goes on where it was ended. The figures are errors against generated truth, so `+` is worse;
-`-`: less than 0.05 %.
 
 {counts}
 
-## Figures
+The figures are errors, so `+` is worse; `-` is below 0.05 %. `over N s`: ended after that time of
+the processor.{kept_text}
 
 | figure | as it is | what |
 |---|---|---|
 {scenes}
-
-## Constants
-
-`refused`: the stage ended with an error. `over N s`: it was ended after that time of the
-processor.{kept_text}
 
 | algorithm | constant | value | meaning | figure | half | double |
 |---|---|---|---|---|---|---|
@@ -153,12 +145,10 @@ def counts_text(known, shown, aside, rest):
     kept = sum(row[1].endswith('*') for row in shown)
     moved = sum(largest(row[2:]) > 5 for row in shown)
     still = sum(row[2:] == ('-', '-') for row in shown)
-    text = (f'Of {len(known)} constants {len(shown)} are measured. {moved} of these move their '
-            f'figure by more than 5 % or end the stage, and {still} not at all.')
-    if kept:
-        text += f' {kept} were measured by an earlier version.'
-    text += (f' {len(aside)} are for cases that no scene of their room has, and {len(rest)} are not '
-             'measured yet.')
+    text = (f'Of {len(known)} constants {len(shown)} are measured'
+            f'{f", {kept} of them by an earlier version" if kept else ""}: {moved} move their figure '
+            f'by more than 5 % or end the stage, {still} not at all. {len(aside)} more are read by no '
+            f'scene of their room, and {len(rest)} are left.')
     return textwrap.fill(text, 100)
 
 
@@ -175,10 +165,10 @@ def page(known, rows, old_page):
     lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {c['comment']} | {figure} "
              f'| {half} | {double} |'
              for c, figure, half, double in sorted(shown, key=lambda r: (r[1], r[0]['file']))]
-    kept_text = ' An asterisk: measured by an earlier version.' if kept else ''
+    kept_text = ' Asterisk: by an earlier version.' if kept else ''
     return TEXT.format(
         counts=counts_text(known, shown, aside, rest), scenes='\n'.join(scenes),
         kept_text=kept_text, constants='\n'.join(lines),
-        unread=names_text('Read by no scene of their room:', aside) if aside
-        else 'Every constant in the rooms of these scenes is read by one of them.',
-        left=names_text('Not measured yet:', rest) if rest else 'None is left.')
+        unread=names_text('Read by no scene:', aside) if aside
+        else '',
+        left=names_text('Left:', rest) if rest else '')

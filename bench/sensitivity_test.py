@@ -167,10 +167,10 @@ class Page(Case):
         page = sensitivity_page.page(KNOWN, self.run_all(), '')
         self.assertIn('| `a/x.cpp` | `kRead` | 4 | of a test | first | +200.0 % | +800.0 % |', page)
         self.assertIn('| first | 1 | figure of first |', page)
-        self.assertIn('Of 4 constants 2 are measured. 2 of these move', page)
+        self.assertIn('Of 4 constants 2 are measured: 2 move their figure', page)
         words = ' '.join(page.split())
-        self.assertIn('1 are for cases that no scene of their room has, and 1 are not measured yet.', words)
-        read_by_none, not_yet = page.split('## Not measured')[1].split('Not measured yet:')
+        self.assertIn('1 more are read by no scene of their room, and 1 are left.', words)
+        read_by_none, not_yet = page.split('## Not measured')[1].split('Left:')
         self.assertIn('| `a/x.cpp` | `kUnread` |', read_by_none)
         self.assertIn('| `b/y.cpp` | `kElsewhere` |', not_yet)
 
@@ -180,7 +180,7 @@ class Page(Case):
         self.assertIn('| old* | 0.25 | what old was |', page)
         self.assertNotIn('+7.0 %', page)  # measured anew
         self.assertNotIn('+8.0 %', page)  # its value was 3
-        self.assertIn('1 were measured by an earlier version.', ' '.join(page.split()))
+        self.assertIn('3 are measured, 1 of them by an earlier version:', ' '.join(page.split()))
         self.assertEqual(sensitivity_page.page(KNOWN, self.run_all(), page), page)
 
     def test_small_changes_are_none(self):
