@@ -21,17 +21,13 @@
 #include "register/auto/welding.h"
 #include "register/quality/quality.h"
 #include "register/testing/scenes.h"
+#include "register/testing/tubes.h"
 
 namespace keypose::registration {
 namespace {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
-
-constexpr double kRadius = 0.12, kLength = 2;
-constexpr int kGoalStride = 63;
-Mesh Tube() { return MakeCylinder(kRadius, kLength, 20, 40); }
-Mesh OtherTube() { return MakeCylinder(kRadius, kLength, 23, 47); }
 
 /// Cuts the mesh where faces of different charts meet. Each chart after the first gets its own
 /// vertices, which are appended.

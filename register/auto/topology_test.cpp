@@ -11,6 +11,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::registration {
@@ -77,9 +78,8 @@ TEST(FusedTemplateProblem, NamesWhatThePoseLacksAndNothingElse) {
 }
 
 TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
-  const fs::path folder =
-      fs::path(::testing::TempDir()) / ("keypose_register_touch_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
+  const TestingFolder own;
+  const fs::path folder = own.path();
   const std::string at = folder.string();
   WriteMesh(folder / "ring.ply", BentTube(360));
   WriteMesh(folder / "horseshoe.ply", BentTube(280));
@@ -99,7 +99,6 @@ TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
   EXPECT_EQ(run("--source " + at + "/horseshoe.ply --target " + at + "/ring.ply --registered " +
                 at + "/b.ply"),
             0);
-  fs::remove_all(folder);
 }
 
 }  // namespace
