@@ -1,0 +1,163 @@
+// keypose-capture on photographs that it must refuse, leave out or warn of.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "capture/testing/capture_program.h"
+#include "capture/testing/test_images.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+
+namespace keypose::capture {
+namespace {
+
+using testing::HasSubstr;
+
+TEST_F(CaptureProgram, FilesThatAreNoPhotographsAreNamedInAWarning) {
+  WritePhotos(8);
+  for (const char* name :
+       {"p10.mov", "p11.mov", "p12.mov", "p10.AAE", "notes.txt", ".hidden", "Thumbs.db"})
+    WriteFile(photos / name, "x");
+  fs::create_directories(photos / "raw");
+  WriteFile(photos / "raw/p10.cr2", "x");
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), HasSubstr("files in photos that are no photographs were left out: 1 .aae "
+                                  "(p10.AAE), 1 .cr2 (p10.cr2), "
+                                  "3 .mov (p10.mov, p11.mov ...), 1 .txt (notes.txt)"));
+}
+
+TEST_F(CaptureProgram, OrdinaryFolderGivesNoWarningOfFiles) {
+  WritePhotos(8);
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+}
+
+TEST_F(CaptureProgram, EmptyFolderIsAnInputError) {
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("has no photographs"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, TwoSizesAreAnInputErrorThatNamesThem) {
+  WritePhotos(8);
+  WriteImage(photos / "other.jpg", MakeTestPhoto(0, 200, 120, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("other.jpg"));
+}
+
+TEST_F(CaptureProgram, TruncatedJpegsAreAllNamed) {
+  WritePhotos(9);
+  for (const char* name : {"p11.jpg", "p15.jpg"}) {
+    const std::string bytes = ReadFile(photos / name);
+    WriteFile(photos / name, bytes.substr(0, bytes.size() / 2));
+  }
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p11.jpg"));
+  EXPECT_THAT(outcome.output, HasSubstr("p15.jpg"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 20000), std::pair(30, 700)}) {
+    WritePhotos(8);
+    WriteImage(photos / "odd.png", Image8(width, height, 3, 128));
+    const Outcome outcome = Run();
+    EXPECT_EQ(outcome.code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr("odd.png (" + std::to_string(width) + " x " +
+                                          std::to_string(height) + ")"));
+    EXPECT_FALSE(fs::exists(images));
+  }
+}
+
+TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
+#if defined(KEYPOSE_SANITIZED)
+  GTEST_SKIP() << "a sanitizer's shadow needs all of the address space";
+#endif
+  WritePhotos(8);
+  WriteImage(photos / "giant.jpg", Image8(8000, 6000, 3, 128));
+  const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, of the 4.3 that it needs
+  EXPECT_EQ(outcome.code, 4) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("giant.jpg (8000 x 6000 pixels) needs 4.3 GB"));
+}
+
+TEST_F(CaptureProgram, NamesThatAreNotUtf8AreAnInputErrorThatShowsThem) {
+  WritePhotos(8);
+  fs::copy_file(photos / "p10.jpg", photos / "T\xf6pf.jpg");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("T\\xf6pf.jpg"));
+}
+
+TEST_F(CaptureProgram, LinksToFoldersAboveAndToDevicesAreLeftOut) {
+  WritePhotos(8);
+  fs::create_directories(photos / "notes");
+  for (const char* name : {"a", "b", "c"}) fs::create_symlink(".", photos / "notes" / name);
+  fs::create_symlink("/dev/zero", photos / "zero.jpg");
+  const Outcome outcome = Run("", "ulimit -t 60; ");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_FALSE(fs::exists(images / "zero.jpg"));
+}
+
+TEST_F(CaptureProgram, FilesThatAreNoImagesAreNamed) {
+  WritePhotos(8);
+  WriteFile(photos / "text.jpg", "not a photograph");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("text.jpg"));
+}
+
+TEST_F(CaptureProgram, FewPhotographsAreToldOfBeforeCamerasAreSought) {
+  WritePhotos(9);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(Report(), HasSubstr("there are only 9 photographs"));
+}
+
+TEST_F(CaptureProgram, CopiesAreAnInputError) {
+  WritePhotos(8);
+  fs::copy_file(photos / "p12.jpg", photos / "p99.jpg");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p99.jpg = p12.jpg"));
+}
+
+TEST_F(CaptureProgram, BlurredSetIsAnInputErrorThatNamesThem) {
+  for (int i = 0; i < 8; ++i) {
+    const TestPhoto photo = MakeTestPhoto(i, 360, 240, TestWall::kDark);
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"),
+               i < 4 ? photo.image : Blurred(photo.image, 4));
+  }
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output,
+              HasSubstr("4 of 8 photographs are blurred: p4.jpg, p5.jpg, p6.jpg, p7.jpg"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, BlurredSetIsAcceptedWhereTheLimitsAllowIt) {
+  for (int i = 0; i < 8; ++i) {
+    const TestPhoto photo = MakeTestPhoto(i, 360, 240, TestWall::kDark);
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"),
+               i < 4 ? photo.image : Blurred(photo.image, 4));
+  }
+  EXPECT_EQ(Run("--min_sharpness 0").code, 0);
+  EXPECT_EQ(Run("--overwrite --max_bad_share 0.5").code, 0);
+  EXPECT_THAT(Report(), HasSubstr("blurred"));
+  EXPECT_EQ(Run("--overwrite --max_bad_share 0.4").code, 3);
+}
+
+TEST_F(CaptureProgram, SmallSetIsAnInputErrorWhereMoreAreAskedFor) {
+  WritePhotos(8);
+  EXPECT_EQ(Run("--min_images 9").code, 3);
+  EXPECT_FALSE(fs::exists(images));
+  EXPECT_EQ(Run("--min_images 8").code, 0);
+}
+
+}  // namespace
+}  // namespace keypose::capture

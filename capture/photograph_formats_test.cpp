@@ -1,0 +1,191 @@
+// keypose-capture on JPEG, HEIC, PNG, TIFF and RAW, and on the photographs of a session.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "capture/shoot/develop/white_balance.h"
+#include "capture/shoot/record/side_file.h"
+#include "capture/testing/capture_program.h"
+#include "capture/testing/test_images.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/testing_dng.h"
+#include "core/srgb.h"
+
+namespace keypose::capture {
+namespace {
+
+using testing::HasSubstr;
+
+TEST_F(CaptureProgram, PhotographsWithoutExifAreAccepted) {
+  WritePhotos(8);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("no focal length"));
+  EXPECT_THAT(Report(), HasSubstr("\"focal_known\": false"));
+}
+
+TEST_F(CaptureProgram, ReadsPngAndTiffAndTurnsPortraits) {
+  WritePhotos(6);
+  WriteImage(photos / "q.png", MakeTestPhoto(6, 180, 120, TestWall::kDark).image);
+  WriteImage(photos / "r.tif", MakeTestPhoto(7, 180, 120, TestWall::kDark).image);
+  WriteImage(photos / "s.jpg", MakeTestPhoto(8, 120, 180, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 9U);
+  for (const CapturedImage& image : set.images) EXPECT_EQ(image.width, 180) << image.name;
+  EXPECT_EQ(ReadImageInfo(images / "s.jpg").height, 120);
+}
+
+TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
+  ExifToWrite exif;
+  exif.focal_35mm = 26;
+  exif.make = "Apple";
+  exif.model = "iPhone 12";
+  for (int i = 0; i < 8; ++i)
+    // 192: the image library's HEIC writer reads beyond rows whose number of bytes is no multiple
+    // of 16.
+    WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"),
+               MakeTestPhoto(i, 192, 120, TestWall::kDark).image, 95, &exif);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8U);
+  EXPECT_EQ(set.images[0].name, "IMG_0.jpg");
+  EXPECT_DOUBLE_EQ(set.images[0].focal_px, 26.0 / 36 * 192);
+  const ImageInfo info = ReadImageInfo(images / "IMG_0.jpg");
+  EXPECT_EQ(info.format, "jpeg");
+  EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 26);
+  EXPECT_TRUE(fs::exists(images / "masks/IMG_0.jpg.png"));
+}
+
+TEST_F(CaptureProgram, PhotographAsHeicAndAsJpegIsAnInputError) {
+  WritePhotos(8);
+  WriteImage(photos / "p12.heic", MakeTestPhoto(2, 192, 120, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p12.jpg is there twice, as HEIC and as JPEG"));
+}
+
+TEST_F(CaptureProgram, FolderOfRawFilesSaysWhatCanBeRead) {
+  for (const char* name : {"a.X3F", "b.X3F"}) WriteFile(photos / name, "x");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr(".heic"));
+  EXPECT_THAT(outcome.output, HasSubstr("2 .x3f (a.X3F, b.X3F); develop RAW files to JPEG"));
+}
+
+TEST_F(CaptureProgram, DamagedRawFileIsNamed) {
+  WriteFile(photos / "a.NEF", "x");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("a.NEF cannot be developed"));
+}
+
+/// The photographs' linear light as a camera's RAW files.
+ImageF LinearOf(const Image8& image) {
+  ImageF linear(image.width, image.height, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    linear.data[i] = static_cast<float>(LinearFromSrgb(image.data[i] / 255.0));
+  return linear;
+}
+
+double MeanDifference(const Image8& a, const Image8& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i) sum += std::abs(a.data[i] - b.data[i]);
+  return sum / static_cast<double>(a.data.size());
+}
+
+TEST_F(CaptureProgram, RawFilesAreDeveloped) {
+  for (int i = 0; i < 8; ++i)
+    WriteDng(photos / ("p" + std::to_string(i) + ".DNG"),
+             LinearOf(MakeTestPhoto(i, 180, 120, TestWall::kDark).image),
+             {.neutral = {0.6, 1, 0.8}});
+  ASSERT_EQ(Run().code, 0);
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8u);
+  EXPECT_EQ(set.images[3].name, "p3.jpg");
+  // Demosaicing softens the speckles.
+  const Image8 truth = MakeTestPhoto(3, 180, 120, TestWall::kDark).image;
+  EXPECT_LT(MeanDifference(ReadImage(set.ImagePath(3), 3), truth), 8);
+}
+
+TEST_F(CaptureProgram, OfARawAndJpegPairTakesTheJpegSilently) {
+  WritePhotos(8);
+  for (int i = 0; i < 8; ++i) WriteFile(photos / ("p" + std::to_string(10 + i) + ".CR2"), "x");
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+  EXPECT_EQ(ReadImageSet(images).images.size(), 8u);
+}
+
+/// A session's side file: 8 angles, as `keypose shoot` writes it.
+std::string SideFileOf8(bool with_white) {
+  shoot::SideFile side;
+  side.pose = "rest";
+  side.plan = {.rings_deg = {12.5}, .angles = 8};
+  if (with_white) side.white = shoot::CarriedWhite{{0.7, 1, 1.3}, "card.jpg"};
+  return shoot::SideFileText(side);
+}
+
+TEST_F(CaptureProgram, PhotographsOfASessionKeepTheirAngleTiltAndFlip) {
+  for (int i = 0; i < 8; ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "r1_a%03d.jpg", 45 * i);
+    WriteImage(photos / name, MakeTestPhoto(i, 180, 120, TestWall::kDark).image, 95);
+  }
+  WriteFile(photos / "shoot.json", SideFileOf8(false));
+  fs::create_directories(photos / "stacks");
+  WriteFile(photos / "stacks/r1_a045_f1.jpg", "never read");
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8u);
+  ASSERT_TRUE(set.images[3].place);
+  EXPECT_EQ(set.images[3].place->angle_deg, 135);
+  EXPECT_EQ(set.images[3].place->tilt_deg, 12.5);
+  EXPECT_EQ(set.images[3].place->ring, 1);
+  EXPECT_EQ(set.images[3].place->flip, 0);
+  EXPECT_EQ(ReadFile(images / "r1_a135.jpg"), ReadFile(photos / "r1_a135.jpg"));
+}
+
+TEST_F(CaptureProgram, AppliesTheWhiteBalanceOfTheSession) {
+  for (int i = 0; i < 8; ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "r1_a%03d.jpg", 45 * i);
+    WriteImage(photos / name, MakeTestPhoto(i, 180, 120, TestWall::kDark).image, 95);
+  }
+  WriteFile(photos / "shoot.json", SideFileOf8(true));
+  ASSERT_EQ(Run().code, 0);
+  const Image8 was = ReadImage(photos / "r1_a000.jpg", 3),
+               is = ReadImage(images / "r1_a000.jpg", 3);
+  EXPECT_LT(MeanDifference(is, shoot::WithGains(was, {0.7, 1, 1.3})), 2);  // JPEG once more
+  EXPECT_GT(MeanDifference(is, was), 5);
+}
+
+TEST_F(CaptureProgram, DamagedSideFileIsNamed) {
+  WritePhotos(8);
+  WriteFile(photos / "shoot.json", "{");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("shoot.json is damaged"));
+}
+
+TEST_F(CaptureProgram, AppliesExifOrientationToPixels) {
+  ExifToWrite exif;
+  exif.orientation = 6;
+  WritePhotos(8, 180, 120, &exif);
+  ASSERT_EQ(Run().code, 0);
+  const ImageInfo info = ReadImageInfo(images / "p10.jpg");
+  EXPECT_EQ(info.orientation, 1);
+  EXPECT_EQ(info.width, 120);
+  EXPECT_EQ(info.height, 180);
+}
+
+}  // namespace
+}  // namespace keypose::capture
