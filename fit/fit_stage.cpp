@@ -48,7 +48,7 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Bends the template into a few photographs of another pose.";
   spec.inputs = {
       {"template", "file", "the unwrapped template (.obj)", ""},

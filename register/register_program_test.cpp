@@ -12,6 +12,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
@@ -90,6 +91,21 @@ TEST_F(Program, WritesCorrespondenceTransformsAndPicture) {
   const Image8 picture = ReadImage(folder_ / "p.png");
   EXPECT_GT(picture.width, 100);
   EXPECT_GT(picture.height, 100);
+}
+
+TEST_F(Program, PicksInPhotographsAreNoLandmarksOfAScan) {
+  // The pose was one of few photographs, and was picked in them; now it is scanned.
+  WriteLandmarks(folder_ / "rest.json", ReadMesh(folder_ / "source.ply"), {{"tip", 3, {1, 0, 0}}});
+  WriteFile(folder_ / "wave.json",
+            R"({"schema": 2, "pixels": [{"name": "tip", "image": "a.jpg", "pixel": [1, 2]}]})");
+  ASSERT_EQ(Run("--source source.ply --landmarks rest.json --landmarks wave.json --registered "
+                "with.ply"),
+            0)
+      << log_;
+  EXPECT_NE(log_.find("wave.json holds picks in photographs"), std::string::npos) << log_;
+  ASSERT_EQ(Run("--source source.ply --registered without.ply"), 0) << log_;
+  EXPECT_EQ(ReadFile(folder_ / "with.ply"), ReadFile(folder_ / "without.ply"));
+  EXPECT_EQ(Run("--source source.ply --landmarks wave.json --registered out.ply"), 3) << log_;
 }
 
 TEST_F(Program, BadInputHasItsExitCodeAndWritesNothing) {

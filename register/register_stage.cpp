@@ -1,4 +1,5 @@
 // keypose-register: bends the template onto a pose.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -130,6 +131,14 @@ void Tell(StageContext& stage, const CarryLog& log) {
 CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target,
                                bool* unbound) {
   if (!stage.Has("landmarks")) return {};
+  const auto files = stage.Inputs("landmarks");
+  const auto in_photographs = std::find_if(files.begin(), files.end(), HoldsPhotoPicksOnly);
+  if (files.size() == 2 && in_photographs != files.end()) {
+    stage.Warn(PrintableName(*in_photographs) +
+               " holds picks in photographs, as for a pose from few photographs, and none on a "
+               "mesh; it is not used");
+    return {};
+  }
   std::vector<PickedPair> picked;
   int suggested = 0;
   CarryLog log;

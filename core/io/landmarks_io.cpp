@@ -302,6 +302,10 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
   return landmarks;
 }
 
+bool HasPhotoPicksOnly(const json& root) {
+  return root.is_object() && root.contains("pixels") && !root.contains("landmarks");
+}
+
 /// The first character that is not a space; 0 in a file without one.
 char FirstLetterOf(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -372,6 +376,9 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, Carr
   RequireShallowJson(text, path.string());
   try {
     const json root = json::parse(text);
+    if (HasPhotoPicksOnly(root))
+      throw InputError(path.string() +
+                       " holds picks in photographs, and none on a mesh; pick in another file");
     FollowPicks follow(BindingIn(root, "mesh", path), mesh, path.string(), side);
     for (const json& entry : root.at("landmarks"))
       if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow))
@@ -405,6 +412,11 @@ std::string WrapPointsText(const std::vector<Landmark>& landmarks) {
   for (const Landmark& landmark : landmarks)
     points[landmark.name] = {landmark.face, landmark.barycentric[0], landmark.barycentric[1]};
   return points.dump(1) + "\n";
+}
+
+bool HoldsPhotoPicksOnly(const fs::path& path) {
+  const std::string text = ReadFile(path);
+  return IsShallowJson(text) && HasPhotoPicksOnly(json::parse(text, nullptr, false));
 }
 
 void WriteLandmarks(const fs::path& path, const Mesh& mesh,

@@ -64,6 +64,9 @@ std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<std::filesystem::p
 std::vector<Landmark> ReadPicks(const std::filesystem::path& path, const Mesh& mesh,
                                 CarryLog* log = nullptr, const std::string& side = "mesh");
 
+/// Whether a file holds picks in photographs, of a pose from few photographs, and none on a mesh.
+bool HoldsPhotoPicksOnly(const std::filesystem::path& path);
+
 /// Picks as MeshLab's picked points (.pp), which ReadPicks reads again.
 std::string PickedPointsText(const std::vector<Landmark>& landmarks, const Mesh& mesh);
 /// Picks as Wrap's named points, which ReadPicks reads again.

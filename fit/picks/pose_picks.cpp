@@ -39,6 +39,26 @@ int ImageOf(const json& entry, const Pick& pick, const ImageSet& images) {
                         SizeOf(images.images) > kMostNames ? ", ..." : ""));
 }
 
+/// Whether a file's landmarks are places on a scan of the pose, such as the studio or MeshLab
+/// writes for a scanned pose. The frame of that scan is not the template's.
+bool IsOfAScan(const json& root) {
+  return root.is_object() && root.contains("mesh") && root.contains("landmarks");
+}
+
+bool IsPickedPoints(const fs::path& path) {
+  const std::string text = ReadFile(path);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == '<';
+}
+
+void WarnOfScan(const std::string& file, CarryLog* log) {
+  if (log)
+    log->warnings.push_back(
+        file +
+        ": its landmarks were picked on a mesh, not in photographs, as for a pose that is scanned; "
+        "they are not used: pick the places in the photographs");
+}
+
 json ReadLists(const fs::path& path) {
   json root = ReadJson<json>(path);
   const bool has_pixels = root.is_object() && root.contains("pixels"),
@@ -112,7 +132,15 @@ PosePicks ReadPosePicks(const std::vector<fs::path>& paths, const Mesh& mesh,
   if (paths.size() > 2)
     throw InputError("landmarks: give one file, or the template's picks and the pose's; not " +
                      std::to_string(paths.size()) + " files");
+  const std::string file = PrintableName(paths.back());
+  if (IsPickedPoints(paths.back())) {
+    WarnOfScan(file, log);
+    return {};
+  }
   const json root = ReadLists(paths.back());
+  const bool of_a_scan = IsOfAScan(root);
+  if (of_a_scan) WarnOfScan(file, log);
+  if (of_a_scan && root.value("pixels", json::array()).empty()) return {};
   Places places;
   if (paths.size() == 2)
     places = PlacesOfTemplate(paths[0], mesh, log);
@@ -122,10 +150,9 @@ PosePicks ReadPosePicks(const std::vector<fs::path>& paths, const Mesh& mesh,
                             "used unchanged, which is wrong if the template was made anew since. "
                             "Picks of the template in a file of their own follow it");
   const Places* named = paths.size() == 2 ? &places : nullptr;
-  const std::string file = PrintableName(paths.back());
   PosePicks picks;
   AddPixels(root.value("pixels", json::array()), file, mesh, images, named, picks);
-  AddPlaces(root.value("landmarks", json::array()), file, mesh, named, picks);
+  if (!of_a_scan) AddPlaces(root.value("landmarks", json::array()), file, mesh, named, picks);
   std::sort(picks.unpaired.begin(), picks.unpaired.end());
   picks.unpaired.erase(std::unique(picks.unpaired.begin(), picks.unpaired.end()),
                        picks.unpaired.end());

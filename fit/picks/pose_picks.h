@@ -29,7 +29,8 @@ struct PosePicks {
 
 /// Reads picks of one pose (docs/file-formats.md). One file: `pixels` and `landmarks` each say
 /// their place on the template. Two files: picks of the template (all kinds that ReadPicks takes),
-/// and those of the pose, joined by name.
+/// and those of the pose, joined by name. Landmarks that were picked on a scan of the pose are left
+/// out with a warning: their places are in the scan's frame.
 ///
 /// @param log  may be null
 /// @throws InputError  malformed; no pick; a photograph that `images` does not have; a pixel

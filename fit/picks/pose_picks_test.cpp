@@ -95,6 +95,29 @@ TEST_F(PosePicksFile, TwoFilesAreJoinedByName) {
   EXPECT_THROW(ReadPosePicks({pose, pose, pose}, mesh_, images_, &log), InputError);
 }
 
+TEST_F(PosePicksFile, LandmarksOfAScanOfThePoseAreLeftOutWithAWarning) {
+  const fs::path rest = folder_ / "rest.json", scan = folder_ / "scan.json";
+  WriteLandmarks(rest, mesh_, {{"ear", 3, {0.2, 0.3, 0.5}}});
+  const Mesh scanned = MakeIcosphere(2);
+  WriteLandmarks(scan, scanned, {{"ear", 5, {1, 0, 0}}});
+  CarryLog log;
+  const PosePicks none = ReadPosePicks({rest, scan}, mesh_, images_, &log);
+  EXPECT_TRUE(none.places.empty()) << "its positions are in the frame of the scan";
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_THAT(log.warnings[0], HasSubstr("scan.json: its landmarks were picked on a mesh"));
+  // The pose became one of few photographs, and was picked in them.
+  std::string both = ReadFile(scan);
+  both.insert(both.find('{') + 1,
+              R"("pixels": [{"name": "ear", "image": "a.jpg", "pixel": [1, 2]}],)");
+  const PosePicks picks = ReadPosePicks({rest, Put("both.json", both)}, mesh_, images_, &log);
+  EXPECT_EQ(picks.pixels.size(), 1u);
+  EXPECT_TRUE(picks.places.empty());
+  const fs::path points = Put("p.pp", PickedPointsText({{"ear", 5, {1, 0, 0}}}, scanned));
+  log = {};
+  EXPECT_TRUE(ReadPosePicks({rest, points}, mesh_, images_, &log).pixels.empty());
+  EXPECT_EQ(log.warnings.size(), 1u);
+}
+
 TEST_F(PosePicksFile, FaultsNameThePickAndThePhotograph) {
   const std::string ear = R"({"name": "ear", "vertex": 7, "image": )";
   EXPECT_THAT(Fault("[" + ear + R"("c.jpg", "pixel": [1, 2]}])"),
