@@ -197,7 +197,8 @@ TEST(RequireEnoughAndDistinct, NamesCopies) {
 
 TEST(RequireEnoughAndDistinct, TooFewThrow) {
   EXPECT_THAT(MessageOf([] { RequireEnoughAndDistinct({Photo("a.jpg", 3, 2, 7)}, 8, "photos"); }),
-              HasSubstr("has 1 photograph; at least 8 are needed, and 24 or more all round"));
+              AllOf(HasSubstr("has 1 photograph; at least 8 are needed, and 24 or more all round"),
+                    HasSubstr("a further pose takes 6 with `method: fit`")));
   EXPECT_THAT(MessageOf([] { RequireEnoughAndDistinct({Photo("a.jpg", 3, 2, 7)}, 2, "photos"); }),
               HasSubstr("at least 2 are needed, and 6 or more from different sides"));
 }

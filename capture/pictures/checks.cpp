@@ -53,11 +53,14 @@ void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int mi
                               const std::string& folder) {
   const int count = SizeOf(photographs);
   if (count < min_images)
-    throw InputError(
-        "capture: " + folder + " has " + std::to_string(count) +
-        (count == 1 ? " photograph" : " photographs") + "; at least " + std::to_string(min_images) +
-        (IsOfAScan(min_images) ? " are needed, and 24 or more all round the object are better"
-                               : " are needed, and 6 or more from different sides are better"));
+    throw InputError("capture: " + folder + " has " + std::to_string(count) +
+                     (count == 1 ? " photograph" : " photographs") + "; at least " +
+                     std::to_string(min_images) +
+                     (IsOfAScan(min_images)
+                          ? " are needed, and 24 or more all round the object are better; in a "
+                            "project a further pose takes 6 with `method: fit` beside its photos "
+                            "in pipeline.yaml"
+                          : " are needed, and 6 or more from different sides are better"));
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> seen;
   std::vector<std::string> twins;
   for (const Photograph& p : photographs) {

@@ -77,23 +77,22 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
   const double share = static_cast<double>(far) / source.vertex_count();
   if (!change.found() || share > kMayLackCounterpart)
     throw InputError(fmt::format(
-        "register: the source was rebuilt after {} was painted, and the stiffness could not "
-        "follow: {}; paint it again on the source mesh",
+        "the template was rebuilt after {} was painted, and the stiffness could not follow: {}; "
+        "paint it again on the template",
         name,
-        change.found()
-            ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
+        change.found() ? fmt::format("{:.0f} % of it has no painted place near", 100 * share)
         : change.ambiguous
             ? "the object looks the same from several sides"
             : fmt::format("at best {:.0f} % of the two shapes agree", 100 * change.agreeing)));
   if (!log) return stiffness;
   const std::string how =
-      fmt::format("{}: the source was rebuilt since then ({}); the stiffness was carried over",
+      fmt::format("{}: the template was rebuilt since then ({}); the stiffness was carried over",
                   name, change.Words());
   if (far == 0)
     log->notes.push_back(how);
   else
     log->warnings.push_back(
-        fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; "
+        fmt::format("{}, but {:.1f} % of the template's vertices have no painted place near them; "
                     "check that stiff parts are still stiff",
                     how, 100 * share));
   return stiffness;
