@@ -148,8 +148,9 @@ std::string AnimationSection(const Contents& contents, const Encoder& encode) {
       "magnitude and are not a target.</p>";
   html += FigureSix(animation, method) + "</details>\n";
   if (step) html += EverythingMeasured(*step);
-  if (const StepRecord* exported = contents.run.Find("export"))
-    html += EverythingMeasured(*exported);
+  const StepRecord* exported =
+      step ? contents.run.ExportOf(step->Output("frames")) : contents.run.Find("export");
+  if (exported) html += EverythingMeasured(*exported);
   return html + "</section>\n";
 }
 

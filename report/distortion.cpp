@@ -117,6 +117,12 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
   return frames;
 }
 
+void PlayAt(double fps, std::vector<FrameDistortion>* frames) {
+  const double start = frames->front().time_s;
+  for (std::size_t i = 0; i < frames->size(); ++i)
+    (*frames)[i].time_s = start + static_cast<double>(i) / fps;
+}
+
 DistortionRow AreaRow(const std::vector<FrameDistortion>& frames) {
   return Row(frames, &FrameDistortion::linear_area, &FrameDistortion::area);
 }

@@ -36,6 +36,10 @@ struct DistortionRow {
 /// @throws InputError  malformed, no frames, or a value that is not finite
 std::vector<FrameDistortion> ParseDistortion(const std::string& text);
 
+/// Gives the frames the times at which they show when they are played at `fps`, from that of the
+/// first on: keys without times have no rate of their own.
+void PlayAt(double fps, std::vector<FrameDistortion>* frames);
+
 DistortionRow AreaRow(const std::vector<FrameDistortion>& frames);
 DistortionRow VolumeRow(const std::vector<FrameDistortion>& frames);
 

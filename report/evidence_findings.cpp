@@ -66,6 +66,14 @@ void FindInDetails(const std::string& pose, const PoseEvidence& e, bool fitted,
        : fitted ? kMorePhotographs
                 : "look at the pairs below; a figure that moved, blur and wrong cameras smear "
                   "the texture"});
+  std::vector<std::string> unlike;
+  for (const ViewEvidence& view : e.views)
+    if (view.structure < kViewStructureLook) unlike.push_back(view.name);
+  if (unlike.empty() || wrong) return;
+  out.push_back(
+      {Grade::kLook, pose, "compared",
+       "The render repeats hardly any details of " + Bold(Joined(unlike)) + ".",
+       "look at these photographs: blur, a lamp\u2019s reflection, or a figure that moved"});
 }
 
 }  // namespace
@@ -82,8 +90,9 @@ void FindInEvidence(const PosePart& pose, bool fitted, std::vector<Finding>& out
          "Along " + Bold(Percent(1 - e.edges)) +
              " of the mesh\u2019s outline the photographs show no change of colour: masks may "
              "cut into the figure, or clay and backdrop have similar colours.",
-         "put the figure before a backdrop of another colour, or give masks of your own as "
-         "masks/POSE"});
+         std::string(
+             "put the figure before a backdrop of another colour; or look at the masks and ") +
+             kOwnMasks});
 }
 
 }  // namespace keypose::report

@@ -7,6 +7,8 @@
 
 namespace keypose::report {
 
+inline constexpr const char* kOwnMasks =
+    "paint better ones in the studio, or put them into a folder masks beside the photographs";
 inline constexpr const char* kMorePhotographs =
     "add photographs of this pose from the sides between, or scan it all round (method: scan)";
 

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Keeps the page below 8 MB: the script has half a megabyte, other pictures one or two, and base64
-// adds a third.
+// Keeps a page of two poses below 8 MB: the script has half a megabyte, the pictures of a pose one
+// or two, and base64 adds a third.
 constexpr std::size_t kPositionBytes = 2'200'000, kMeshBytes = 3'600'000;
 constexpr int kTextureSide = 1024, kManyTextures = 4;
 
@@ -38,12 +38,7 @@ std::vector<int> PosesOfKeys(const RunRecord& run) {
   return poses;
 }
 
-double FpsOf(const RunRecord& run, const std::vector<FrameDistortion>& frames) {
-  if (const StepRecord* exported = run.Find("export"))
-    if (const auto fps = exported->options.find("fps"); fps != exported->options.end()) {
-      const json value = json::parse(fps->second, nullptr, false);
-      if (value.is_number() && value.get<double>() > 0) return value;
-    }
+double FpsOf(const std::vector<FrameDistortion>& frames) {
   const double seconds = frames.back().time_s - frames.front().time_s;
   return seconds > 0 ? static_cast<double>(frames.size() - 1) / seconds : 24;
 }
@@ -89,7 +84,7 @@ PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const E
   PlayerData data;
   data.mesh = read(0);
   data.up = sides.up;
-  data.fps = FpsOf(contents.run, frames);
+  data.fps = FpsOf(frames);
   data.textures = Shrunken(TexturesOf(contents.run, contents.run.poses, data.mesh));
   std::vector<int> repeats;
   std::vector<char> keys;

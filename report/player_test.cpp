@@ -1,7 +1,6 @@
 // The player's data, and the page in a headless Chromium if there is one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "report/contents.h"
 #include "report/player_data.h"
@@ -150,9 +150,8 @@ TEST(BuildPage, ThePlayersProgramLeavesRoomForPictures) {
 
 /// The page's document after a moment in a headless browser; empty if there is no Chromium.
 std::string Browsed(const std::string& page, const std::string& more) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / ("keypose_player_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
   std::ofstream(folder / "index.html") << page;
   const std::string command =
       "HOME=" + folder.string() +
@@ -164,7 +163,6 @@ std::string Browsed(const std::string& page, const std::string& more) {
   const int code = std::system(command.c_str());
   std::ostringstream dom;
   dom << std::ifstream(folder / "dom").rdbuf();
-  std::filesystem::remove_all(folder);
   return code == 0 ? dom.str() : "";
 }
 
@@ -177,6 +175,17 @@ TEST(Player, PlaysInABrowserWithoutAnyServer) {
   EXPECT_THAT(dom, HasSubstr("<canvas"));
   EXPECT_THAT(dom, HasSubstr("picture "));  // the clock has been written
   EXPECT_THAT(dom, HasSubstr("Pause"));     // it started by itself
+}
+
+TEST(Player, ItsPosterIsPrintedInPlaceOfTheCanvas) {
+  if (!HasChromium()) GTEST_SKIP() << "chromium is not installed";
+  const TestingFolder folder;
+  const std::string pdf = (folder.path() / "page.pdf").string();
+  Browsed(PageWithPlayer(), "--print-to-pdf=" + pdf);
+  std::ostringstream printed;
+  printed << std::ifstream(pdf).rdbuf();
+  // The poster is the only picture of one pixel.
+  EXPECT_THAT(printed.str(), HasSubstr("/Subtype /Image\n/Width 1\n/Height 1\n"));
 }
 
 TEST(Player, ShowsThePosterWithoutWebGl) {

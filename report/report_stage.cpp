@@ -54,7 +54,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "10";
+  spec.version = "12";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
@@ -355,6 +355,7 @@ class Gatherer {
     const fs::path folder = step->Output("frames");
     AnimationPart part;
     part.frames = ParseDistortion(ReadFile(folder / "distortion.json"));
+    if (const double fps = contents.run.ExportedRate(folder); fps > 0) PlayAt(fps, &part.frames);
     part.keys = static_cast<int>(std::count_if(part.frames.begin(), part.frames.end(),
                                                [](const FrameDistortion& f) { return f.key; }));
     const int count = SizeOf(part.frames);

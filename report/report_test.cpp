@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 #include "report/contents.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -132,6 +133,30 @@ TEST(ParseDistortion, ReadsThePathAndCountsAHeldKeyAsNoInBetween) {
   EXPECT_TRUE(std::isnan(frames[3].area_path));
 }
 
+TEST(PlayAt, FramesFollowOneAnotherAtTheRateOfTheExport) {
+  std::vector<FrameDistortion> frames(3);
+  frames[0].time_s = 2, frames[1].time_s = 2.04, frames[2].time_s = 2.08;
+  PlayAt(12.5, &frames);
+  EXPECT_EQ(frames[0].time_s, 2);
+  EXPECT_DOUBLE_EQ(frames[1].time_s, 2.08);
+  EXPECT_DOUBLE_EQ(frames[2].time_s, 2.16);
+}
+
+TEST(RunRecord, ThePlayedRateIsThatOfTheExportOfTheseFrames) {
+  StepRecord take, animation;
+  take.stage = animation.stage = "export";
+  take.id = "export_walk", take.inputs["frames"] = {"/armature/walk"}, take.options["fps"] = "12";
+  animation.id = "export", animation.inputs["frames"] = {"/cache/frames"};
+  animation.options["fps"] = "24.0";
+  RunRecord run;
+  run.steps = {take, animation};
+  EXPECT_EQ(run.ExportedRate("/cache/frames"), 24) << "a puppet's take comes first in the record";
+  EXPECT_EQ(run.ExportOf("/cache/frames")->id, "export");
+  EXPECT_EQ(run.ExportedRate("/cache/others"), 0);
+  run.steps[1].options["fps"] = "0";
+  EXPECT_EQ(run.ExportedRate("/cache/frames"), 0);
+}
+
 TEST(ParseDistortion, NamesTheFrameThatIsNotFinite) {
   const char* text =
       R"({"frames": [{"t": 0, "area": 0, "volume": 0, "linear_area": 0, "linear_volume": 0}, {"t": 1, "area": null}]})";
@@ -211,6 +236,43 @@ TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
   EXPECT_THAT(page, Not(HasSubstr("<link")));
 }
 
+TEST(BuildPage, TheMostImportantNumbersHaveTheNamesOfTheStages) {
+  Contents contents = Minimal();
+  StepRecord capture, cleanup;
+  capture.stage = "capture", cleanup.stage = "cleanup";
+  capture.pose = cleanup.pose = "rest";
+  capture.numbers = {{"mean_sharpness", 0.6875}};
+  cleanup.numbers = {{"distance_to_input_p99_over_diag", 0.0013},
+                     {"distance_from_input_p99_over_diag", 0.0003}};
+  contents.run.steps = {capture, cleanup};
+  const std::string page = BuildPage(contents, NoPictures);
+  for (const char* expected :
+       {"<span>mean sharpness</span><b>0.6875</b>",
+        "<span>distance of the mesh to the scan, 99 %</span><b>0.13\u00a0%</b>",
+        "<span>distance of the scan to the mesh, 99 %</span><b>0.03\u00a0%</b>"})
+    EXPECT_THAT(page, HasSubstr(expected));
+}
+
+TEST(FindAll, NamesAPhotographWhoseDetailsTheRenderDoesNotRepeat) {
+  Contents contents = Minimal();
+  std::vector<ViewEvidence> views(5);
+  for (int i = 0; i < 5; ++i) {
+    views[i].name = "IMG_" + std::to_string(i);
+    views[i].outline_off = 0.0005, views[i].edges = 1;
+    views[i].structure = i == 3 ? 0.29 : 0.9;
+  }
+  contents.poses[0].evidence = Summarize(views);
+  const auto named = [&] {
+    const std::vector<Finding> all = FindAll(contents);
+    return std::count_if(all.begin(), all.end(), [](const Finding& f) {
+      return f.grade == Grade::kLook && f.text.find("<b>IMG_3</b>") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(named(), 1);
+  contents.poses[0].evidence.views[3].structure = 0.31;
+  EXPECT_EQ(named(), 0);
+}
+
 TEST(BuildPage, OnePoseEndsInAMeshAndThePageSaysSo) {
   Contents contents = Minimal();
   contents.run.poses = {"rest"};
@@ -265,9 +327,8 @@ TEST(HeatSides, FarVerticesGetTheHotEndOfTheScale) {
 }
 
 TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "keypose_report_stage";
-  std::filesystem::remove_all(folder);
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
   std::filesystem::create_directories(folder / "run");
   std::ofstream(folder / "run/run.json") << kRun;
   const std::string f = folder.string();
@@ -287,7 +348,6 @@ TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
   EXPECT_EQ(said["verdicts"][1]["about"], "up");
   EXPECT_EQ(said["verdicts"][1]["grade"], "wrong");
   EXPECT_THAT(std::string(said["verdicts"][1]["why"]), HasSubstr("keypose log cleanup/up"));
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "report/run_record.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -104,6 +105,21 @@ std::vector<const StepRecord*> RunRecord::All(const std::string& stage) const {
   for (const StepRecord& step : steps)
     if (step.stage == stage) found.push_back(&step);
   return found;
+}
+
+const StepRecord* RunRecord::ExportOf(const fs::path& frames) const {
+  for (const StepRecord* step : All("export"))
+    if (step->Input("frames") == frames) return step;
+  return nullptr;
+}
+
+double RunRecord::ExportedRate(const fs::path& frames) const {
+  const StepRecord* step = ExportOf(frames);
+  if (!step) return 0;
+  const auto option = step->options.find("fps");
+  if (option == step->options.end()) return 0;
+  const json fps = json::parse(option->second, nullptr, false);
+  return fps.is_number() ? std::max(0.0, fps.get<double>()) : 0;
 }
 
 RunRecord ParseRun(const std::string& text, const fs::path& folder, const FileReader& read) {

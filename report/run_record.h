@@ -49,6 +49,11 @@ struct RunRecord {
   /// none.
   std::filesystem::path TextureOf(const std::string& pose) const;
   std::vector<const StepRecord*> All(const std::string& stage) const;
+  /// The step that exports the frames of a folder, or null. A project may export other motions too,
+  /// such as a puppet's takes.
+  const StepRecord* ExportOf(const std::filesystem::path& frames) const;
+  /// Pictures a second at which those frames were exported; 0 if that step was not told.
+  double ExportedRate(const std::filesystem::path& frames) const;
 };
 
 /// Returns a file's text, or throws.

@@ -70,7 +70,7 @@ struct Fact {
 constexpr Fact kCaptureFacts[] = {
     {"capture", "photographs", "images"},
     {"capture", "photographs", "images_total"},
-    {"capture", "mean sharpness", "sharpness_mean"},
+    {"capture", "mean sharpness", "mean_sharpness"},
 };
 constexpr Fact kPoseFacts[] = {
     {"sfm", "cameras from", "method"},
@@ -93,7 +93,8 @@ constexpr Fact kPoseFacts[] = {
     {"cleanup", "self-intersections", "self_intersections"},
     {"cleanup", "genus", "genus"},
     {"cleanup", "repair strategy", "strategy"},
-    {"cleanup", "distance to the scan, 99 %", "distance_from_input_p99_over_diag"},
+    {"cleanup", "distance of the mesh to the scan, 99 %", "distance_to_input_p99_over_diag"},
+    {"cleanup", "distance of the scan to the mesh, 99 %", "distance_from_input_p99_over_diag"},
     {"fit", "features matched to the template", "matches"},
     {"fit", "distance of outlines and masks (px)", "outline_gap_px"},
     {"fit", "correlation of grey values", "correlation"},
@@ -113,7 +114,6 @@ constexpr Fact kPoseFacts[] = {
     {"transfer", "largest change of volume (share)", "volume_deviation"},
     {"unwrap", "UV charts", "charts"},
     {"unwrap", "L2 stretch", "stretch_l2"},
-    {"unwrap", "L2 stretch", "l2_stretch"},
     {"unwrap", "UV area used", "utilisation"},
     {"unwrap", "flipped in UV", "flipped"},
     {"bake", "texels unseen", "unseen_fraction"},
@@ -192,8 +192,13 @@ std::string LandmarkResiduals(const StepRecord& step) {
 }  // namespace
 
 std::string Words(const std::string& name) {
-  static const std::pair<const char*, const char*> kUnits[] = {
-      {"_px", " (px)"}, {"_deg", " (\u00b0)"}, {"_db", " (dB)"}, {"_over_diag", " / diagonal"}};
+  static const std::pair<const char*, const char*> kUnits[] = {{"_px", " (px)"},
+                                                               {"_deg", " (\u00b0)"},
+                                                               {"_db", " (dB)"},
+                                                               {"_m", " (m)"},
+                                                               {"_mrad", " (mrad)"},
+                                                               {"_rad", " (rad)"},
+                                                               {"_over_diag", " / diagonal"}};
   std::string text = name, unit;
   for (const auto& [suffix, shown] : kUnits)
     if (text.ends_with(suffix)) {

@@ -107,7 +107,8 @@ class Findings {
     else if (const auto disagreeing = NamesOf(s, "views_disagreeing"); !disagreeing.empty())
       Add(Grade::kLook, s,
           "The outlines of " + Bold(Joined(disagreeing)) + " do not fit those of the others.",
-          "look at their masks and give better ones as masks/POSE, or take them out of the folder");
+          std::string("look at their masks and ") + kOwnMasks +
+              ", or take the photographs out of the folder");
     if (const auto agreement = s.Number("agreement"))
       Add(Grade::kNote, s,
           "Masks overlap the visual hull of the others by " + Bold(Percent(*agreement)) +
