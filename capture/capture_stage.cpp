@@ -75,7 +75,7 @@ void SegmentAll(StageContext& stage, PhotographImport& import, const CaptureOpti
     const std::size_t end = begin + import.groups[g].files.size();
     Image8 clean_plate;
     if (!import.backgrounds[g].empty())
-      clean_plate = WorkingImage(ReadImage(import.backgrounds[g], 3), masking.working_px);
+      clean_plate = WorkingImage(LoadPlate(import, g), masking.working_px);
     const auto share = [&](std::size_t i) {
       return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size());
     };
@@ -292,7 +292,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "6",
+    .version = "7",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",

@@ -24,17 +24,19 @@ Image8 QuarterTurned(const Image8& image) {
   return turned;
 }
 
-/// What `keypose shoot` has noted of the photograph's folder; null for photographs of another
-/// origin.
-const shoot::SideFile* SideFileOf(const PhotographImport& import, std::size_t i) {
-  const auto side = import.side_files.find(import.files[i].parent_path());
+/// What `keypose shoot` has noted of a folder; null for photographs of another origin.
+const shoot::SideFile* SideFileIn(const PhotographImport& import, const fs::path& folder) {
+  const auto side = import.side_files.find(folder);
   return side == import.side_files.end() ? nullptr : &side->second;
 }
 
-/// The photograph, with the white balance of its session's grey card if there is one.
-Image8 ReadBalanced(const PhotographImport& import, std::size_t i) {
-  Image8 image = shoot::ReadPhotograph(import.files[i]);
-  const shoot::SideFile* side = SideFileOf(import, i);
+const shoot::SideFile* SideFileOf(const PhotographImport& import, std::size_t i) {
+  return SideFileIn(import, import.files[i].parent_path());
+}
+
+/// The picture, with the white balance of its session's grey card if there is one.
+Image8 ReadBalanced(const fs::path& file, const shoot::SideFile* side) {
+  Image8 image = shoot::ReadPhotograph(file);
   return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
 }
 
@@ -133,7 +135,7 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
   if (options.max_size > 0 && longer > options.max_size)
     import.factor = static_cast<double>(options.max_size) / longer;
   for (const PhotographGroup& group : import.groups)
-    if (const fs::path side = group.folder / "shoot.json"; fs::exists(side))
+    if (const fs::path side = group.folder / kShootNotes; fs::exists(side))
       import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
   FindMasksAndPlates(stage, import);
   RequireMasksOfPhotographs(stage, import);
@@ -149,9 +151,14 @@ std::optional<TurntablePlace> PlaceOf(const PhotographImport& import, std::size_
                         shoot::TiltOf(side->plan, *shot), shot->flip};
 }
 
+Image8 LoadPlate(const PhotographImport& import, std::size_t group) {
+  return ReadBalanced(import.backgrounds[group], SideFileIn(import, import.groups[group].folder));
+}
+
 Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
                    int channels) {
-  Image8 image = channels == 3 ? ReadBalanced(import, i) : ReadImage(file, channels);
+  Image8 image = channels == 3 ? ReadBalanced(import.files[i], SideFileOf(import, i))
+                               : ReadImage(file, channels);
   const Photograph& photograph = import.photographs[i];
   if (image.width != photograph.width || image.height != photograph.height)
     throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +

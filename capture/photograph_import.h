@@ -47,6 +47,9 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
 /// @throws InputError  a mask of another size
 Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
                    int channels);
+/// The clean plate of a group, with the white balance of its photographs.
+/// @pre there is one
+Image8 LoadPlate(const PhotographImport& import, std::size_t group);
 /// The photograph's place in its session with `keypose shoot`.
 std::optional<TurntablePlace> PlaceOf(const PhotographImport& import, std::size_t i);
 /// Its mask at full size: the user's, or the segmented one refined.

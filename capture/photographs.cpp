@@ -68,20 +68,34 @@ std::vector<fs::path> PhotographsIn(const fs::path& folder, bool with_raw) {
     files.insert(files.end(), raw.begin(), raw.end());
   }
   std::sort(files.begin(), files.end());
-  std::erase_if(files,
-                [](const fs::path& file) { return Lower(file.stem().string()) == "background"; });
+  std::erase_if(files, IsCleanPlateName);
   return files;
+}
+
+/// Of cameras and programs that put the RAW and the JPEG of each shot into two folders, the JPEG
+/// counts.
+void LeaveOutRawTwins(std::vector<PhotographGroup>* groups) {
+  std::set<fs::path> stems;
+  for (const PhotographGroup& group : *groups)
+    for (const fs::path& file : group.files)
+      if (!IsRawName(file)) stems.insert(file.stem());
+  std::erase_if(*groups, [&](const PhotographGroup& group) {
+    return std::all_of(group.files.begin(), group.files.end(), [&](const fs::path& file) {
+      return IsRawName(file) && stems.contains(file.stem());
+    });
+  });
 }
 
 std::vector<PhotographGroup> GroupsBelow(const fs::path& folder, bool with_raw) {
   std::vector<PhotographGroup> groups;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    const bool ours = name == "masks" || name == "stacks" || name.front() == '.';
+    const bool ours = name == "masks" || name == kFocusStacks || IsLitterName(name);
     if (!entry.is_directory() || ours) continue;
     PhotographGroup group{name, entry.path(), PhotographsIn(entry.path(), with_raw)};
     if (!group.files.empty()) groups.push_back(std::move(group));
   }
+  LeaveOutRawTwins(&groups);
   std::sort(groups.begin(), groups.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
   return groups;
@@ -144,9 +158,10 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();
     // What `keypose shoot` puts beside the photographs: its notes, and RAW files of the same names.
-    const bool shot = name == "shoot.json" || name == "stacks" ||
+    const bool shot = name == kShootNotes || name == kFocusStacks ||
                       (IsRawName(name) && stems.contains(name.stem()));
-    if (IsLitterName(name) || name == "masks" || shot) continue;
+    const bool plate = IsRawName(name) && entry.path() == FindBackground(folder);
+    if (IsLitterName(name) || name == "masks" || shot || plate) continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path()))
       ignored->push_back(entry.path());
     // A link to a parent folder would cause endless recursion.
@@ -210,8 +225,12 @@ std::vector<PhotographGroup> ListPhotographs(const fs::path& folder) {
 }
 
 fs::path FindBackground(const fs::path& folder) {
-  for (const fs::path& file : ImagesIn(folder))
-    if (Lower(file.stem().string()) == "background") return file;
+  const std::vector<fs::path> files = ImagesIn(folder);
+  for (const fs::path& file : files)
+    if (IsCleanPlateName(file)) return file;
+  if (!files.empty()) return {};
+  for (const fs::path& file : RawFilesIn(folder, {}))
+    if (IsCleanPlateName(file)) return file;
   return {};
 }
 

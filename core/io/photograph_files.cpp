@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <map>
 
 namespace keypose {
@@ -10,12 +11,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Lower case, with the dot.
-std::string LowerExtensionOf(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
+std::string Lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
+
+/// Lower case, with the dot.
+std::string LowerExtensionOf(const fs::path& file) { return Lower(file.extension().string()); }
 
 template <std::size_t N>
 bool IsOneOf(const std::string& extension, const std::array<const char*, N>& known) {
@@ -40,7 +42,19 @@ bool IsPhotographName(const fs::path& file) {
 
 bool IsLitterName(const fs::path& file) {
   const std::string name = file.filename().string();
-  return name.starts_with('.') || name == "Thumbs.db" || name == "desktop.ini";
+  return name.starts_with('.') || name == "Thumbs.db" || name == "desktop.ini" ||
+         name == "@eaDir" || name == "__MACOSX";
+}
+
+bool IsCleanPlateName(const fs::path& file) { return Lower(file.stem().string()) == "background"; }
+
+bool IsShotName(const fs::path& file) {
+  if (!IsPhotographName(file) && !IsRawName(file)) return false;
+  const bool aside = std::any_of(file.begin(), file.end(), [](const fs::path& part) {
+    return IsLitterName(part) || part == kFocusStacks || part == "masks";
+  });
+  const bool deep = std::distance(file.begin(), file.end()) > 2;
+  return !aside && !deep && !IsCleanPlateName(file);
 }
 
 std::string KindsOf(const std::vector<fs::path>& files) {

@@ -18,9 +18,20 @@ bool IsHeicName(const std::filesystem::path& file);
 /// Whether the extension (any case) is one of .cr2 .cr3 .nef .arw .dng .raf .orf .rw2: RAW files
 /// that core/io/raw_io.h develops.
 bool IsRawName(const std::filesystem::path& file);
-/// Whether the file is one that operating systems and file managers create: hidden files,
-/// Thumbs.db, desktop.ini.
+/// Whether the file or folder is one that operating systems, file managers and disk stations
+/// create: hidden ones, Thumbs.db, desktop.ini, @eaDir, __MACOSX.
 bool IsLitterName(const std::filesystem::path& file);
+
+/// What `keypose shoot` writes beside the photographs of a pose: its notes, and a folder with the
+/// pictures that each photograph was merged from.
+inline constexpr const char* kShootNotes = "shoot.json";
+inline constexpr const char* kFocusStacks = "stacks";
+/// Whether a photograph is one of the empty set: background.jpg, Background.CR2, ...
+bool IsCleanPlateName(const std::filesystem::path& file);
+/// Whether a file of a pose's folder is a photograph of the figure, RAW or not. `capture` reads the
+/// folder and the folders in it.
+/// @param file  relative to the pose's folder
+bool IsShotName(const std::filesystem::path& file);
 
 /// A summary by extension, such as "12 .mov (IMG_1.mov, IMG_2.mov ...), 1 .txt (notes.txt)"; empty
 /// for no files.
