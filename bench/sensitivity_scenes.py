@@ -5,6 +5,7 @@ python3-numpy.
 """
 import json
 import math
+import re
 
 import numpy as np
 
@@ -42,14 +43,12 @@ def camera_error(model, truth, programs):
     return json.loads(programs.python('tests/score_cameras.py', model, truth))['mean']
 
 
-def sfm_scene(name, *words):
-    """`sfm` on other photographs; the words are those of `synth photos`, and after -- of `sfm`."""
-    cut = words.index('--') if '--' in words else len(words)
-
+def sfm_scene(photographs, *words):
+    """`sfm` with these words, on what `synth photos` makes with those of `photographs`."""
     def measure(inputs, programs, to):
-        clay = inputs.photographs(name, '--poses', 'rest', *words[:cut])
-        programs.stage('sfm', '--images', clay / 'images/rest', '--model', to / 'model',
-                       *words[cut + 1:])
+        name = 'sfm_' + re.sub('[^a-z0-9]+', '_', photographs.replace('--', ''))
+        clay = inputs.photographs(name, '--poses', 'rest', *photographs.split())
+        programs.stage('sfm', '--images', clay / 'images/rest', '--model', to / 'model', *words)
         return camera_error(to / 'model', clay / 'truth/rest/cameras', programs)
     return measure
 
@@ -224,6 +223,7 @@ def bend(_, programs, to):
 
 CAMERAS = ('mean distance of the cameras from the true ones, moved, turned and scaled onto them, '
            'over their distance')
+QUICK = ('--detail', 'coarse', '--affine_shape', 'false')
 SFM = ('reconstruct/sfm', 'reconstruct/turntable', 'reconstruct/matching', 'reconstruct/bundle',
        'reconstruct/join', 'reconstruct/evidence', 'capture/board', 'views/hull')
 FIT = ('fit/', 'deform/levels', 'views/placement', 'views/atlas')
@@ -232,9 +232,8 @@ FIT = ('fit/', 'deform/levels', 'views/placement', 'views/atlas')
 def all_scenes(scorer='', data=''):
     """In the order of measuring: a constant is measured by the first scene that reads it."""
     return [
-        Scene('ring', SFM, ('keypose-sfm',), f'{CAMERAS}: 16 photographs of 480 px, by turntable',
-              sfm_scene('ring', '--views', 16, '--width', 480, '--', '--detail', 'coarse',
-                        '--affine_shape', 'false')),
+        Scene('ring', SFM, ('keypose-sfm',), f'{CAMERAS}: 16 photographs of 640 px, by turntable',
+              sfm_scene('--views 16 --width 640', *QUICK)),
         Scene('fit', FIT, ('keypose-fit',),
               'distance of vertices from their true places, over the diagonal: six photographs',
               fit),
@@ -250,14 +249,11 @@ def all_scenes(scorer='', data=''):
         Scene('follow', FIT, ('keypose-follow',),
               'distance of the surface from the true one [m]: ten frames of eight cameras', follow),
         Scene('features', SFM, ('keypose-sfm',), f'{CAMERAS}: 16 photographs of 640 px, features',
-              sfm_scene('features', '--views', 16, '--width', 640, '--', '--detail', 'coarse',
-                        '--affine_shape', 'false', '--method', 'features')),
+              sfm_scene('--views 16 --width 640', *QUICK, '--method', 'features')),
         Scene('flip', SFM, ('keypose-sfm',), f'{CAMERAS}: 12 photographs, and 12 on its back',
-              sfm_scene('flip', '--views', 12, '--width', 480, '--flip', '--', '--detail',
-                        'coarse', '--affine_shape', 'false')),
+              sfm_scene('--views 12 --width 640 --flip', *QUICK)),
         Scene('board', SFM, ('keypose-sfm',), f'{CAMERAS}: 10 photographs with a printed board',
-              sfm_scene('board', '--views', 10, '--width', 640, '--texture', 'none', '--charuco',
-                        '--', '--method', 'board')),
+              sfm_scene('--views 10 --width 640 --texture none --charuco', '--method', 'board')),
         Scene('masks', ('capture/',), ('keypose-capture', 'keypose-masks'),
               '1 - IoU of the masks, by the true surface', masks),
         Scene('unwrap', ('texture/',), ('keypose-unwrap',),
