@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// shape stands for track, match for transfer, blend for export.
+/// shape stands for track, match for transfer (stiffness for its pins), blend for export.
 const char* const kPerformance = R"(steps:
   track:
     stage: solve
@@ -30,7 +30,7 @@ const char* const kPerformance = R"(steps:
     stage: match
     for: shot
     when: [$scan, $marks]
-    inputs: {source: track.model, target: $scan, landmarks: $marks}
+    inputs: {source: track.model, target: $scan, landmarks: $marks, stiffness: $pins}
   export:
     stage: blend
     for: shot
@@ -82,6 +82,22 @@ TEST(Performance, ScanAndMarksAddTheTransfer) {
   stage.disk.Write(stage.project / "marks.json", "more pairs");
   EXPECT_EQ(stage.Run().ran,
             (Names{"export/run", "export/walk", "tell", "transfer/run", "transfer/walk"}));
+}
+
+TEST(Performance, PinsOfOneShotGoIntoItsTransferOnly) {
+  Stage stage;
+  for (const char* file : {"scan.obj", "marks.json", "held.json"})
+    stage.disk.Write(stage.project / file, file);
+  const std::string text = stage.kHead + "scan: scan.obj\nshots:\n  walk: shots/walk\n  run: ";
+  stage.WriteProject(text + "shots/run\n");
+  stage.Run();
+  stage.WriteProject(text + "{video: shots/run, pins: held.json}\n");
+  EXPECT_EQ(stage.Run().ran, (Names{"export/run", "tell", "transfer/run"}));
+  EXPECT_THAT(stage.Out("run/animation/frame_0"), HasSubstr("(stiffness held.json)"));
+  EXPECT_THAT(stage.Out("walk/animation/frame_0"), Not(HasSubstr("stiffness")));
+  stage.disk.Remove(stage.project / "held.json");
+  EXPECT_THAT(MessageOf<InputError>([&] { stage.Run(); }),
+              AllOf(HasSubstr("pipeline.yaml:5"), HasSubstr("held.json")));
 }
 
 TEST(Performance, ScanWithoutMarksIsTrackedAlready) {

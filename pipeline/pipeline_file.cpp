@@ -92,10 +92,12 @@ class Reader : public YamlReader {
             shot.calibration = PathText(value, field);
           else if (field == "actor")
             shot.actor = PathText(value, field);
+          else if (field == "pins")
+            shot.pins = PathText(value, field);
           else if (field == "options")
             shot.options = StepOptions(value, what + ".options");
           else
-            Unknown(field_key, what, {"video", "calibration", "actor", "options"});
+            Unknown(field_key, what, {"video", "calibration", "actor", "pins", "options"});
         });
     return shot;
   }

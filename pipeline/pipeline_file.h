@@ -93,8 +93,8 @@ struct PoseRule {
   std::string name;
   Where where;
   std::optional<Setting> photos, masks, background, landmarks, cameras;
-  std::optional<Setting> method;                     ///< "scan" or "fit"
-  std::optional<Setting> video, calibration, actor;  ///< of a shot
+  std::optional<Setting> method;                           ///< "scan" or "fit"
+  std::optional<Setting> video, calibration, actor, pins;  ///< of a shot
   StepOptionSettings options;
 
   Method FoundBy() const { return method && method->text == "fit" ? Method::kFit : Method::kScan; }

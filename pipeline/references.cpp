@@ -18,7 +18,7 @@ const std::vector<std::string> kWords = {
     "$photos",  "$masks",    "$background", "$cameras", "$landmarks", "$stiffness",
     "$regions", "$timeline", "$run",        "$video",   "$unmasked",  "$calibration",
     "$actor",   "$scan",     "$texture",    "$marks",   "$film",      "$plate",
-    "$mattes",  "$clicks",   "$holdout",    "$set"};
+    "$mattes",  "$clicks",   "$holdout",    "$set",     "$pins"};
 
 /// What a filmed shot gives.
 bool IsOfFilm(const std::string& word) {
@@ -208,8 +208,8 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
     return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
   }
-  const bool of_shot =
-      word == "$video" || word == "$unmasked" || word == "$calibration" || word == "$actor";
+  const bool of_shot = word == "$video" || word == "$unmasked" || word == "$calibration" ||
+                       word == "$actor" || word == "$pins";
   const bool of_pose =
       word == "$photos" || word == "$masks" || word == "$background" || word == "$cameras";
   if (!of_shot && !of_pose)
@@ -236,8 +236,10 @@ std::vector<Flow> References::ShotWord(const Setting& reference, const PoseRule&
   if (reference.text == "$unmasked" && !IsUnmasked(file_, disk_, project_, shot.name)) return {};
   if (reference.text == "$video" || reference.text == "$unmasked")
     return {Source({VideoOf(shot), where})};
-  if (reference.text == "$actor")
-    return shot.actor ? std::vector<Flow>{Source(*shot.actor)} : std::vector<Flow>{};
+  if (reference.text == "$actor" || reference.text == "$pins") {
+    const auto& given = reference.text == "$actor" ? shot.actor : shot.pins;
+    return given ? std::vector<Flow>{Source(*given)} : std::vector<Flow>{};
+  }
   if (shot.calibration) return {Source(*shot.calibration)};
   // Beside the films, or for all shots in the project's own folder.
   for (const std::filesystem::path folder : {VideoOf(shot), std::string(".")}) {
