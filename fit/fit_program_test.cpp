@@ -93,6 +93,7 @@ TEST_F(FitProgram, SixPhotographsGiveThePoseWithTheTemplatesFaces) {
   EXPECT_EQ(measured["images_placed"], 6);
   EXPECT_EQ(measured["rig"], true);
   EXPECT_GT(measured["iou_mean"], 0.97);
+  EXPECT_EQ(measured["flipped"], 0) << "the report's verdict goes by it";
   EXPECT_GT(ReadImage(folder / "fitted.png").width, 400);
 }
 

@@ -343,6 +343,7 @@ void ReportMarks(StageContext& stage, const BendMarks& marks, const BendResult& 
 void ReportShape(StageContext& stage, const BendResult& result) {
   const double count = static_cast<double>(result.views.size());
   stage.Report("unfolded", result.unfolded);
+  stage.Report("flipped", result.flipped);
   stage.Report("volume_ratio", result.volume_ratio);
   stage.Report("unseen", static_cast<double>((result.views.array() == 0).count()) / count);
   stage.Report("confidence_mean", result.confidence.mean());

@@ -208,7 +208,9 @@ void Bending::KeepPlace(PointsX3& points) {
 BendResult Bending::Finish() {
   BendResult result;
   PointsX3 points = FullPoints(0);
-  result.unfolded = Unfold(rest_.points, faces(), (*levels_)[0].fit->maps(), points);
+  const std::vector<Eigen::Matrix3d>& maps = (*levels_)[0].fit->maps();
+  result.unfolded = Unfold(rest_.points, faces(), maps, points);
+  result.flipped = FlippedFaces(rest_.points, faces(), maps, points);
   if (options_.hold_cameras == 0) KeepPlace(points);
   result.marks = marks_->Quality(FullViews(), points);
   for (MarkQuality& mark : result.marks) mark.off *= unit_;

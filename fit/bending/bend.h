@@ -29,6 +29,7 @@ struct BendResult {
   std::vector<ViewQuality> view_quality;
   std::vector<MarkQuality> marks;  ///< of the marks' pixels, then of their places
   int unfolded = 0;                ///< vertices moved because a face beside them was flipped
+  int flipped = 0;                 ///< faces that could not be turned back so
   double volume_ratio = 1;         ///< over the template's
 };
 

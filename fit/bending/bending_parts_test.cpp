@@ -98,7 +98,10 @@ TEST(Unfold, TurnsAFlippedFaceBackAndLeavesTheRest) {
   points.row(20) *= 0.2;  // pushed through its fan
   const PointsX3 before = points;
   const std::vector<Eigen::Matrix3d> maps(sphere.vertex_count(), Eigen::Matrix3d::Identity());
+  const auto flipped = [&] { return FlippedFaces(sphere.points, sphere.faces, maps, points); };
+  EXPECT_GT(flipped(), 2);
   const int moved = Unfold(sphere.points, sphere.faces, maps, points);
+  EXPECT_EQ(flipped(), 0);
   EXPECT_GT(moved, 0);
   EXPECT_LT(moved, 60);
   EXPECT_LT((points.row(20) - sphere.points.row(20)).norm(), 0.05);

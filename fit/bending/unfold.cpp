@@ -18,15 +18,19 @@ Eigen::Vector3d Normal(const PointsX3& points, const FacesX3& faces, int f) {
   return (b - a).cross(c - a);
 }
 
+bool IsFlipped(const PointsX3& rest, const FacesX3& faces, const std::vector<Eigen::Matrix3d>& maps,
+               const PointsX3& points, int f) {
+  const Eigen::Matrix3d map = maps[faces(f, 0)] + maps[faces(f, 1)] + maps[faces(f, 2)];
+  const Eigen::Vector3d expected = map * Normal(rest, faces, f), now = Normal(points, faces, f);
+  return now.dot(expected) < kLeastCosine * now.norm() * expected.norm();
+}
+
 std::set<int> VerticesOfFlipped(const PointsX3& rest, const FacesX3& faces,
                                 const std::vector<Eigen::Matrix3d>& maps, const PointsX3& points) {
   std::set<int> vertices;
-  for (int f = 0; f < faces.rows(); ++f) {
-    const Eigen::Matrix3d map = maps[faces(f, 0)] + maps[faces(f, 1)] + maps[faces(f, 2)];
-    const Eigen::Vector3d expected = map * Normal(rest, faces, f), now = Normal(points, faces, f);
-    if (now.dot(expected) < kLeastCosine * now.norm() * expected.norm())
+  for (int f = 0; f < faces.rows(); ++f)
+    if (IsFlipped(rest, faces, maps, points, f))
       for (int k = 0; k < 3; ++k) vertices.insert(faces(f, k));
-  }
   return vertices;
 }
 
@@ -41,6 +45,13 @@ std::vector<std::set<int>> Neighbours(const FacesX3& faces, Eigen::Index count) 
 }
 
 }  // namespace
+
+int FlippedFaces(const PointsX3& rest, const FacesX3& faces,
+                 const std::vector<Eigen::Matrix3d>& maps, const PointsX3& points) {
+  int count = 0;
+  for (int f = 0; f < faces.rows(); ++f) count += IsFlipped(rest, faces, maps, points, f);
+  return count;
+}
 
 int Unfold(const PointsX3& rest, const FacesX3& faces, const std::vector<Eigen::Matrix3d>& maps,
            PointsX3& points) {

@@ -18,4 +18,8 @@ namespace keypose::fit {
 int Unfold(const PointsX3& rest, const FacesX3& faces, const std::vector<Eigen::Matrix3d>& maps,
            PointsX3& points);
 
+/// How many faces are flipped, as of Unfold.
+int FlippedFaces(const PointsX3& rest, const FacesX3& faces,
+                 const std::vector<Eigen::Matrix3d>& maps, const PointsX3& points);
+
 }  // namespace keypose::fit
