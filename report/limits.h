@@ -9,8 +9,8 @@ namespace keypose::report {
 constexpr double kOutlineGood = 0.0025, kOutlineWrong = 0.010;
 // For a single view: above this limit the view is named.
 constexpr double kViewOutlineLook = 0.008;
-// A part of the figure that a mask shows and the mesh lacks: its share of the figure in the picture.
-// Above this limit in two photographs it is told.
+// A part of the figure that a mask shows and the mesh lacks: its share of the figure in the
+// picture. Above this limit in two photographs it is told.
 constexpr double kMissingLook = 0.01;
 // Details: correlation of render and photograph; median over the views.
 constexpr double kStructureGood = 0.6, kStructureWrong = 0.2;
@@ -38,6 +38,9 @@ constexpr double kStretchLook = 2.5;        // register: 1 % and 99 % of the edg
 constexpr double kFittedIouGood = 0.95, kFittedIouWrong = 0.85;  // mean over its photographs
 constexpr double kFittedUnseenLook = 0.4;  // fit: share of the vertices that no photograph shows
 constexpr double kFittedVolumeLook = 0.1;  // fit: change of the template's volume
+// fit: EXIF's focal length against that of the template's photographs. A lens that is focused
+// elsewhere changes it by less.
+constexpr double kFittedFocalLook = 0.05;
 
 // Of a shot of a performance: track's overlap of body and masks, mean over frames and cameras.
 constexpr double kTrackedIouGood = 0.9, kTrackedIouWrong = 0.75;

@@ -169,15 +169,16 @@ class Findings {
           "this is a fault of unwrap: please file it with the mesh");
   }
 
-  void Bake(const StepRecord& s, const StepRecord* complete) {
+  /// @param fitted  the pose has few photographs
+  void Bake(const StepRecord& s, const StepRecord* complete, bool fitted) {
     // Texels that are filled from other poses' photographs are not guessed.
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
           Bold(Percent(*unseen)) + " of the texture was in no photograph" +
               (complete ? " of any pose" : "") + " and is filled in from its surroundings.",
-          *unseen < kUnseenLook
-              ? ""
-              : "shoot a second ring from lower or higher, and between the limbs");
+          *unseen < kUnseenLook ? ""
+          : fitted              ? kMorePhotographs
+                   : "shoot a second ring from lower or higher, and between the limbs");
     if (const auto psnr = s.Number("held_out_psnr_gain_db"))
       Add(Grade::kNote, s,
           "A texture of the other photographs predicts those left out at " +
@@ -220,6 +221,25 @@ class Findings {
             "Parts of the template are stretched to " + Bold(Pretty(*high)) + " or pressed to " +
                 Bold(Pretty(*low)) + " of their length.",
             more + "; this is correct where clay was added or removed");
+  }
+
+  /// A pose from few photographs takes the template's lens.
+  /// @param own, whole  capture of the pose and of the template; may be null
+  void Lens(const StepRecord& s, const StepRecord* own, const StepRecord* whole) {
+    const auto focal = [](const StepRecord* capture) {
+      const auto of = [&](const char* name) {
+        return capture ? capture->Number(name).value_or(0) : 0;
+      };
+      const double longer = std::max(of("width"), of("height"));
+      return longer > 0 ? of("focal_px") / longer : 0;
+    };
+    const double here = focal(own), there = focal(whole);
+    if (here <= 0 || there <= 0 || std::abs(here / there - 1) < kFittedFocalLook) return;
+    Add(Grade::kLook, s,
+        "By their EXIF its photographs have " + Bold(Percent(here / there)) +
+            " of the template\u2019s focal length, but the template\u2019s lens was taken for "
+            "them.",
+        "shoot the pose again with lens and zoom as for the template, or scan it");
   }
 
   /// A pose from few photographs: what the template was bent into, and what nothing shows.
@@ -329,11 +349,15 @@ void FindOnStep(const StepRecord& step, const Contents& contents, std::vector<Fi
   if (step.stage == "refine") findings.Refine(step);
   if (step.stage == "cleanup") findings.Cleanup(step, run.Find("refine", step.pose));
   if (step.stage == "unwrap") findings.Unwrap(step);
-  if (step.stage == "bake") findings.Bake(step, run.Find("complete", step.pose));
+  if (step.stage == "bake")
+    findings.Bake(step, run.Find("complete", step.pose), run.Find("fit", step.pose));
   if (step.stage == "register") findings.Register(step);
   if (step.stage == "track") findings.Track(step);
   if (step.stage == "transfer") findings.Transfer(step);
-  if (step.stage == "fit") findings.Fit(step, PoseOf(contents, step.pose));
+  if (step.stage == "fit") {
+    findings.Fit(step, PoseOf(contents, step.pose));
+    findings.Lens(step, run.Find("capture", step.pose), run.Find("capture", run.template_pose));
+  }
 }
 
 /// Maximum number of findings in a verdict; the list below it has all.

@@ -286,6 +286,23 @@ TEST(Judge, PoseFromFewPhotographsIsGoodWhenItCoversThem) {
   EXPECT_TRUE(has("No photograph shows <b>20"));
 }
 
+TEST(Judge, PoseFromFewPhotographsOfAnotherFocalLengthIsToBeLookedAt) {
+  Contents contents = Fitted(0.98, {{"flipped", 0}, {"unseen", 0.2}, {"volume_ratio", 1}});
+  const auto shoot = [&](const std::string& pose, double focal_px, double width) {
+    contents.run.steps.push_back(
+        Step("capture", pose, {{"focal_px", focal_px}, {"width", width}, {"height", 1000}}));
+  };
+  shoot("rest", 2000, 1500);
+  EXPECT_EQ(JudgedWave(contents).grade, Grade::kGood) << "no EXIF, no finding";
+  shoot("wave", 3900, 3000);
+  EXPECT_EQ(JudgedWave(contents).grade, Grade::kGood) << "the same lens, other pixels";
+  contents.run.steps.back().numbers["focal_px"] = 5600;
+  const Verdict zoomed = JudgedWave(contents);
+  EXPECT_EQ(zoomed.grade, Grade::kLook);
+  EXPECT_THAT(zoomed.why, HasSubstr("<b>140"));
+  EXPECT_THAT(zoomed.cure, HasSubstr("zoom as for the template"));
+}
+
 TEST(Judge, PoseFromFewPhotographsSaysWhatToDoWhenTheyDisagree) {
   const Numbers good = {{"flipped", 0}, {"unseen", 0.2}, {"volume_ratio", 1}};
   EXPECT_EQ(JudgedWave(Fitted(0.90, good)).grade, Grade::kLook);
