@@ -36,6 +36,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -216,6 +217,8 @@ def commit():
 
 def run(args):
     os.nice(10)
+    for number in (signal.SIGINT, signal.SIGTERM):  # also where the shell lets them be ignored
+        signal.signal(number, signal.default_int_handler)
     bin_folder = pathlib.Path(args.bin).resolve()
     inputs = Inputs(pathlib.Path(args.work).resolve(), Programs(args.inputs_bin or bin_folder))
     known = constants()
@@ -231,7 +234,7 @@ def run(args):
         print(f'sensitivity: {args.budget:g} minutes are over; the same command goes on')
     except KeyboardInterrupt:
         print('sensitivity: interrupted; the same command goes on')
-    print(sensitivity_page.summary(known, results.rows))
+    print(sensitivity_page.summary(known, results.rows, all_scenes()))
 
 
 def main():
@@ -255,10 +258,10 @@ def main():
         return run(args)
     rows = read_results(pathlib.Path(args.results))
     if args.command == 'left':
-        return print('\n'.join(sensitivity_page.left(constants(), rows)))
+        return print('\n'.join(sensitivity_page.left(constants(), rows, all_scenes())))
     page = pathlib.Path(args.page)
-    page.write_text(sensitivity_page.page(constants(), rows, page.read_text()))
-    print(sensitivity_page.summary(constants(), rows))
+    page.write_text(sensitivity_page.page(constants(), rows, page.read_text(), all_scenes()))
+    print(sensitivity_page.summary(constants(), rows, all_scenes()))
 
 
 if __name__ == '__main__':

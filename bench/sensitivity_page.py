@@ -100,27 +100,30 @@ def scenes_of(rows):
     return {row['scene']: row for row in rows if row['kind'] == 'scene' and 'error' in row}
 
 
-def unread(known, rows, shown):
-    """Constants of rooms that scenes ran, which no scene read: their ids."""
-    ran = scenes_of(rows).values()
-    read = {name for row in ran for name in row['read']}
-    rooms = {room for row in ran for room in row['rooms']}
-    return [c['id'] for c in known if c['id'] not in read | shown
-            and c['file'].startswith(tuple(rooms))]
+def unread(known, rows, shown, scenes):
+    """Ids of the constants that no scene reads, although all scenes of their room ran."""
+    ran = scenes_of(rows)
+    read = {name for row in ran.values() for name in row['read']}
+    found = []
+    for constant in known:
+        own = [scene for scene in scenes if constant['file'].startswith(tuple(scene.rooms))]
+        if own and all(scene.name in ran for scene in own):
+            found += {constant['id']} - read - shown
+    return found
 
 
-def left(known, rows):
+def left(known, rows, scenes):
     """Ids of the constants without a measurement, and not known to be unread."""
     shown = {c['id'] for c in known if measured(c, rows)}
-    aside = shown | set(unread(known, rows, shown))
+    aside = shown | set(unread(known, rows, shown, scenes))
     return [c['id'] for c in known if c['id'] not in aside]
 
 
-def summary(known, rows):
+def summary(known, rows, scenes):
     shown = {c['id'] for c in known if measured(c, rows)}
-    aside = unread(known, rows, shown)
+    aside = unread(known, rows, shown, scenes)
     return (f'{len(shown)} of {len(known)} constants are measured, {len(aside)} are read by no '
-            f'scene of their room, {len(left(known, rows))} are left')
+            f'scene of their room, {len(left(known, rows, scenes))} are left')
 
 
 def by_file(names):
@@ -152,10 +155,10 @@ def counts_text(known, shown, aside, rest):
     return textwrap.fill(text, 100)
 
 
-def page(known, rows, old_page):
+def page(known, rows, old_page, scenes):
     shown = table_rows(known, rows, old_page)
     names = {row[0]['id'] for row in shown}
-    aside = unread(known, rows, names)
+    aside = unread(known, rows, names, scenes)
     rest = [c['id'] for c in known if c['id'] not in names | set(aside)]
     kept = {row[1].rstrip('*') for row in shown if row[1].endswith('*')}
     scenes = [f"| {name} | {row['error']:.4g} | {row['what']} |"

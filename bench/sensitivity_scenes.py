@@ -226,6 +226,8 @@ CAMERAS = ('mean distance of the cameras from the true ones, moved, turned and s
 QUICK = ('--detail', 'coarse', '--affine_shape', 'false')
 SFM = ('reconstruct/sfm', 'reconstruct/turntable', 'reconstruct/matching', 'reconstruct/bundle',
        'reconstruct/join', 'reconstruct/evidence', 'capture/board', 'views/hull')
+BAKE = tuple(f'texture/bake/{part}' for part in (
+    'bake', 'colour', 'gain', 'labels', 'paint', 'seams', 'view'))  # not complete.cpp
 FIT = ('fit/', 'deform/levels', 'views/placement', 'views/atlas')
 
 
@@ -237,7 +239,7 @@ def all_scenes(scorer='', data=''):
         Scene('fit', FIT, ('keypose-fit',),
               'distance of vertices from their true places, over the diagonal: six photographs',
               fit),
-        Scene('transfer', ('motion/', 'deform/volume'), ('keypose-transfer',),
+        Scene('transfer', ('motion/fields', 'motion/root', 'deform/volume'), ('keypose-transfer',),
               'distance of vertices from the template\'s, over the diagonal: the target is the '
               'template in another pose', transfer),
         Scene('locate', ('composite/locating',), ('keypose-locate',),
@@ -256,9 +258,9 @@ def all_scenes(scorer='', data=''):
               sfm_scene('--views 10 --width 640 --texture none --charuco', '--method', 'board')),
         Scene('masks', ('capture/',), ('keypose-capture', 'keypose-masks'),
               '1 - IoU of the masks, by the true surface', masks),
-        Scene('unwrap', ('texture/',), ('keypose-unwrap',),
+        Scene('unwrap', ('texture/unwrap', 'texture/charts', 'texture/packing'), ('keypose-unwrap',),
               'share of the texture\'s square that the charts leave empty', unwrap),
-        Scene('bake', ('texture/bake', 'views/'), ('keypose-bake',),
+        Scene('bake', (*BAKE, 'views/'), ('keypose-bake',),
               'error of the photographs shown again by the textured mesh (root mean square, 0 to '
               '1)',
               bake),

@@ -75,8 +75,8 @@ def main():
     b = np.array([reference[n][1] for n in names])
     distance = np.linalg.norm(np.array([c for _, c in reference.values()]) - looked_at(reference.values()), axis=1).mean()
     error = np.linalg.norm(similarity(a, b) - b, axis=1) / distance
-    print(json.dumps({"shared": len(names), "model": len(model), "reference": len(reference), "mean": round(error.mean(), 6),
-                      "rms": round(float(np.sqrt((error ** 2).mean())), 6), "max": round(error.max(), 6)}))
+    print(json.dumps({"shared": len(names), "model": len(model), "reference": len(reference), "mean": round(error.mean(), 9),
+                      "rms": round(float(np.sqrt((error ** 2).mean())), 9), "max": round(error.max(), 9)}))
 
 
 main()
