@@ -137,8 +137,12 @@ void ReadFilm(const fs::path& path, std::unique_ptr<FilmFiles> files, CompositeI
   RequireSameFilm(*input, path);
 }
 
-/// Several pictures are the film itself, from which the plate is made.
-bool IsFilm(const FilmFiles& plate) { return plate.pictures().size() > 1; }
+/// Several pictures are the film itself, from which the plate is made, unless there is a film
+/// beside them.
+bool IsFilm(StageContext& stage, const FilmFiles& plate) {
+  if (plate.pictures().size() < 2) return false;
+  return !stage.Has("filmed") || fs::equivalent(stage.Input("filmed"), stage.Input("plate"));
+}
 
 /// The filmed frames of a shot whose camera moves; its plates are read when the plan is made.
 void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
@@ -160,7 +164,7 @@ void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
 void ReadPlate(StageContext& stage, CompositeInput* input) {
   const fs::path plate = stage.Input("plate");
   auto plate_files = std::make_unique<FilmFiles>(plate);
-  const bool is_film = IsFilm(*plate_files);
+  const bool is_film = IsFilm(stage, *plate_files);
   input->film_stays = stage.Has("filmed");
   const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
   if (input->film_stays || is_film) {
@@ -168,9 +172,12 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
              input);
   }
   if (!is_film) {
-    if (!plate_files) plate_files = std::make_unique<FilmFiles>(plate);
-    plate_files->DecodeAll();
+    plate_files->Decode({0});
     const fs::path path = plate_files->pictures().front().path;
+    if (plate_files->pictures().size() > 1)
+      stage.Note(
+          fmt::format("composite: of {} plates the first one, {}, is taken: the camera stands",
+                      plate_files->pictures().size(), PrintableName(path)));
     RequireSize(path, input->shot.camera, "the plate");
     input->given_plate = ReadImage(path, 3);
   }
@@ -199,6 +206,10 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   if (stage.Has("holdout")) {
     RequireSize(stage.Input("holdout"), input.shot.camera, "the holdout");
     input.holdout = ReadImage(stage.Input("holdout"), 1);
+    if (!input.shot.still)
+      stage.Warn(
+          "composite: the camera of this shot moves, but the holdout is one picture, which stays "
+          "where it is while the props pass; give them as a mesh instead (--set)");
   }
   if (stage.Has("set")) ReadSet(stage.Input("set"), &input);
   std::vector<int> numbers;

@@ -77,7 +77,7 @@ struct CompositeOptions {
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "4",
+    .version = "5",
     .summary = "Renders in-betweens into a filmed shot.",
     .inputs = {{.name = "frames",
                 .kind = "folder",

@@ -213,6 +213,21 @@ TEST_F(GeneratedShot, AGivenPlateLeavesNothingToPaint) {
   for (const int n : {1, 3}) EXPECT_GT(PsnrOf("given", n), 28) << "picture " << n;
 }
 
+TEST_F(GeneratedShot, OfSeveralPlatesOfAStillCameraTheFirstIsTaken) {
+  fs::create_directories(folder_ / "empty_set");
+  fs::copy_file(folder_ / "plate.png", folder_ / "empty_set/take_1.png");
+  WritePng(folder_ / "empty_set/take_2.png", Image8(384, 216, 3));
+  const std::map<std::string, std::string> quick{
+      {"blender", "false"}, {"compare", "false"}, {"samples", "1"}};
+  std::map<std::string, std::string> several = quick, one = quick;
+  several["plate"] = "empty_set", one["plate"] = "plate.png";
+  const RunResult result = Composite("several", several);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("of 2 plates the first one, take_1.png, is taken"));
+  ASSERT_EQ(Composite("of_one", one).exit_code, 0);
+  EXPECT_EQ(ReadFile(folder_ / "several/0001.png"), ReadFile(folder_ / "of_one/0001.png"));
+}
+
 TEST_F(GeneratedShot, AHoldoutKeepsThePropInFront) {
   const Image8 film = ReadImage(folder_ / "film/0001.png", 3);
   Image8 prop(film.width, film.height, 1);
@@ -361,6 +376,17 @@ TEST_F(MovingShot, PlatesOfTheFilmsFramesAreMixedBetween) {
   EXPECT_GT(PsnrOf("mixed", 1), 25);
   EXPECT_GT(PsnrOf("mixed", 3), 25);
   EXPECT_EQ(ReadFile(folder_ / "mixed/0001.png"), ReadFile(folder_ / "mixed3/0001.png"));
+}
+
+TEST_F(MovingShot, AHoldoutThatStandsStillIsToldOf) {
+  WritePng(folder_ / "prop.png", Image8(384, 216, 1));
+  const RunResult result = Composite("with_holdout", {{"plate", "plates"},
+                                                      {"holdout", "prop.png"},
+                                                      {"samples", "1"},
+                                                      {"compare", "false"},
+                                                      {"blender", "false"}});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("while the props pass"));
 }
 
 TEST_F(MovingShot, CamerasThatWereLocatedServe) {
