@@ -11,6 +11,7 @@
 #include "core/file_names.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/references.h"
+#include "pipeline/shown_frames.h"
 #include "pipeline/text.h"
 
 namespace keypose::pipeline {
@@ -131,6 +132,7 @@ class GraphBuilder {
     if (file_.shot)
       for (const ShotRule::Shows& show : file_.shot->shows)
         CheckPose(file_, show.pose, "the shown pose");
+    CheckShownFrames(file_, places_.project, disk_);
     graph_.name_given = file_.name.has_value();
     graph_.name = file_.name ? file_.name->text : places_.project.filename().string();
     graph_.poses = PoseOrder(file_, graph_.template_pose);

@@ -209,6 +209,16 @@ TEST(FewPhotographs, SelectorsTakeThePosesThatHaveTheStep) {
   EXPECT_FALSE(house.disk.Stat(house.project / "out/few/frame_1"));
 }
 
+TEST(FewPhotographs, CamerasThatTheyHaveNoUseForAreNamed) {
+  FewHouse house;
+  house.disk.Write(house.project / "cameras/wave/cameras.txt", "c");
+  house.WriteProject(
+      "poses:\n  rest: photos/rest\n  wave: {photos: photos/wave, method: fit, cameras: "
+      "cameras/wave}\n");
+  EXPECT_THAT(house.Run().notes, ::testing::Contains(HasSubstr("the cameras cameras/wave of pose "
+                                                               "'wave' are not used")));
+}
+
 TEST(FewPhotographs, FitMayBeTheOnlyOtherPose) {
   FewHouse house;
   house.WriteProject("poses: {rest: photos/rest, wave: {photos: photos/wave, method: fit}}\n");

@@ -95,6 +95,28 @@ TEST(FilmedShot, FramesGiveTheTimeline) {
   EXPECT_THAT(own.timeline_json, Not(HasSubstr("linear"))) << "the project's own timeline stays";
 }
 
+TEST(FilmedShot, ShownFramesMustBeThoseOfTheFilmBeforeAnythingRuns) {
+  Set set;
+  for (const char* name : {"take_1001.png", "take_1003.png", "take_1005.png"})
+    set.disk.Write(set.project / "film" / name, "p");
+  const auto fault = [&](const std::string& shows) {
+    set.WriteProject(std::string(kPoses) + "shot:\n  film: film\n  shows: " + shows + "\n");
+    return MessageOf<UsageError>([&] { set.Look(); });
+  };
+  EXPECT_THAT(fault("{1001: rest, 1005: wave}"),
+              AllOf(HasSubstr("pipeline.yaml:4"), HasSubstr("no frame 1001"),
+                    HasSubstr("take_1001.png is frame 0 and take_1005.png frame 4")));
+  EXPECT_THAT(fault("{0: rest, 1: wave}"), HasSubstr("no frame 1;"));
+  // The stage that stands for locate takes a file, and says so once the frames are right.
+  const auto fits = [&] {
+    set.WriteProject(std::string(kPoses) + "shot: {film: film, shows: {0: rest, 4: wave}}\n");
+    return MessageOf<InputError>([&] { set.Look(); });
+  };
+  EXPECT_THAT(fits(), HasSubstr("'target' must be a file"));
+  set.disk.Write(set.project / "film/no_number.png", "p");
+  EXPECT_THAT(fits(), HasSubstr("'target' must be a file")) << "locate names it";
+}
+
 TEST(FilmedShot, WhatIsRefused) {
   Set set;
   const auto fault = [&](const std::string& shot) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/io/files.h"
 #include "core/io/movie_header.h"
 #include "core/io/photograph_files.h"
 #include "core/io/shot_io.h"
@@ -194,6 +195,7 @@ struct FilmFacts {
   double fps = 12;
   int last = 0;  ///< its last frame
   bool without_gaps = true;
+  std::string first = "its first picture";  ///< words for it
 };
 
 /// @throws InputError  neither a folder of numbered pictures nor a whole video
@@ -201,7 +203,7 @@ FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
   if (IsMovie(film)) {
     const MovieHeader header = ReadMovieHeader(film);
     // Three digits, as people write rates.
-    return {std::round(header.fps * 1000) / 1000, header.frames - 1, true};
+    return {std::round(header.fps * 1000) / 1000, header.frames - 1};
   }
   if (!fs::is_directory(film))
     throw InputError(
@@ -209,7 +211,8 @@ FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
                     "video (.mp4, .mov)",
                     options.film, film));
   const std::vector<FilmPicture> pictures = FilmPictures(film);
-  return {12, pictures.back().frame, pictures.back().frame + 1 == SizeOf(pictures)};
+  return {12, pictures.back().frame, pictures.back().frame + 1 == SizeOf(pictures),
+          PrintableName(pictures.front().path.filename())};
 }
 
 /// Pictures a second of the finished shot: 24 where that is a multiple of the film's and leaves
@@ -245,8 +248,9 @@ NewShot ParseShot(const InitOptions& options, const std::vector<NewPose>& poses)
   shot.mattes = GivenPath("--mattes", options.mattes);
   shot.holdout = GivenPath("--holdout", options.holdout);
   if (shot.shows.back().first > film.last)
-    throw InputError(fmt::format("--shows {}={}: the film's last frame is {}",
-                                 shot.shows.back().first, shot.shows.back().second, film.last));
+    throw InputError(
+        fmt::format("--shows {}={}: the film's last frame is {}; frames count from {}, which is 0",
+                    shot.shows.back().first, shot.shows.back().second, film.last, film.first));
   return shot;
 }
 

@@ -122,6 +122,12 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     }
     step->inputs.push_back(std::move(result));
   }
+  const PoseRule* pose = file_.FindPose(step->pose);
+  if (rule.method == StepMethod::kFit && pose && pose->cameras)
+    step->warnings.push_back(
+        fmt::format("the cameras {} of pose '{}' are not used: those of few photographs are found "
+                    "by the template",
+                    pose->cameras->text, pose->name));
   std::sort(step->needs.begin(), step->needs.end());
   step->needs.erase(std::unique(step->needs.begin(), step->needs.end()), step->needs.end());
 }

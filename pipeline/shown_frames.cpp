@@ -1,0 +1,49 @@
+#include "pipeline/shown_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/shot_io.h"
+#include "pipeline/project_paths.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty where the film is no folder of numbered pictures; `locate` says what is wrong with it.
+std::vector<FilmPicture> PicturesOf(const ShotRule& shot, const fs::path& project,
+                                    const Disk& disk) {
+  const fs::path film = project / OnDisk(disk, project, WithHome(shot.film->text));
+  const auto stat = disk.Stat(film);
+  if (!stat || !stat->folder) return {};
+  try {
+    return NumberedPictures(film, disk.Children(film));
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+void CheckShownFrames(const PipelineFile& file, const fs::path& project, const Disk& disk) {
+  if (!file.shot) return;
+  const std::vector<FilmPicture> pictures = PicturesOf(*file.shot, project, disk);
+  if (pictures.empty()) return;
+  for (const ShotRule::Shows& shown : file.shot->shows) {
+    const bool there =
+        std::any_of(pictures.begin(), pictures.end(),
+                    [&](const FilmPicture& picture) { return picture.frame == shown.frame; });
+    if (!there)
+      throw UsageError(fmt::format(
+          "{}: the film has no frame {}; frames count from its first picture, so {} is frame 0 and "
+          "{} frame {}",
+          shown.pose.where.Text(), shown.frame, PrintableName(pictures.front().path.filename()),
+          PrintableName(pictures.back().path.filename()), pictures.back().frame));
+  }
+}
+
+}  // namespace keypose::pipeline
