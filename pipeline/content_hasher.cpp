@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/io/photograph_files.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -23,9 +24,8 @@ bool SettledAt(const FileStat& stat) {
 }  // namespace
 
 bool CountsAsContent(const std::string& name) {
-  const std::string base = name.substr(name.rfind('/') + 1);
-  return !name.starts_with('.') && name.find("/.") == std::string::npos && base != "Thumbs.db" &&
-         base != "desktop.ini";
+  const std::filesystem::path path = name;
+  return std::none_of(path.begin(), path.end(), IsLitterName);
 }
 
 ContentHasher::ContentHasher(Disk& disk, std::filesystem::path memory_file,

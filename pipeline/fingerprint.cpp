@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/sha256.h"
@@ -54,26 +55,65 @@ void CompareFolders(const RecipeInput& before, const RecipeInput& now,
         fmt::format("and {} more files of {}", lines.size() - kShown, now.origin));
 }
 
+/// What became of one thing that an input gets.
+void CompareOne(const RecipeInput& before, const RecipeInput& now,
+                std::vector<std::string>* differences) {
+  if (before.content.hash == now.content.hash) return;
+  if (before.origin != now.origin)
+    differences->push_back(
+        fmt::format("input {} was {}, and is {} now", now.port, before.origin, now.origin));
+  else if (before.content.files.empty() || now.content.files.empty())
+    differences->push_back(fmt::format("{} changed", now.origin));
+  else
+    CompareFolders(before, now, differences);
+}
+
+using Inputs = std::vector<const RecipeInput*>;
+
+/// Takes the first of that origin out of the list; null if there is none.
+const RecipeInput* TakeOut(Inputs* inputs, const std::string& origin) {
+  const auto found = std::find_if(inputs->begin(), inputs->end(), [&](const RecipeInput* input) {
+    return input->origin == origin;
+  });
+  if (found == inputs->end()) return nullptr;
+  const RecipeInput* input = *found;
+  inputs->erase(found);
+  return input;
+}
+
+/// All that one port gets. As many as before are compared in their order; else, what came and went
+/// is told, and the others are compared by where they come from.
+void ComparePort(const std::string& port, Inputs before, const Inputs& now,
+                 std::vector<std::string>* differences) {
+  if (before.size() == now.size()) {
+    for (std::size_t i = 0; i < now.size(); ++i) CompareOne(*before[i], *now[i], differences);
+    return;
+  }
+  for (const RecipeInput* input : now) {
+    if (const RecipeInput* same = TakeOut(&before, input->origin))
+      CompareOne(*same, *input, differences);
+    else
+      differences->push_back(fmt::format("input {} now also gets {}", port, input->origin));
+  }
+  for (const RecipeInput* input : before)
+    differences->push_back(fmt::format("input {} no longer gets {}", port, input->origin));
+}
+
 void CompareInputs(const std::vector<RecipeInput>& before, const std::vector<RecipeInput>& now,
                    std::vector<std::string>* differences) {
-  for (std::size_t i = 0; i < std::max(before.size(), now.size()); ++i) {
-    if (i >= now.size()) {
-      differences->push_back(
-          fmt::format("input {} no longer gets {}", before[i].port, before[i].origin));
-    } else if (i >= before.size()) {
-      differences->push_back(fmt::format("input {} now also gets {}", now[i].port, now[i].origin));
-    } else if (before[i].port != now[i].port || before[i].content.hash != now[i].content.hash) {
-      if (before[i].port != now[i].port || before[i].origin != now[i].origin) {
-        differences->push_back(fmt::format("input {} was {}, and input {} is {} now",
-                                           before[i].port, before[i].origin, now[i].port,
-                                           now[i].origin));
-      } else if (before[i].content.files.empty() || now[i].content.files.empty()) {
-        differences->push_back(fmt::format("{} changed", now[i].origin));
-      } else {
-        CompareFolders(before[i], now[i], differences);
-      }
-    }
-  }
+  std::vector<std::string> ports;
+  for (const auto* inputs : {&before, &now})
+    for (const RecipeInput& input : *inputs)
+      if (std::find(ports.begin(), ports.end(), input.port) == ports.end())
+        ports.push_back(input.port);
+  const auto of_port = [](const std::vector<RecipeInput>& inputs, const std::string& port) {
+    Inputs of;
+    for (const RecipeInput& input : inputs)
+      if (input.port == port) of.push_back(&input);
+    return of;
+  };
+  for (const std::string& port : ports)
+    ComparePort(port, of_port(before, port), of_port(now, port), differences);
 }
 
 }  // namespace

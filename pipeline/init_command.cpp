@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/io/movie_header.h"
@@ -32,15 +33,16 @@ bool IsMask(const fs::path& file) {
 struct NewPose {
   std::string name;
   fs::path photos;
-  /// files to copy: photographs, and masks beside them; relative to `photos`
+  /// files to copy: photographs, and what belongs to them; relative to `photos`
   std::vector<fs::path> files;
+  std::vector<fs::path> raw;      ///< RAW files that are not needed
   std::vector<fs::path> ignored;  ///< files that are no photographs
 
-  /// RAW and JPEG of one shot count once, masks not at all.
+  /// RAW and JPEG of one shot count once; masks, clean plates and notes not at all.
   int PhotographCount() const {
     std::set<fs::path> shots;
     for (const fs::path& file : files)
-      if (!IsMask(file)) shots.insert(file.parent_path() / file.stem());
+      if (IsShotName(file)) shots.insert(file.parent_path() / file.stem());
     return SizeOf(shots);
   }
 };
@@ -51,7 +53,7 @@ NewPose ParsePose(const std::string& text) {
     throw UsageError(fmt::format(
         "--pose {}: write it as NAME=PHOTO_DIR, as in --pose rest=~/photos/rest", text));
   }
-  NewPose pose{Composed(text.substr(0, equals)), WithHome(text.substr(equals + 1)), {}, {}};
+  NewPose pose{Composed(text.substr(0, equals)), WithHome(text.substr(equals + 1)), {}, {}, {}};
   if (!IsName(pose.name))
     throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
   pose.photos = OnDisk(RealDisk(), "", pose.photos);
@@ -62,35 +64,36 @@ NewPose ParsePose(const std::string& text) {
   return pose;
 }
 
-/// RAW files are photographs where there are no others: `capture` develops them.
-/// @return whether there are any
-bool TakeRawFiles(NewPose* pose) {
-  std::vector<fs::path>& ignored = pose->ignored;
-  const auto raw = std::stable_partition(ignored.begin(), ignored.end(), [](const fs::path& file) {
-    return !IsRawName(file) || IsMask(file);
+/// Whether a person or a system put it there for itself, or `keypose shoot` for its merged
+/// photographs.
+bool IsLeftOut(const fs::path& file) {
+  return std::any_of(file.begin(), file.end(), [](const fs::path& part) {
+    return IsLitterName(part) || part == kFocusStacks;
   });
-  const bool any = raw != ignored.end();
-  pose->files.insert(pose->files.end(), raw, ignored.end());
-  ignored.erase(raw, ignored.end());
-  return any;
 }
 
-/// Decides which files to copy.
-/// @throws InputError  there is no photograph; says what is there instead, and what to do
-void Sort(const RealDisk& disk, NewPose* pose) {
-  bool any = false;
+/// Puts each file of the pose's folder where it belongs.
+void SortFiles(const RealDisk& disk, NewPose* pose) {
   for (const fs::path file : disk.FilesBelow(pose->photos)) {
-    const bool litter = std::any_of(file.begin(), file.end(),
-                                    [](const fs::path& part) { return IsLitterName(part); });
-    if (litter) continue;
+    if (IsLeftOut(file)) continue;
     if (!IsUtf8(file.string()))
       throw InputError(
           fmt::format("--pose {}: the name of the file {} is not UTF-8 text; rename it", pose->name,
                       (pose->photos / file).string()));
-    (IsPhotographName(file) ? pose->files : pose->ignored).push_back(file);
-    any = any || (IsPhotographName(file) && !IsMask(file));
+    const bool wanted = IsPhotographName(file) || file.filename() == kShootNotes;
+    const bool raw = IsRawName(file) && !IsMask(file);
+    (wanted ? pose->files : raw ? pose->raw : pose->ignored).push_back(file);
   }
-  if (any || TakeRawFiles(pose)) return;
+}
+
+/// Decides which files to copy. RAW files are photographs where there are no others: `capture`
+/// develops them.
+/// @throws InputError  there is no photograph; says what is there instead, and what to do
+void Sort(const RealDisk& disk, NewPose* pose) {
+  SortFiles(disk, pose);
+  if (std::any_of(pose->files.begin(), pose->files.end(), IsShotName)) return;
+  pose->files.insert(pose->files.end(), pose->raw.begin(), pose->raw.end());
+  if (!std::exchange(pose->raw, {}).empty()) return;
   const std::string start = fmt::format("--pose {}: {} ", pose->name, pose->photos.string());
   if (pose->ignored.empty())
     throw InputError(start + "has no photographs; name the folder that they are in");
@@ -258,6 +261,9 @@ void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
   for (const fs::path& file : pose.files) disk.Copy(pose.photos / file, to / file);
   fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(),
              pose.files.size() == 1 ? "" : "s", to.string());
+  if (!pose.raw.empty())
+    fmt::print("  not copied, because there are other photographs: RAW files, {}\n",
+               KindsOf(pose.raw));
   if (!pose.ignored.empty())
     fmt::print("  not copied, because these are no photographs that can be read: {}\n",
                KindsOf(pose.ignored));

@@ -88,6 +88,7 @@ TEST(Rules, FileManagersLitterDoesNotCount) {
   house.Run();
   house.disk.Write(house.project / "photos/rest/.DS_Store", "x");
   house.disk.Write(house.project / "photos/rest/Thumbs.db", "x");
+  house.disk.Write(house.project / "photos/rest/@eaDir/1.jpg/SYNOPHOTO_THUMB_M.jpg", "x");
   EXPECT_THAT(house.Run().ran, IsEmpty());
 }
 

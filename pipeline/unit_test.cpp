@@ -3,14 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/photograph_files.h"
+#include "core/io/testing_folder.h"
 #include "core/sha256.h"
 #include "pipeline/fingerprint.h"
 #include "pipeline/observer.h"
@@ -145,6 +145,24 @@ TEST(Differences, EachInPlainWords) {
                           "photos/rest/b.jpg is gone", "photos/rest/c.jpg is new"));
 }
 
+TEST(Differences, WhatCameAndWentIsToldOfItsOwnInputOnly) {
+  const auto input = [](const std::string& port, const std::string& origin) {
+    return RecipeInput{port, origin, {origin + " as it is", {}}};
+  };
+  Recipe before{"blend", "1", {}, {}, {}}, now = before;
+  before.inputs = {input("keys", "rest"), input("keys", "bent"), input("timeline", "the timeline")};
+  now.inputs = {input("keys", "rest"), input("keys", "wave"), input("keys", "bent"),
+                input("timeline", "the timeline")};
+  EXPECT_THAT(Differences(before, now), ElementsAre("input keys now also gets wave"));
+  EXPECT_THAT(Differences(now, before), ElementsAre("input keys no longer gets wave"));
+  now.inputs[2].content.hash = "other";
+  EXPECT_THAT(Differences(before, now),
+              ElementsAre("input keys now also gets wave", "bent changed"));
+  now.inputs = {input("keys", "bent"), input("keys", "rest"), input("timeline", "the timeline")};
+  EXPECT_THAT(Differences(before, now), ElementsAre("input keys was rest, and is bent now",
+                                                    "input keys was bent, and is rest now"));
+}
+
 TEST(Differences, ManyFilesAreSummedUp) {
   Recipe before = SomeRecipe(), now = SomeRecipe();
   std::map<std::string, std::string> a, b;
@@ -243,14 +261,23 @@ TEST(Text, IsCutAndWrappedByColumns) {
   EXPECT_EQ(ShellWord("it's"), "'it'\\''s'");
 }
 
+TEST(IsShotName, TakesPhotographsOfTheFigureOnly) {
+  for (const char* shot : {"a.jpg", "lying/a.JPG", "a.nef", "masks.jpg"})
+    EXPECT_TRUE(IsShotName(shot)) << shot;
+  for (const char* other : {"masks/a.png", "lying/masks/a.png", "stacks/a_f1.jpg", "background.jpg",
+                            "lying/Background.CR2", ".trash/a.jpg", "@eaDir/a.jpg/thumb.jpg",
+                            "old/first/a.jpg", "shoot.json"})
+    EXPECT_FALSE(IsShotName(other)) << other;
+}
+
 TEST(WorkSize, MegapixelsComeFromTheHeaderOrTheSize) {
-  const fs::path file =
-      fs::temp_directory_path() / ("keypose_pixels_" + std::to_string(getpid()) + ".jpg");
+  const TestingFolder folder;
+  const fs::path file = folder.path() / "pixels.jpg";
   WriteImage(file, Image8(300, 200, 3, 90));
   EXPECT_DOUBLE_EQ(MegapixelsOf("a.jpg", ReadFile(file)), 0.06);
-  fs::remove(file);
   EXPECT_NEAR(MegapixelsOf("a.heic", std::string(1800000, 'x')), 12, 1e-9)
       << "a phone's twelve megapixels";
+  EXPECT_NEAR(MegapixelsOf("a.NEF", std::string(2400000, 'x')), 2, 1e-9);
   EXPECT_NEAR(MegapixelsOf("broken.jpg", std::string(350000, 'x')), 1, 1e-9);
 }
 
@@ -276,14 +303,9 @@ TEST(Overlay, ProjectChangesStepsFieldByField) {
   EXPECT_EQ(both.steps[2].name, "c");
 }
 
-class RealDiskTest : public ::testing::Test {
+class RealDiskTest : public ::testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    char name[] = "/tmp/keypose-disk-test-XXXXXX";
-    root_ = mkdtemp(name);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-  fs::path root_;
+  const fs::path root_ = path();
 };
 
 TEST_F(RealDiskTest, WritesThroughItsStagingFolderAndLeavesNothingThere) {

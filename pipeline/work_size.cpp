@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/io/photograph_files.h"
+#include "core/size_of.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -55,6 +56,7 @@ double MegapixelsOf(const std::string& name, const std::string& content) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const double megabytes = 1e-6 * static_cast<double>(content.size());
   if (IsHeicName(name)) return megabytes / 0.15;
+  if (IsRawName(name)) return megabytes / 1.2;
   if (extension == ".png") return megabytes / 1.5;
   if (extension == ".tif" || extension == ".tiff") return megabytes / 3;
   return megabytes / 0.35;
@@ -65,15 +67,14 @@ WorkSize::WorkSize(const Graph& graph, const Disk& disk, fs::path project)
 
 WorkSize::Photographs WorkSize::In(const fs::path& folder) {
   if (const auto it = known_.find(folder); it != known_.end()) return it->second;
+  std::vector<std::string> names = disk_.FilesBelow(project_ / folder);
+  std::erase_if(names, [](const std::string& name) { return !IsShotName(name); });
+  // RAW files count where there are no others.
+  if (!std::all_of(names.begin(), names.end(), IsRawName))
+    std::erase_if(names, [](const std::string& name) { return IsRawName(name); });
   Photographs found;
-  std::string first;
-  for (const std::string& name : disk_.FilesBelow(project_ / folder)) {
-    if (!IsPhotographName(name) || name.starts_with("masks/") ||
-        name.find("/masks/") != std::string::npos)
-      continue;
-    if (first.empty()) first = name;
-    ++found.count;
-  }
+  found.count = SizeOf(names);
+  const std::string first = names.empty() ? "" : names.front();
   try {
     if (!first.empty())
       found.megapixels = found.count * MegapixelsOf(first, disk_.Read(project_ / folder / first));
