@@ -196,11 +196,29 @@ ExitCode GraphCommand(const std::string& folder, bool dot) {
   return ExitCode::kOk;
 }
 
+namespace {
+
+/// Removes what the project keeps of old runs, and of steps that it no longer has.
+void DropOldRecords(Session& session, const std::set<std::string>& steps, int runs) {
+  session.records().DropOldRuns(runs);
+  session.records().ForgetStepsOutside(steps);
+  std::set<std::string> failed;
+  for (const std::string& step : steps) failed.insert(FolderName(step));
+  for (const std::string& name : session.disk().Children(session.state() / "failed"))
+    if (!failed.contains(name)) session.disk().Remove(session.state() / "failed" / name);
+  session.disk().Remove(session.state() / "tmp");
+  session.disk().Remove(session.state() / "writing");
+}
+
+}  // namespace
+
 ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
   const fs::path project = FindProject(folder);
   const ProjectLock lock(project / ".keypose", "keypose gc");
   Session session(project, {});
-  std::set<std::string> keep = session.records().Mentioned(keep_runs);
+  std::set<std::string> steps;
+  for (const Step& step : session.graph().steps) steps.insert(step.id);
+  std::set<std::string> keep = session.records().Mentioned(keep_runs, steps);
   const Plan plan(session.graph(), session.workshop(), {});
   for (int i = 0; i < plan.size(); ++i) {
     if (plan[i].artifact) keep.insert(plan[i].fingerprint);
@@ -213,11 +231,7 @@ ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
     ++count;
     if (!dry_run) session.store().Remove(fingerprint);
   }
-  if (!dry_run) {
-    session.records().DropOldRuns(std::max(keep_runs, 100));
-    session.disk().Remove(session.state() / "tmp");
-    session.disk().Remove(session.state() / "writing");
-  }
+  if (!dry_run) DropOldRecords(session, steps, std::max(keep_runs, 100));
   fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count,
              count == 1 ? "" : "s", SizeText(freed),
              session.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
@@ -261,11 +275,43 @@ ExitCode UnlockCommand(const std::string& folder, bool force) {
   return ExitCode::kOk;
 }
 
+namespace {
+
+/// Why the report in out/ is not what a run would make now; empty if it is.
+std::string WhyReportIsOlder(const std::string& folder) {
+  try {
+    Session session = Open(folder);
+    const Plan plan(session.graph(), session.workshop(), {});
+    session.workshop().hasher.Save();
+    for (int i = 0; i < plan.size(); ++i) {
+      const Step& step = session.graph().steps[i];
+      const bool makes_it =
+          std::any_of(step.results.begin(), step.results.end(), [](const NamedResult& result) {
+            return result.path == "report" || result.path == fs::path("report") / "index.html";
+          });
+      if (makes_it && plan[i].state != StepPlan::State::kDone)
+        return fmt::format("{} {}; `keypose run` brings it up to date", step.id,
+                           plan[i].state == StepPlan::State::kReady
+                               ? "would run again"
+                               : "waits for " + Some(plan.WaitsFor(i)));
+    }
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
 ExitCode ReportCommand(const std::string& folder) {
   const fs::path report = FindProject(folder) / "out" / "report" / "index.html";
   if (!fs::exists(report))
     throw InputError("there is no report yet; `keypose run` makes " + report.string());
   fmt::print("{}\n", report.string());
+  std::fflush(stdout);
+  const std::string older = WhyReportIsOlder(folder);
+  if (!older.empty())
+    fmt::print(stderr, "keypose: this report is not of the present project: {}\n", older);
   return ExitCode::kOk;
 }
 

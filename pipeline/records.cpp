@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "core/size_of.h"
 
@@ -96,7 +97,21 @@ void Records::Save(const RunRecord& run) {
               value.dump(1, ' ', false, json::error_handler_t::replace));
 }
 
-std::set<std::string> Records::Mentioned(int runs) const {
+std::vector<std::string> Records::Steps() const {
+  constexpr std::string_view kExtension = ".json";
+  std::vector<std::string> steps;
+  for (const std::string& name : disk_.FilesBelow(state_folder_ / "steps"))
+    if (name.ends_with(kExtension))
+      steps.push_back(name.substr(0, name.size() - kExtension.size()));
+  return steps;
+}
+
+void Records::ForgetStepsOutside(const std::set<std::string>& steps) {
+  for (const std::string& step : Steps())
+    if (!steps.contains(step)) disk_.Remove(StepFile(step));
+}
+
+std::set<std::string> Records::Mentioned(int runs, const std::set<std::string>& steps) const {
   std::set<std::string> mentioned;
   std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
   std::reverse(names.begin(), names.end());
@@ -104,17 +119,14 @@ std::set<std::string> Records::Mentioned(int runs) const {
   for (const std::string& name : names) {
     const json value = json::parse(disk_.Read(state_folder_ / "runs" / name), nullptr, false);
     if (!value.is_object()) continue;
-    const auto steps = value.find("steps");
-    if (steps == value.end() || !steps->is_array()) continue;
-    for (const json& step : *steps)
+    const auto made = value.find("steps");
+    if (made == value.end() || !made->is_array()) continue;
+    for (const json& step : *made)
       if (step.is_object() && step.contains("fingerprint") && step["fingerprint"].is_string())
         mentioned.insert(step["fingerprint"]);
   }
-  for (const std::string& name : disk_.FilesBelow(state_folder_ / "steps")) {
-    if (!name.ends_with(".json")) continue;
-    if (const auto record = Last(name.substr(0, name.size() - 5)))
-      mentioned.insert(record->fingerprint);
-  }
+  for (const std::string& step : steps)
+    if (const auto record = Last(step)) mentioned.insert(record->fingerprint);
   return mentioned;
 }
 

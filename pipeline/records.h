@@ -53,14 +53,18 @@ class Records {
   std::optional<StepRecord> Last(const std::string& step_id) const;
   void SetLast(const std::string& step_id, const StepRecord& record);
   void Save(const RunRecord& run);
-  /// Fingerprints in the newest `runs` run records, and those of every step's last success.
-  std::set<std::string> Mentioned(int runs) const;
+  /// Fingerprints in the newest `runs` run records, and those of these steps' last successes.
+  std::set<std::string> Mentioned(int runs, const std::set<std::string>& steps) const;
+  /// Removes the last records of all steps but these.
+  void ForgetStepsOutside(const std::set<std::string>& steps);
   /// Removes all but the newest `runs` run records.
   /// @return number of removed records
   int DropOldRuns(int runs);
 
  private:
   std::filesystem::path StepFile(const std::string& step_id) const;
+  /// The steps that have a last record.
+  std::vector<std::string> Steps() const;
   Disk& disk_;
   std::filesystem::path state_folder_;
 };

@@ -281,6 +281,37 @@ TEST_F(RunTest, GcRemovesWhatNothingRefersTo) {
   EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
 
+TEST_F(RunTest, GcRemovesWhatWasMadeOfARemovedPoseOnceTheLastRunsDoNotNameIt) {
+  ASSERT_EQ(Run().code, 0);
+  WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest}\n");
+  ASSERT_EQ(Run().code, 0);
+  const std::vector<std::string> gc = {"gc", "-C", (root_ / "hero").string()};
+  EXPECT_THAT(Keypose(gc).text, HasSubstr("removed 0 artifacts")) << "the last 10 runs name it";
+  EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/steps/gather/bent.json"));
+  const Ended one = Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1"});
+  EXPECT_THAT(one.text, Not(HasSubstr("removed 0 artifacts"))) << one.text;
+  EXPECT_THAT(Run().text, ::testing::StartsWith("3 steps up to date"));
+}
+
+TEST_F(RunTest, ReportSaysWhenItIsOfAnEarlierState) {
+  const fs::path hero = root_ / "hero";
+  WriteFile(hero / "pipeline.yaml",
+            ReadFile(hero / "pipeline.yaml") +
+                "steps: {page: {stage: merge, for: project, inputs: {texts: "
+                "join.text@all}, out: {all/0.txt: report/index.html}}}\n");
+  ASSERT_EQ(Run().code, 0);
+  const std::vector<std::string> report = {"report", "-C", hero.string()};
+  const std::string path = (hero / "out/report/index.html").string() + "\n";
+  EXPECT_EQ(Keypose(report).text, path);
+  WriteFile(hero / "photos/rest/IMG_0.jpg", "another\n");
+  EXPECT_EQ(Run({"--set", "merge.exit_code=3", "--set", "page.exit_code=3"}).code, 3);
+  const Ended older = Keypose(report);
+  EXPECT_EQ(older.code, 0);
+  EXPECT_EQ(older.text, path +
+                            "keypose: this report is not of the present project: page would run "
+                            "again; `keypose run` brings it up to date\n");
+}
+
 TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {
   EXPECT_EQ(Keypose({"rnu"}).code, 2);
   EXPECT_THAT(Keypose({"rnu"}).text, HasSubstr("did you mean 'run'?"));

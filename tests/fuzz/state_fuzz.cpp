@@ -57,7 +57,7 @@ void LookAtRecords(MemoryDisk& disk, const std::string& text) {
   disk.Write("/state/runs/1.json", text);
   Records records(disk, "/state");
   if (const auto last = records.Last("mesh")) records.SetLast("mesh", *last);
-  records.Mentioned(1);
+  records.Mentioned(1, {"mesh"});
 }
 
 }  // namespace
