@@ -82,6 +82,52 @@ TEST_F(Video, PicturesAreTheDecodersBitForBitAndRemovedAfterwards) {
   EXPECT_FALSE(fs::exists(paths[0].parent_path()));
 }
 
+/// A number of four bytes, highest first.
+std::uint32_t NumberAt(const std::string& bytes, std::size_t at) {
+  std::uint32_t number = 0;
+  for (int i = 0; i < 4; ++i) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return number;
+}
+void PutNumber(std::string& bytes, std::size_t at, std::uint32_t number) {
+  for (int i = 3; i >= 0; --i, number >>= 8) bytes[at + i] = static_cast<char>(number & 255);
+}
+
+TEST_F(Video, OfATrimmedFilmOnlyWhatIsShownCounts) {
+  // As phones trim: the file keeps its six pictures, and an edit list shows the third to the fifth.
+  std::string bytes = ReadFile(film_);
+  const std::size_t list = bytes.find("elst"), times = bytes.find("stts"),
+                    movie = bytes.find("mvhd");
+  ASSERT_NE(list, std::string::npos);
+  ASSERT_EQ(NumberAt(bytes, list + 8), 1u) << "one part";
+  const std::uint32_t picture = NumberAt(bytes, times + 16), second = NumberAt(bytes, movie + 16);
+  PutNumber(bytes, list + 12, second * 3 * 2 / 25);
+  PutNumber(bytes, list + 16, NumberAt(bytes, list + 16) + 2 * picture);
+  const fs::path trimmed = folder_ / "trimmed.mp4";
+  WriteFile(trimmed, bytes);
+  const MovieHeader header = ReadMovieHeader(trimmed);
+  EXPECT_EQ(header.frames, 3);
+  EXPECT_NEAR(header.fps, 12.5, 1e-9);
+  FilmFiles film(trimmed);
+  film.DecodeAll();
+  ASSERT_EQ(film.pictures().size(), 3u);
+  for (const FilmPicture& one : film.pictures())
+    EXPECT_NEAR(*ReadImage(one.path, 3).at(30, 20), 40 * (one.frame + 2), 4);
+  fs::create_directories(folder_ / "shot");
+  fs::rename(trimmed, folder_ / "shot/cam1.mp4");
+  EXPECT_EQ(OpenShot(folder_ / "shot").cameras.at(0).frames(), 3);
+}
+
+/// Asks to stop when it has been looked at so many times.
+class Stopping : public Progress {
+ public:
+  explicit Stopping(int looks) : left_(looks) {}
+  void Update(double, std::string_view) override {}
+  bool cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable int left_;
+};
+
 TEST_F(Video, FoldersStayWhatTheyAre) {
   WriteImage(folder_ / "a_0003.png", Image8(8, 8, 3)),
       WriteImage(folder_ / "a_0007.png", {8, 8, 3});

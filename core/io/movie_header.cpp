@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -133,8 +134,76 @@ std::optional<Times> TimesOf(const Bytes& table) {
   return times;
 }
 
+/// The values of a table whose entries are a count and a value, one for each picture.
+class RunLengths {
+ public:
+  explicit RunLengths(std::optional<Bytes> table) : table_(table) {}
+  /// 0 without a table, and after its end.
+  std::uint32_t Next() {
+    while (left_ == 0) {
+      const auto count = table_ ? table_->Number(8 + 8 * entry_, 4) : std::nullopt,
+                 value = table_ ? table_->Number(12 + 8 * entry_, 4) : std::nullopt;
+      if (!count || !value) return 0;
+      left_ = *count, value_ = static_cast<std::uint32_t>(*value), ++entry_;
+    }
+    --left_;
+    return value_;
+  }
+
+ private:
+  std::optional<Bytes> table_;
+  std::size_t entry_ = 0;
+  std::uint64_t left_ = 0;
+  std::uint32_t value_ = 0;
+};
+
+/// A part of a track that is shown [the track's unit of time].
+struct Edit {
+  double start = 0, end = 0;
+};
+
+/// The parts that an edit list lets through, without pauses; empty: all is shown.
+/// @param unit  of the film's own time, which durations have, in the track's
+std::vector<Edit> EditsOf(const Bytes& track, double unit) {
+  constexpr std::uint64_t kMostEdits = 100;
+  std::vector<Edit> edits;
+  const auto box = track.Box("edts");
+  const auto list = box ? box->Box("elst") : box;
+  const std::uint64_t count = list ? list->Number(4, 4).value_or(0) : 0;
+  if (count > kMostEdits) return edits;
+  const std::size_t wide = list && list->Number(0, 1) == 1 ? 8 : 4;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = 8 + i * (2 * wide + 4);
+    const auto duration = list->Number(at, wide), start = list->Number(at + wide, wide);
+    if (!duration || !start) return {};
+    const auto pause = wide == 8 ? std::int64_t{-1} : std::int64_t{0xffffffff};
+    if (static_cast<std::int64_t>(*start) == pause) continue;
+    const double begin = static_cast<double>(*start);
+    // Without a duration it goes on to the end.
+    const double length = *duration ? static_cast<double>(*duration) * unit : 1e18;
+    edits.push_back({begin, begin + length});
+  }
+  return edits;
+}
+
+/// Programs that trim a film without compressing it anew leave all pictures in the file, and say
+/// which are shown. Decoders give only those.
+std::uint64_t ShownFrames(const std::vector<Edit>& edits, const Bytes& tables,
+                          std::uint64_t frames) {
+  RunLengths durations(tables.Box("stts")), offsets(tables.Box("ctts"));
+  std::uint64_t shown = 0;
+  double decoded = 0;
+  for (std::uint64_t i = 0; i < frames; ++i) {
+    const double at = decoded + static_cast<std::int32_t>(offsets.Next());
+    for (const Edit& edit : edits) shown += at >= edit.start && at < edit.end;
+    decoded += durations.Next();
+  }
+  return shown;
+}
+
 /// The header of a track; nothing where it is no video.
-std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track) {
+/// @param movie_unit  the film's units of time in a second
+std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, double movie_unit) {
   const auto media = track.Box("mdia");
   const auto handler = media ? media->Box("hdlr") : media;
   if (!handler || handler->Part(8, 4) != "vide") return {};
@@ -153,6 +222,9 @@ std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track) {
     file.Fail("is damaged" + MovieFile::Again());
   MovieHeader header;
   header.frames = static_cast<int>(times->frames);
+  const auto edits = EditsOf(track, movie_unit > 0 ? static_cast<double>(*unit) / movie_unit : 0);
+  const std::uint64_t shown = edits.empty() ? 0 : ShownFrames(edits, *tables, times->frames);
+  if (shown > 0 && shown < times->frames) header.frames = static_cast<int>(shown);
   header.fps = static_cast<double>(*unit) * static_cast<double>(times->frames) /
                static_cast<double>(times->duration);
   header.width = static_cast<int>(*width), header.height = static_cast<int>(*height);
@@ -177,10 +249,14 @@ MovieHeader ReadMovieHeader(const fs::path& path) {
   MovieFile file(path);
   const std::string index = file.Index();
   const Bytes boxes(index);
+  const auto movie = boxes.Box("mvhd");
+  const bool wide = movie && movie->Number(0, 1) == 1;
+  const auto unit = movie ? movie->Number(wide ? 20 : 12, 4) : std::nullopt;
   for (int n = 0;; ++n) {
     const auto track = boxes.Box("trak", n);
     if (!track) break;
-    if (const auto header = HeaderOf(file, *track)) return *header;
+    if (const auto header = HeaderOf(file, *track, static_cast<double>(unit.value_or(0))))
+      return *header;
   }
   file.Fail("has no video track" + MovieFile::Convert());
 }

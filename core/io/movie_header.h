@@ -7,8 +7,8 @@
 namespace keypose {
 
 struct MovieHeader {
-  int frames = 0;
-  double fps = 0;  ///< mean over the whole film
+  int frames = 0;  ///< that are shown: without those before and after an edit list's parts
+  double fps = 0;  ///< mean over all that the file has
   int width = 0, height = 0;
   std::string codec;  ///< four letters, such as avc1 (H.264), hvc1, ap4h (ProRes)
 };

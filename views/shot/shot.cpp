@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/movie_header.h"
 #include "core/io/rig_calibration.h"
 #include "core/size_of.h"
 
@@ -61,6 +62,11 @@ FrameSource OpenVideo(const fs::path& path, double* frames_per_second) {
     source.frames = static_cast<int>(std::clamp(video.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
     if (frames_per_second) *frames_per_second = video.get(cv::CAP_PROP_FPS);
   }
+  if (IsMovie(path)) try {  // a trimmed film has more pictures than the decoder gives
+      source.frames = std::min(source.frames, ReadMovieHeader(path).frames);
+    } catch (const InputError&) {
+      // What can be decoded although its index is odd is a film.
+    }
   if (source.frames < 1)
     throw InputError("the video " + PrintableName(path) +
                      " cannot be decoded; convert it to H.264 in an .mp4, or to numbered pictures");
