@@ -13,6 +13,7 @@
 #include "core/io/image_kind.h"
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
+#include "core/io/raw_io.h"
 #include "core/io/yaml_edit.h"
 #include "pipeline/new_project.h"
 #include "pipeline/project_paths.h"
@@ -66,13 +67,17 @@ void RequirePhotograph(Snapshot& snapshot, const std::string& pose, const std::s
     throw UsageError(fmt::format("'{}' cannot be the name of a photograph", name));
 }
 
-/// A photograph of this name, also in a subfolder for a placement of the figure.
+/// A photograph of this name, also in a subfolder for a placement of the figure. Capture writes RAW
+/// and HEIC files as JPEG, under whose names pages know them.
 fs::path FindOriginal(const fs::path& folder, const std::string& name) {
+  fs::path developed;
   for (const fs::path file : pipeline::RealDisk().FilesBelow(folder)) {
-    const bool mask = file.has_parent_path() && file.parent_path().filename() == "masks";
-    if (!mask && (file.filename() == name || file.generic_string() == name)) return folder / file;
+    if (file.has_parent_path() && file.parent_path().filename() == "masks") continue;
+    if (file.filename() == name || file.generic_string() == name) return folder / file;
+    const bool is_developed = IsRawName(file) || IsHeicName(file);
+    if (is_developed && file.stem().string() + ".jpg" == name) developed = folder / file;
   }
-  return {};
+  return developed;
 }
 
 /// The size that a mask must have: that of the original, upright.
@@ -81,7 +86,7 @@ ImageInfo OriginalOf(Snapshot& snapshot, const std::string& pose, const std::str
   const fs::path file = FindOriginal(folder, name);
   if (file.empty() || pipeline::RealDisk().LeadsOutside(file, folder))
     throw UsageError(fmt::format("pose '{}' has no photograph '{}'", pose, name));
-  return ReadImageInfo(file);
+  return IsRawName(file) ? ReadRawInfo(file) : ReadImageInfo(file);
 }
 
 Image8 ReadMaskBytes(const fs::path& writing, const std::string& png) {

@@ -4,6 +4,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_dng.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -66,6 +67,14 @@ TEST_F(MaskRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
   EXPECT_THAT(late.bytes, testing::HasSubstr("the mask of a.png was changed elsewhere"));
   EXPECT_EQ(Get().first, 12);
   EXPECT_EQ(Put(14, {}).status, 200) << "who names no revision writes as into a folder";
+}
+
+TEST_F(MaskRoutes, APhotographThatCaptureDevelopsMayHaveOne) {
+  WriteDng(folder_ / "photos/rest/p1.dng", ImageF(60, 40, 3, 0.2f), {});
+  const Answer saved = Put(10, {{"name", "p1.jpg"}});
+  ASSERT_EQ(saved.status, 200) << saved.bytes;
+  EXPECT_TRUE(fs::exists(folder_ / "masks/rest/p1.jpg.png")) << "where capture looks for it";
+  EXPECT_NE(Put(10, {{"name", "p2.jpg"}}).status, 200);
 }
 
 }  // namespace
