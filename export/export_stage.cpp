@@ -260,7 +260,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "8";
+  spec.version = "9";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},

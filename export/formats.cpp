@@ -128,7 +128,7 @@ FilmOptions OptionsOfFilm(const Job& job) {
 void WriteFilm(const Job& job, WrittenFormat& written, Progress* progress) {
   const FilmOptions options = OptionsOfFilm(job);
   const double fps = job.scene.playback.fps;
-  const std::vector<int> order = FilmOrder(job.scene);
+  const std::vector<int> order = RoundOf(job.scene);
   std::optional<Mp4Writer> mp4;
   if (CanWriteMp4()) {
     mp4.emplace(job.folder / "character.mp4", options.width, options.height, fps);
@@ -170,7 +170,7 @@ void WriteTurntable(const Job& job, WrittenFormat& written, Progress* progress) 
 
 /// The pictures of the film and of the turntable.
 std::pair<int, int> VideoPictures(const Scene& scene) {
-  return {scene.frame_count() > 1 ? SizeOf(FilmOrder(scene)) : 0,
+  return {scene.frame_count() > 1 ? SizeOf(RoundOf(scene)) : 0,
           CanWriteMp4() ? TurntablePictures(scene.playback.fps) : 0};
 }
 

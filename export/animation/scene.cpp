@@ -14,6 +14,14 @@ std::vector<int> ShownFrames(const Scene& scene) {
   return FilmFrames(PlaybackMoments(scene.clip, scene.playback), scene.playback.fps);
 }
 
+bool Loops(const Scene& scene) { return scene.clip.loop || scene.playback.loop == "pingpong"; }
+
+std::vector<int> RoundOf(const Scene& scene) {
+  std::vector<int> round = ShownFrames(scene);
+  if (Loops(scene) && round.size() > 1) round.pop_back();
+  return round;
+}
+
 std::vector<Keyframe> SceneKeyframes(const Scene& scene) {
   return LinearKeyframes(PlaybackMoments(scene.clip, scene.playback), scene.clip,
                          scene.playback.fps);

@@ -75,6 +75,13 @@ struct FormatFiles {
 /// repeats and the way back of a pingpong.
 std::vector<int> ShownFrames(const Scene& scene);
 
+/// Whether the last frame that is shown is the first of the next round.
+bool Loops(const Scene& scene);
+
+/// What a player shows over and over: ShownFrames; of a loop without the last, since a picture that
+/// shows twice in a row is seen as a hitch.
+std::vector<int> RoundOf(const Scene& scene);
+
 /// The times at which a format with linear interpolation needs a frame; see LinearKeyframes.
 std::vector<Keyframe> SceneKeyframes(const Scene& scene);
 

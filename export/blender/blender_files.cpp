@@ -116,7 +116,7 @@ nlohmann::json Description(const Scene& scene, const Pictures& pictures) {
   out["schema"] = 1;
   out["name"] = scene.name;
   out["fps"] = scene.playback.fps;
-  out["loops"] = scene.clip.loop || scene.playback.loop == "pingpong";
+  out["loops"] = Loops(scene);
   out["shown_frames"] = SizeOf(ShownFrames(scene));
   out["pictures"] = SizeOf(pictures.frame);
   out["vertices"] = scene.frames[0].vertex_count();

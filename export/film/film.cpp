@@ -125,13 +125,6 @@ FilmScene SceneOfFilm(const Scene& scene) {
   return {scene.frames, scene.texture_pixels, scene.texture_weights, scene.texture_of_frame};
 }
 
-std::vector<int> FilmOrder(const Scene& scene) {
-  std::vector<int> order = ShownFrames(scene);
-  const bool loops = scene.clip.loop || scene.playback.loop == "pingpong";
-  if (loops && order.size() > 1) order.pop_back();
-  return order;
-}
-
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
   std::vector<PointsX3> normals(frames.size());
   ParallelFor(std::ssize(frames), [&](std::int64_t i) {

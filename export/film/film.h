@@ -25,10 +25,6 @@ struct FilmOptions {
 /// What a film shows of a scene. Refers to the scene, which must outlive it.
 FilmScene SceneOfFilm(const Scene& scene);
 
-/// The frames that a film shows, one per picture. If the animation loops, without the last one,
-/// which is the first of the next round.
-std::vector<int> FilmOrder(const Scene& scene);
-
 /// The azimuth [degrees] that shows most motion: the image motion of vertices that face the camera,
 /// over all frames. One of 11 azimuths within 75 degrees of -y; 20 if nothing moves.
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options);

@@ -199,14 +199,14 @@ TEST(FindFrame, UnknownFrameThrowsUsageErrorThatListsTheKeys) {
   }
 }
 
-TEST(FilmOrder, FilmOfALoopEndsBeforeItsFirstPicture) {
+TEST(RoundOf, FilmOfALoopEndsBeforeItsFirstPicture) {
   Scene scene = TwoKeys();
-  EXPECT_EQ(FilmOrder(scene), (std::vector<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(RoundOf(scene), (std::vector<int>{0, 1, 2, 3, 4}));
   scene.playback.loop = "pingpong";
-  EXPECT_EQ(FilmOrder(scene), (std::vector<int>{0, 1, 2, 3, 4, 3, 2, 1}));
+  EXPECT_EQ(RoundOf(scene), (std::vector<int>{0, 1, 2, 3, 4, 3, 2, 1}));
   scene.playback.loop = "none";
   scene.clip.loop = true;
-  EXPECT_EQ(FilmOrder(scene), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(RoundOf(scene), (std::vector<int>{0, 1, 2, 3}));
 }
 
 /// Bounds of all frames in the pictures of some views, as shares of the width and height.

@@ -107,7 +107,7 @@ nlohmann::json Description(const Scene& scene, const std::vector<int>& shown,
                         {"mesh", name + ".glb"},
                         {"fps", scene.playback.fps},
                         {"frames", layout.frames},
-                        {"loop", scene.clip.loop || scene.playback.loop == "pingpong"},
+                        {"loop", Loops(scene)},
                         {"vertices", layout.vertices},
                         {"columns", layout.columns},
                         {"rows", layout.rows()},
@@ -129,16 +129,18 @@ nlohmann::json Description(const Scene& scene, const std::vector<int>& shown,
                         {"shown", nlohmann::json::array()}};
   for (const int frame : shown) out["shown"].push_back(scene.frame_names[frame]);
   const std::vector<double> seconds = KeySeconds(scene);
-  for (std::size_t i = 0; i < scene.keys.size(); ++i)
-    out["keys"].push_back(
-        {{"pose", scene.keys[i].pose}, {"frame", std::lround(seconds[i] * scene.playback.fps)}});
+  for (std::size_t i = 0; i < scene.keys.size(); ++i) {
+    // A loop's last key shows as the first.
+    const long frame = std::lround(seconds[i] * scene.playback.fps) % layout.frames;
+    out["keys"].push_back({{"pose", scene.keys[i].pose}, {"frame", frame}});
+  }
   return out;
 }
 
 }  // namespace
 
 FormatFiles MakeVat(const Scene& scene, Progress* progress) {
-  const std::vector<int> shown = ShownFrames(scene);
+  const std::vector<int> shown = RoundOf(scene);
   const VatLayout layout = MakeVatLayout(SizeOf(scene.split.source_vertex), SizeOf(shown));
   const Bounds bounds = BoundsOf(scene, shown);
   Errors errors;

@@ -16,7 +16,7 @@ namespace keypose::exporting {
 /// | NAME_positions.exr | the same positions as single-precision numbers, without bounds |
 /// | NAME_normals.png | 8 bits: 0 is -1, 255 is 1; they need normalizing |
 ///
-/// There is a frame for each picture of the film (ShownFrames), so a shader that shows frame
+/// There is a frame for each picture of the film (RoundOf), so a shader that shows frame
 /// floor(seconds * fps) shows what the film shows.
 ///
 /// @return `error_over_diagonal` of the PNG, decoded in single precision as a shader does;

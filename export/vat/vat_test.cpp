@@ -76,6 +76,21 @@ TEST(MakeVat, DescribesFramesAndKeys) {
   EXPECT_EQ(json["mesh"], "cat.glb");
 }
 
+TEST(MakeVat, ALoopHasNoPictureTwiceAtItsSeam) {
+  TestSceneOptions options;
+  options.playback = {12, 0, "pingpong"};
+  Scene scene = TestScene(options);
+  scene.keys = {{0, "rest"}, {3, "bent"}};
+  const auto back = nlohmann::json::parse(BytesOf(MakeVat(scene, nullptr), "vat/character.json"));
+  EXPECT_EQ(back["loop"], true);
+  EXPECT_EQ(back["frames"], 6) << "0 1 2 3 2 1, and 0 again";
+  scene.playback.loop = "none";
+  scene.clip.loop = true;
+  const auto loop = nlohmann::json::parse(BytesOf(MakeVat(scene, nullptr), "vat/character.json"));
+  EXPECT_EQ(loop["frames"], 3) << "0 1 2, and the last is the first";
+  EXPECT_EQ(loop["keys"][1]["frame"], 0);
+}
+
 TEST(MakeVat, TheTimeOfDayIsInNoFile) {
   const FormatFiles made = MakeVat(TestScene(), nullptr);
   const std::string& exr = BytesOf(made, "vat/character_positions.exr");
