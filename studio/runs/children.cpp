@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -54,20 +56,30 @@ int WaitFor(pid_t pid) {
   return CodeOf(status);
 }
 
+void CloseIt(int& fd) {
+  if (fd >= 0) close(fd);
+  fd = -1;
+}
+
 struct Pipe {
   int read = -1, write = -1;
 };
 
-Pipe MakePipe() {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    throw DiskError(std::string("cannot make a pipe: ") + std::strerror(errno));
-  return {ends[0], ends[1]};
-}
+/// To a program and from it.
+struct PipePair {
+  Pipe to, from;
+};
 
-void CloseIt(int& fd) {
-  if (fd >= 0) close(fd);
-  fd = -1;
+PipePair MakePipes() {
+  int to[2], from[2];
+  if (pipe2(to, O_CLOEXEC) == 0) {
+    if (pipe2(from, O_CLOEXEC) == 0) return {{to[0], to[1]}, {from[0], from[1]}};
+    const int reason = errno;
+    close(to[0]);
+    close(to[1]);
+    errno = reason;
+  }
+  throw DiskError(std::string("cannot make a pipe: ") + std::strerror(errno));
 }
 
 int OpenToWrite(const fs::path& file) {
@@ -101,7 +113,7 @@ ChildResult RunChild(const std::vector<std::string>& arguments, const fs::path& 
 }
 
 PipedChild::PipedChild(const std::vector<std::string>& arguments, const fs::path& folder) {
-  Pipe to = MakePipe(), from = MakePipe();
+  auto [to, from] = MakePipes();
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
   pid_ = fork();
@@ -150,6 +162,20 @@ int StartChild(const std::vector<std::string>& arguments, const fs::path& folder
   return pid;
 }
 
+std::string MarkOfProcess(int pid) {
+  std::string boot, stat;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
+  std::getline(std::ifstream(fmt::format("/proc/{}/stat", pid)), stat);
+  // After the name, which may hold anything, come the fields from the third on: its state, and as
+  // the 22nd when it was started, in ticks since the machine was.
+  const auto name_end = stat.rfind(')');
+  std::istringstream fields(name_end == std::string::npos ? "" : stat.substr(name_end + 1));
+  std::string state, field;
+  fields >> state;
+  for (int i = 4; i <= 22; ++i) fields >> field;
+  return !fields || state == "Z" ? "" : boot + " " + field;
+}
+
 void LetGo(const std::vector<std::string>& arguments, const fs::path& folder) {
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
@@ -190,7 +216,7 @@ std::string ErrorIn(const std::string& said, int exit_code) {
 TalkingChild::TalkingChild(const std::vector<std::string>& arguments, const fs::path& folder,
                            const fs::path& error) {
   int err = OpenToWrite(error);
-  Pipe to = MakePipe(), from = MakePipe();
+  auto [to, from] = MakePipes();
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
   pid_ = fork();

@@ -39,6 +39,10 @@ class PipedChild {
 int StartChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                const std::filesystem::path& output, const std::filesystem::path& error);
 
+/// Which process that is, also among those that have its number later or on another machine; "" if
+/// there is none.
+std::string MarkOfProcess(int pid);
+
 /// Starts a program that is the person's from then on, such as a browser: it outlives the studio,
 /// nobody reads what it says, and nobody waits for it. @throws DiskError  it cannot be started
 void LetGo(const std::vector<std::string>& arguments, const std::filesystem::path& folder);

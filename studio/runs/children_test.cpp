@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 
+#include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "studio/runs/warm_program.h"
 
 namespace keypose::studio {
@@ -16,12 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Talking : public testing::Test {
+class Talking : public testing::Test, public TestingFolder {
  protected:
-  Talking() : error_(fs::temp_directory_path() / ("children_test_" + std::to_string(getpid()))) {
-    ::signal(SIGPIPE, SIG_IGN);
-  }
-  ~Talking() override { fs::remove(error_); }
+  Talking() { ::signal(SIGPIPE, SIG_IGN); }
 
   TalkingChild Shell(const std::string& script) const {
     return TalkingChild({"/bin/sh", "-c", script}, "/", error_);
@@ -34,7 +34,7 @@ class Talking : public testing::Test {
     return heard == TalkingChild::Heard::kLine ? line : "";
   }
 
-  const fs::path error_;
+  const fs::path error_ = folder_ / "error";
 };
 
 TEST_F(Talking, LinesGoInAndComeOutWhole) {
@@ -85,7 +85,8 @@ TEST(RunChild, LateOnesAreStopped) {
 }
 
 TEST(LetGo, OnesThatAreThePersonsGoOnAndHoldNobodyUp) {
-  const fs::path mark = fs::temp_directory_path() / ("let_go_test_" + std::to_string(getpid()));
+  const TestingFolder folder;
+  const fs::path mark = folder.path() / "mark";
   const auto begin = std::chrono::steady_clock::now();
   // As xdg-open may do: what it starts keeps its output, and stays when it has ended.
   LetGo({"/bin/sh", "-c", "(sleep 1; pwd > \"$0.part\"; mv \"$0.part\" \"$0\") & exit 0",
@@ -94,11 +95,10 @@ TEST(LetGo, OnesThatAreThePersonsGoOnAndHoldNobodyUp) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(900));
   for (int i = 0; i < 200 && !fs::exists(mark); ++i) usleep(50'000);
   EXPECT_EQ(ReadFile(mark), "/usr\n");
-  fs::remove(mark);
   EXPECT_NO_THROW(LetGo({"/nonexistent/program"}, "/"));
 }
 
-class Warm : public testing::Test {
+class Warm : public testing::Test, public TestingFolder {
  protected:
   /// A script that says when it was started, and then what it was given.
   void WriteProgram(const char* name) {
@@ -117,14 +117,8 @@ class Warm : public testing::Test {
     for (int i = 0; i < 100 && Started() < count; ++i) usleep(50'000);
     return Started() == count;
   }
-  void SetUp() override {
-    ::signal(SIGPIPE, SIG_IGN);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { ::signal(SIGPIPE, SIG_IGN); }
 
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("warm_program_test_" + std::to_string(getpid()));
   const fs::path program_ = folder_ / "program";
 };
 
@@ -150,6 +144,26 @@ TEST_F(Warm, OneThatWasReplacedIsNotUsed) {
   WriteProgram("new");
   fs::last_write_time(program_, fs::last_write_time(program_) + std::chrono::seconds(1));
   EXPECT_EQ(warm.Run({"x"}, 20).output, "new --await\nx ");
+}
+
+TEST_F(Warm, AnAnswerStandsThoughTheNextOneCannotBeStarted) {
+  WriteProgram("one");
+  WarmProgram warm(program_, folder_);
+  warm.Warm();
+  ASSERT_TRUE(Start(1));
+  // The two pipes of the next one would need four files; the one that waits leaves two.
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const int first_free = dup(0);
+  close(first_free);
+  const rlimit none_left{static_cast<rlim_t>(first_free), before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none_left);
+  const ChildResult result = warm.Run({"x"}, 20);
+  EXPECT_THROW(warm.Warm(), Error);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(result.output, "one --await\nx ");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(warm.Run({"y"}, 20).output, "one --await\ny ");
 }
 
 TEST(WhatItSaid, ExitCodeSpeaksForThoseWhoSayNothing) {

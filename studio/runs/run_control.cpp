@@ -16,6 +16,7 @@
 namespace keypose::studio {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 namespace {
 
@@ -32,7 +33,7 @@ class Tail {
     std::string line;
     while (std::getline(in, line) && !in.eof()) {
       at_ += static_cast<std::streamoff>(line.size()) + 1;
-      if (nlohmann::json::accept(line)) take(line);
+      if (json::accept(line)) take(line);
     }
   }
 
@@ -49,6 +50,12 @@ bool IsAlive(int pid, bool own, int* exit_code) {
   if (done == 0) return true;
   if (done == pid) *exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return false;
+}
+
+/// Of the process that a file names; 0: none.
+int NumberOf(const json& file) {
+  const auto pid = file.is_object() ? file.find("pid") : file.end();
+  return pid != file.end() && pid->is_number_integer() ? pid->get<int>() : 0;
 }
 
 void Add(std::vector<std::string>& words, const char* flag, const std::vector<std::string>& steps) {
@@ -87,7 +94,8 @@ void RunControl::Start(const RunSelection& selection) {
   Add(words, "--only", selection.only);
   Add(words, "--force", selection.force);
   pid_ = StartChild(words, project_, File("run.jsonl"), File("run.txt"));
-  WriteFileAtomically(File("run.json"), nlohmann::json{{"pid", pid_.load()}}.dump());
+  WriteFileAtomically(File("run.json"),
+                      json{{"pid", pid_.load()}, {"process", MarkOfProcess(pid_)}}.dump());
   running_ = own_ = true;
   follower_ = std::thread([this, pid = pid_.load()] { Follow(pid, true); });
 }
@@ -99,12 +107,9 @@ void RunControl::Stop() {
 void RunControl::TakeUp() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (running_ || !fs::exists(File("run.json"))) return;
-  const auto value = nlohmann::json::parse(ReadFile(File("run.json")), nullptr, false);
-  const int pid = value.is_object() ? value.value("pid", 0) : 0;
-  std::error_code ignored;
-  const std::string program =
-      fs::read_symlink(fmt::format("/proc/{}/exe", pid), ignored).filename().string();
-  if (pid <= 0 || program != "keypose") return;
+  const json value = json::parse(ReadFile(File("run.json")), nullptr, false);
+  const int pid = NumberOf(value);
+  if (pid <= 0 || value.value("process", json()) != MarkOfProcess(pid)) return;
   pid_ = pid;
   own_ = false;
   running_ = true;

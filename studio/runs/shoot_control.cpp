@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/session.h"
+#include "studio/runs/shoot_story.h"
 
 namespace keypose::studio {
 
@@ -14,8 +14,6 @@ using nlohmann::json;
 
 namespace {
 
-/// A session of many days repeats itself; pages want its end.
-constexpr std::size_t kMostEvents = 20000;
 constexpr char kLive[] = R"({"command": "live", "on": true})";
 constexpr char kEnd[] = R"({"command": "end"})";
 
@@ -23,16 +21,6 @@ std::string EventOf(const std::string& line) {
   const json value = json::parse(line, nullptr, false);
   if (!value.is_object() || !value.contains("event") || !value["event"].is_string()) return "";
   return value["event"];
-}
-
-/// Each new state replaces the one before.
-void KeepShootEvent(const std::string& line, std::vector<std::string>* events) {
-  const std::string event = EventOf(line);
-  if (event == "live") return;
-  if (event == "state" && !events->empty() && EventOf(events->back()) == "state")
-    events->pop_back();
-  if (events->size() == kMostEvents) events->erase(events->begin());
-  events->push_back(line);
 }
 
 std::vector<std::string> WordsFor(const ShootSetup& setup, const fs::path& project,
