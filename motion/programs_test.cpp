@@ -1,7 +1,6 @@
 // The programs keypose-animate and keypose-transfer, as a user starts them.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/rotations.h"
 #include "core/size_of.h"
 #include "core/testing_shapes.h"
@@ -27,14 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Programs : public testing::Test {
+class Programs : public testing::Test, public TestingFolder {
  protected:
-  Programs() {
-    std::string name = (fs::temp_directory_path() / "keypose-motion-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~Programs() override { fs::remove_all(folder_); }
-
   int Run(const std::string& program, const std::string& arguments) {
     const std::string command = "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-" +
                                 program + "' " + arguments + " > log.txt 2>&1";
@@ -71,7 +65,6 @@ class Programs : public testing::Test {
   static constexpr const char* kTransfer =
       "--template template --target target.ply --marks marks.json --frames out --overwrite ";
 
-  fs::path folder_;
   std::string log_;
   Mesh target_;
 };

@@ -1,7 +1,6 @@
 // The program keypose-video3d, as a user starts it, and the export of what it writes.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/testing_folder.h"
 #include "core/size_of.h"
 #include "motion/testing/filmed_ball.h"
 
@@ -24,11 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr int kFrames = 3;
 
-class Video3d : public testing::Test {
+class Video3d : public testing::Test, public TestingFolder {
  protected:
   Video3d() {
-    std::string name = (fs::temp_directory_path() / "keypose-video3d-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     fs::create_directories(folder_ / "frames");
     for (int f = 0; f < kFrames; ++f) {
       Mesh frame = world_.mesh;
@@ -39,7 +37,6 @@ class Video3d : public testing::Test {
       for (int f = 0; f < kFrames; ++f) WriteFilmed(view, f);
     WriteCalibration(world_.views);
   }
-  ~Video3d() override { fs::remove_all(folder_); }
 
   void WriteFilmed(const View& view, int f) const {
     const std::string number = std::to_string(f) + ".png";
@@ -67,7 +64,6 @@ class Video3d : public testing::Test {
   bool Says(const std::string& words) const { return log_.find(words) != std::string::npos; }
 
   BallWorld world_{5, 96};
-  fs::path folder_;
   std::string log_;
 };
 

@@ -1,6 +1,5 @@
 // The program keypose-dense: its ports, report and exit codes.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct {
@@ -19,11 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // A small rendered ring on disk, as capture and sfm leave one.
-class DenseStage : public ::testing::Test {
+class DenseStage : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_dense_test_" + std::to_string(getpid()));
-    fs::remove_all(folder_);
     fs::create_directories(folder_ / "images" / "masks");
     fs::create_directories(folder_ / "model");
     scene_ = testing::RenderRing({.views = 8, .size = 72});
@@ -38,7 +36,6 @@ class DenseStage : public ::testing::Test {
     WriteImageSet(set_);
     WriteColmapModel(folder_ / "model", scene_.scene);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   int Run(const std::string& more = "") {
     const std::string command = "cd '" + folder_.string() +
@@ -51,7 +48,6 @@ class DenseStage : public ::testing::Test {
     return WEXITSTATUS(status);
   }
 
-  fs::path folder_;
   testing::RenderedScene scene_;
   ImageSet set_;
   std::string log_;

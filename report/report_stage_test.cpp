@@ -2,7 +2,6 @@
 // stray photograph.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
 
@@ -49,12 +49,9 @@ Image8 Stripes() {
   return texture;
 }
 
-class Project {
+class Project : public TestingFolder {
  public:
-  explicit Project(bool with_stray)
-      : folder_(fs::path(testing::TempDir()) /
-                ("keypose_report_run_" + std::to_string(::getpid()))) {
-    fs::remove_all(folder_);
+  explicit Project(bool with_stray) {
     fs::create_directories(folder_ / "images/masks");
     const Mesh mesh = Ellipsoid();
     const Image8 texture = Stripes();
@@ -81,7 +78,6 @@ class Project {
                          step("bake", {{"texture", "texture.png"}},
                               {{"mesh", {"mesh.obj"}}, {"model", {"model"}}})}}});
   }
-  ~Project() { fs::remove_all(folder_); }
 
   int Report() const {
     const std::string f = folder_.string();
@@ -140,8 +136,6 @@ class Project {
     fs::create_directories(folder_ / "model");
     WriteColmapModel(folder_ / "model", cameras);
   }
-
-  fs::path folder_;
 };
 
 TEST(ReportStage, FindsTheStrayPhotographAndShowsItFirst) {

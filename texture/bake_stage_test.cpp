@@ -11,6 +11,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "texture/bake/testing_spheres.h"
 
 namespace keypose::texture {
@@ -29,9 +30,8 @@ int RunBake(const std::filesystem::path& folder, const std::string& texture = "t
 }
 
 TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "keypose_bake_stage";
-  std::filesystem::remove_all(folder);
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
   std::filesystem::create_directories(folder / "images/masks");
   const Mesh mesh = PatchSphere(6);
   Scene scene{AllRound(90, 4), {}};
@@ -69,7 +69,6 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   EXPECT_EQ(RunBake(folder), 3);
   EXPECT_THAT(ReadFile(folder / "log"), testing::HasSubstr("elsewhere.png"));
   EXPECT_FALSE(std::filesystem::exists(folder / "texture.png"));
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

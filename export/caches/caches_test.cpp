@@ -10,6 +10,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -93,7 +94,7 @@ TEST(MakeMdd, HoldsEveryShownFrameAndItsTimeInBigEndian) {
 
 TEST(MakePc2, TheMeshBesideTheCacheHasTheVerticesOfTheFirstSample) {
   const Scene scene = TestScene();
-  const OwnFolder folder;
+  const TestingFolder folder;
   WriteFiles(MakePc2(scene, nullptr), scene, folder.path());
   const Mesh mesh = ReadMesh(folder.path() / "cache/character.obj");
   EXPECT_EQ(mesh.faces, scene.frames[0].faces);
@@ -169,7 +170,7 @@ TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
   options.playback = {24, 1, "pingpong"};
   options.z_up = z_up;
   const Scene scene = TestScene(options);
-  const OwnFolder folder;
+  const TestingFolder folder;
   const bool pc2 = std::string(extension) == "pc2";
   WriteFiles(pc2 ? MakePc2(scene, nullptr) : MakeMdd(scene, nullptr), scene, folder.path());
   WriteTruth(scene, folder.path() / "truth");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx.h"
@@ -35,7 +36,7 @@ class Imported {
   }
 
  private:
-  OwnFolder folder_;
+  TestingFolder folder_;
 };
 
 bool HasThree() {

@@ -1,6 +1,5 @@
 // Films, as read by another program.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 #include "core/parallel.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
@@ -22,14 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
 
-class Film : public ::testing::Test {
+class Film : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264: run ./dev setup";
-    fs::create_directories(folder_);
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_ = fs::temp_directory_path() / ("keypose_film_" + std::to_string(getpid()));
 };
 
 Image8 Plain(int width, int height, const Rgb& color) {

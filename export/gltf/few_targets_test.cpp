@@ -12,6 +12,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
 #include "export/caches/testing/run_reader.h"
@@ -337,7 +338,7 @@ class FewTargetsFile : public ::testing::Test {
   }
   std::string Path() const { return (folder_.path() / "character_few.glb").string(); }
   std::string Truth() const { return (folder_.path() / "truth").string(); }
-  OwnFolder folder_;
+  TestingFolder folder_;
 };
 
 /// Bends on ones, then steps on twos, then bends back; with held ends.

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -33,7 +34,7 @@ Scene HeldScene() {
 }
 
 TEST(WriteObjSequence, HasAFileForEachPictureOfTheFilm) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   const Scene scene = HeldScene();
   const WrittenSequence written = WriteObjSequence(scene, folder.path() / "obj", "", nullptr);
   EXPECT_EQ(written.files, 7);
@@ -54,12 +55,12 @@ TEST(WriteObjSequence, HasAFileForEachPictureOfTheFilm) {
 }
 
 TEST(WriteObjSequence, NumbersGiveBackTheSameDouble) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   EXPECT_EQ(WriteObjSequence(HeldScene(), folder.path(), "", nullptr).error_over_diagonal, 0);
 }
 
 TEST(WriteObjSequence, AllFilesShareOneMaterial) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   WriteObjSequence(HeldScene(), folder.path(), "../textures/texture_0.png", nullptr);
   const std::vector<std::string> names = NamesIn(folder.path());
   EXPECT_EQ(names.size(), 8u);
@@ -71,7 +72,7 @@ TEST(WriteObjSequence, AllFilesShareOneMaterial) {
 }
 
 TEST(WriteObjSequence, MeshWithoutTextureCoordinatesHasNoMaterial) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   TestSceneOptions options;
   options.with_uvs = false;
   WriteObjSequence(TestScene(options), folder.path(), "../textures/texture_0.png", nullptr);
@@ -80,7 +81,7 @@ TEST(WriteObjSequence, MeshWithoutTextureCoordinatesHasNoMaterial) {
 }
 
 TEST(WriteObjSequence, FramesWithYUpKeepTheirAxes) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   TestSceneOptions options;
   options.z_up = false;
   const Scene scene = TestScene(options);
@@ -90,7 +91,7 @@ TEST(WriteObjSequence, FramesWithYUpKeepTheirAxes) {
 }
 
 TEST(WriteObjSequence, NamesOfMoreThanTenThousandFilesSortByNumber) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   TestSceneOptions options;
   options.bends = {0};
   options.playback.hold = 10000;
@@ -103,14 +104,14 @@ TEST(WriteObjSequence, NamesOfMoreThanTenThousandFilesSortByNumber) {
 }
 
 TEST(WriteObjSequence, FolderThatCannotBeMadeThrows) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   WriteFile(folder.path() / "taken", "a file");
   EXPECT_THROW(WriteObjSequence(HeldScene(), folder.path() / "taken", "", nullptr), DiskError);
   EXPECT_THROW(WritePlySequence(HeldScene(), folder.path() / "taken", nullptr), DiskError);
 }
 
 TEST(WritePlySequence, KeepsEveryBitOfEveryShownFrame) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   const Scene scene = HeldScene();
   const WrittenSequence written = WritePlySequence(scene, folder.path() / "ply", nullptr);
   EXPECT_EQ(written.files, 7);
@@ -126,7 +127,7 @@ TEST(WritePlySequence, KeepsEveryBitOfEveryShownFrame) {
 
 /// What Blender says of a written sequence.
 std::string InBlender(const Scene& scene, const std::string& kind) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   WriteTruth(scene, folder.path() / "truth");
   WriteFiles({}, scene, folder.path());  // the textures
   if (kind == "obj")

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/testing_folder.h"
 #include "core/parallel.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
@@ -82,7 +83,7 @@ TEST(MakeUsda, StopsWhenAsked) {
 }
 
 ReaderResult Read(const Scene& scene) {
-  const OwnFolder folder;
+  const TestingFolder folder;
   WriteFiles(MakeUsda(scene, nullptr), scene, folder.path());
   WriteTruth(scene, folder.path() / "truth");
   return RunReader(

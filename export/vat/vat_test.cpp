@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/vat/vat_layout.h"
@@ -125,7 +126,7 @@ class VatFiles : public testing::Test {
   ReaderResult RunInBrowser(const std::string& page) const {
     return RunReader({"node", kTools + "run_in_browser.mjs", folder_.path(), "character", page});
   }
-  OwnFolder folder_;
+  TestingFolder folder_;
 };
 
 void ExpectDecoded(const ReaderResult& result, const FormatFiles& made) {

@@ -1,11 +1,11 @@
 // Picks of a pose, from one file and from two, and what is wrong with files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "fit/picks/pose_picks.h"
 
@@ -16,11 +16,9 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class PosePicksFile : public testing::Test {
+class PosePicksFile : public testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("pose_picks_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     for (const char* name : {"a.jpg", "b.jpg"}) {
       images_.images.emplace_back();
       images_.images.back().name = name;
@@ -28,12 +26,7 @@ class PosePicksFile : public testing::Test {
       images_.images.back().height = 480;
     }
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path Put(const std::string& name, const std::string& text) const {
-    WriteFileAtomically(folder_ / name, text);
-    return folder_ / name;
-  }
   PosePicks Read(const std::string& text) const {
     return ReadPosePicks({Put("p.json", text)}, mesh_, images_, nullptr);
   }
@@ -52,7 +45,6 @@ class PosePicksFile : public testing::Test {
     return "";
   }
 
-  fs::path folder_;
   ImageSet images_;
   const Mesh mesh_ = MakeIcosphere(1);
 };

@@ -7,26 +7,23 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 namespace fs = std::filesystem;
 
-class DatabaseTest : public ::testing::Test {
+class DatabaseTest : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "sfm_test_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
     camera.width = 640;
     camera.height = 480;
     camera.fx = camera.fy = 800;
     camera.cx = 320;
     camera.cy = 240;
   }
-  void TearDown() override { fs::remove_all(folder); }
-  fs::path folder;
+  const fs::path folder = path();
   Camera camera;
 };
 

@@ -1,6 +1,5 @@
 #include "export/caches/testing/run_reader.h"
 
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cstdio>
@@ -8,8 +7,6 @@
 
 namespace keypose::exporting {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string Quoted(const std::string& word) {
   std::string quoted = "'";
@@ -42,13 +39,5 @@ double FigureOf(const std::string& output, const std::string& name) {
   if (at == std::string::npos) throw std::runtime_error("no " + name + " in: " + output);
   return std::stod(output.substr(at + name.size() + 1));
 }
-
-OwnFolder::OwnFolder() {
-  std::string pattern = (fs::temp_directory_path() / "keypose_format_XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make " + pattern);
-  path_ = pattern;
-}
-
-OwnFolder::~OwnFolder() { fs::remove_all(path_); }
 
 }  // namespace keypose::exporting

@@ -1,7 +1,6 @@
 // Runs other programs on the files that a test wrote.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,18 +20,5 @@ bool HasReader(const std::string& program);
 /// The number behind `name=` in a program's output.
 /// @throws std::runtime_error  there is none; gives the output
 double FigureOf(const std::string& output, const std::string& name);
-
-/// A folder of the test, empty at the start, deleted at the end.
-class OwnFolder {
- public:
-  OwnFolder();
-  ~OwnFolder();
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace keypose::exporting

@@ -6,6 +6,7 @@
 
 #include "core/io/files.h"
 #include "core/io/png_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::exporting {
@@ -58,12 +59,9 @@ Image8 Bands() {
 
 /// The content of a PNG file with this picture.
 std::string PngBytes(const Image8& image) {
-  std::string pattern = (fs::temp_directory_path() / "keypose_png_XXXXXX").string();
-  const fs::path folder = mkdtemp(pattern.data());
-  WritePng(folder / "bands.png", image);
-  std::string bytes = ReadFile(folder / "bands.png");
-  fs::remove_all(folder);
-  return bytes;
+  const TestingFolder folder;
+  WritePng(folder.path() / "bands.png", image);
+  return ReadFile(folder.path() / "bands.png");
 }
 
 template <class Values>
