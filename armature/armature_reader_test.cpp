@@ -10,6 +10,7 @@
 
 #include "armature/description/description_file.h"
 #include "armature/simulation/simulated_box.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::armature {
 namespace {
@@ -26,9 +27,9 @@ void ReadUntil(ArmatureReader& reader, const std::string& code, std::vector<std:
 TEST(ArmatureReader, AControllerThatLostItsPowerWithItsCableSaysSoLast) {
   const Armature arm =
       DescriptionFile::Parse("node { name a axis 1 0 0 sensor 0 scale 25 }", "arm.txt").armature();
+  const TestingFolder folder;
   PortOptions port;
-  port.device =
-      std::filesystem::temp_directory_path() / ("keypose-reader-" + std::to_string(getpid()));
+  port.device = folder.path() / "port";
   port.retry_s = 0.02;
   SimulationOptions options;
   options.unplugged_s = 0.3;

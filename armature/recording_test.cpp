@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "armature/example/theropod.h"
 #include "armature/recording/curves.h"
@@ -10,6 +9,7 @@
 #include "core/errors.h"
 #include "core/io/bvh_io.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::armature {
 namespace {
@@ -117,15 +117,11 @@ TEST(StillJoints, IsSilentWhenNothingMovesOrAllDoes) {
   EXPECT_THAT(StillJoints(theropod, frames), IsEmpty());
 }
 
-class Session : public ::testing::Test {
+class Session : public ::testing::Test, public TestingFolder {
  protected:
-  Session() { std::filesystem::create_directories(folder_); }
-  ~Session() override { std::filesystem::remove_all(folder_); }
   std::string Journal() const { return ReadFile(folder_ / "journal.jsonl"); }
 
   const Armature theropod_ = MakeTheropod();
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("keypose_session_" + std::to_string(::getpid()));
 };
 
 TEST_F(Session, GoesOnWhereItWas) {

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::bench {
 namespace {
@@ -199,11 +200,9 @@ TEST(Ssim, NothingOutsideTheMaskEnters) {
   EXPECT_NEAR(Ssim(a, b, mask), 1, 1e-9);
 }
 
-class TexturedObj : public testing::Test {
+class TexturedObj : public testing::Test, public TestingFolder {
  protected:
   TexturedObj() {
-    folder_ = fs::path(testing::TempDir()) / "view_score_test";
-    fs::create_directories(folder_);
     WriteImage(folder_ / "red page.png", PhotographOf(MaskOf(0, 0, 80, 60), 200, 0));
     WriteImage(folder_ / "dark.png", PhotographOf(MaskOf(0, 0, 80, 60), 20, 0));
     std::ofstream(folder_ / "two.mtl") << "newmtl one\nKd 1 1 1\nmap_Kd red page.png\nnewmtl "
@@ -215,7 +214,6 @@ class TexturedObj : public testing::Test {
         << faces;
     return ReadTexturedMesh(folder_ / "mesh.obj");
   }
-  fs::path folder_;
 };
 
 TEST_F(TexturedObj, EachFaceTakesItsMaterialsPage) {

@@ -12,17 +12,15 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::capture {
 namespace {
 namespace fs = std::filesystem;
 
-class MasksProgram : public testing::Test {
+class MasksProgram : public testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "masks_test_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    root = pattern;
     ring = MakeTestRing();
     set.folder = root / "images";
     fs::create_directories(set.folder / "masks");
@@ -38,8 +36,6 @@ class MasksProgram : public testing::Test {
     }
     WriteImageSet(set);
   }
-  void TearDown() override { fs::remove_all(root); }
-
   int Run(const std::string& options = "") const {
     fs::create_directories(root / "model");
     WriteColmapModel(root / "model", Scene{ring.views, {}});
@@ -51,7 +47,7 @@ class MasksProgram : public testing::Test {
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
-  fs::path root;
+  const fs::path root = path();
   TestRing ring;
   ImageSet set;
 };

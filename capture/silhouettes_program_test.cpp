@@ -10,6 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 #include "views/shot/shot.h"
 
 namespace keypose::capture {
@@ -26,8 +27,8 @@ cv::Mat Picture(int frame) {
 }
 
 TEST(SilhouettesProgram, MasksGoWithTheRateOfTheFilms) {
-  std::string pattern = (fs::temp_directory_path() / "silhouettes_test_XXXXXX").string();
-  const fs::path root = mkdtemp(pattern.data());
+  const TestingFolder folder;
+  const fs::path root = folder.path();
   fs::create_directories(root / "shot/background");
   WriteImage(root / "shot/background/cam1.png", Image8(kWidth, kHeight, 3, 150));
   cv::VideoWriter writer((root / "shot/cam1.avi").string(),
@@ -48,7 +49,6 @@ TEST(SilhouettesProgram, MasksGoWithTheRateOfTheFilms) {
     EXPECT_EQ(*mask.at(60 + 10 * f, 60), 255) << f;
     EXPECT_EQ(*mask.at(10, 10), 0) << f;
   }
-  fs::remove_all(root);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
@@ -122,8 +123,8 @@ TEST(MakeClosedManifold, SolesAreFlatAtTheGroundAndNothingLiesBelow) {
 }
 
 TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {
-  const fs::path folder =
-      fs::path(::testing::TempDir()) / ("keypose_cleanup_ground_" + std::to_string(::getpid()));
+  const TestingFolder own;
+  const fs::path folder = own.path();
   WriteShot(folder, Photograph(TruePawn(), {12, 40}));
   WriteMesh(folder / "pawn.ply", WithCap());
   const std::string at = folder.string();
@@ -138,7 +139,6 @@ TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {
   EXPECT_EQ(lowest(""), 0);
   EXPECT_NE(ReadFile(folder / "report.json").find("\"stands_on_ground\": true"), std::string::npos);
   EXPECT_LT(lowest("--ground keep"), -0.9 * kCap);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
@@ -167,8 +168,8 @@ TEST(MakeClosedManifold, GenusForcesTheNumberOfHandles) {
 }
 
 TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {
-  const fs::path folder =
-      fs::path(::testing::TempDir()) / ("keypose_cleanup_sight_" + std::to_string(::getpid()));
+  const TestingFolder own;
+  const fs::path folder = own.path();
   WriteShot(folder, Photograph(Slab({kNarrow}), {-15, 0, 15}));
   WriteMesh(folder / "slab.ply", Slab({kNarrow, kBroad}));
   const std::string at = folder.string();
@@ -191,7 +192,6 @@ TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {
   EXPECT_EQ(Genus(ReadMesh(folder / "clean.ply")), 2);
   EXPECT_EQ(run("--genus 3"), 3);
   EXPECT_EQ(run("--images " + at + "/images"), 2);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // The camera that the script builds in Blender shows points where our camera does.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <cstdlib>
@@ -9,6 +8,7 @@
 
 #include "composite/blender/blender_scene.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 
 namespace keypose::composite {
@@ -83,9 +83,8 @@ for frame in (0, 1):
 
 TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
   if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no Blender here";
-  const fs::path folder =
-      fs::temp_directory_path() / ("keypose_blender_" + std::to_string(getpid()));
-  fs::create_directories(folder);
+  const TestingFolder own;
+  const fs::path folder = own.path();
   const PointsX3 first = Cube();
   const PointsX3 second = first.rowwise() + Eigen::RowVector3d(0.2, 0.1, -0.05);
   FacesX3 faces(2, 3);
@@ -111,7 +110,6 @@ TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
     EXPECT_NEAR(pixels[i][0], ours.x(), 1e-3) << i;
     EXPECT_NEAR(pixels[i][1], ours.y(), 1e-3) << i;
   }
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "views/film/gif.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 #include "core/parallel.h"
 #include "views/film/palette.h"
 #include "views/film/picture.h"
@@ -23,10 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
 
-class Gif : public ::testing::Test {
+class Gif : public ::testing::Test, public TestingFolder {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path File() const { return folder_ / "film.gif"; }
   void Write(const std::vector<Image8>& pictures, double fps, const GifOptions& options = {}) {
     GifWriter writer(File(), fps, options);
@@ -44,8 +42,6 @@ class Gif : public ::testing::Test {
     for (cv::Mat picture; film.read(picture);) pictures.push_back(picture.clone());
     return pictures;
   }
-
-  fs::path folder_ = fs::temp_directory_path() / ("keypose_gif_" + std::to_string(getpid()));
 };
 
 Image8 Flat(int width, int height, const Rgb& color) {

@@ -1,7 +1,6 @@
 #include "views/shot/shot.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -10,23 +9,18 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose {
 namespace {
 namespace fs = std::filesystem;
 
-class ShotTest : public testing::Test {
+class ShotTest : public testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_shot_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   void PutPicture(const std::string& path, std::uint8_t value) const {
     fs::create_directories((folder_ / path).parent_path());
     WriteImage(folder_ / path, Image8(16, 12, 1, value));
   }
-  fs::path folder_;
 };
 
 TEST_F(ShotTest, CamerasAndFramesAreSortedByNumber) {

@@ -1,12 +1,12 @@
 #include "capture/shoot/session/project.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -15,15 +15,11 @@ namespace fs = std::filesystem;
 
 class Project : public testing::Test {
  protected:
-  Project()
-      : folder_(fs::temp_directory_path() / ("keypose_project_" + std::to_string(::getpid())) /
-                "fox") {
-    fs::create_directories(folder_);
-  }
-  ~Project() override { fs::remove_all(folder_.parent_path()); }
+  Project() { fs::create_directories(folder_); }
   std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
   void Write(const std::string& text) const { WriteFile(folder_ / "pipeline.yaml", text); }
-  fs::path folder_;
+  const TestingFolder beside_;
+  const fs::path folder_ = beside_.path() / "fox";
 };
 
 TEST_F(Project, IsMadeWithItsFirstPose) {

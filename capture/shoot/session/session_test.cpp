@@ -16,6 +16,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -97,11 +98,9 @@ struct FixedClock final : Clock {
   std::int64_t Now() const override { return 1714744999; }
 };
 
-class SessionTest : public testing::Test {
+class SessionTest : public testing::Test, public TestingFolder {
  protected:
-  SessionTest()
-      : project_(fs::temp_directory_path() / ("keypose_session_" + std::to_string(::getpid()))) {
-    fs::create_directories(project_);
+  SessionTest() {
     options_.project = project_;
     options_.pose = "rest";
     options_.plan = {.rings_deg = {12}, .angles = 3};
@@ -109,14 +108,13 @@ class SessionTest : public testing::Test {
     options_.turntable_name = "none";
     options_.retry_s = 0.01;
   }
-  ~SessionTest() override { fs::remove_all(project_); }
   bool Run(Camera& camera, Conversation& talk) {
     return RunSession(options_, {camera, nullptr, talk, clock_, {}, {}});
   }
   json SideFileJson(const std::string& pose = "rest") const {
     return json::parse(ReadFile(project_ / "photos" / pose / "shoot.json"));
   }
-  fs::path project_;
+  const fs::path project_ = path();
   SessionOptions options_;
   FixedClock clock_;
 };

@@ -1,7 +1,6 @@
 #include "capture/shoot/session/shot_book.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,17 +8,15 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::capture::shoot {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Book : public testing::Test {
+class Book : public testing::Test, public TestingFolder {
  protected:
-  Book() : folder_(fs::temp_directory_path() / ("keypose_book_" + std::to_string(::getpid()))) {}
-  ~Book() override { fs::remove_all(folder_); }
-
   ShotBook Open(const ShotPlan& plan, bool given = true) const {
     return ShotBook(folder_ / "photos", "rest", plan, given);
   }
@@ -47,7 +44,6 @@ class Book : public testing::Test {
     std::sort(names.begin(), names.end());
     return names;
   }
-  fs::path folder_;
 };
 
 const ShotPlan kPlan{.rings_deg = {12}, .angles = 3};

@@ -1,7 +1,10 @@
 #include "capture/shoot/simulation/simulated_camera.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/devices/turntable.h"
@@ -84,8 +87,9 @@ class Simulated final : public SimulatedCamera {
     if (!blurred) return bytes;
     const Image8 image = ReadImage(FileOf(place), 3);
     const Image8 small = Resized(image, image.width / 6, image.height / 6);
+    // Of this process: sessions may run side by side.
     const fs::path scratch =
-        fs::temp_directory_path() / ("keypose_blurred_" + std::to_string(place) + ".jpg");
+        fs::temp_directory_path() / ("keypose_blurred_" + std::to_string(::getpid()) + ".jpg");
     WriteImage(scratch, Resized(small, image.width, image.height));
     std::string out = ReadFile(scratch);
     fs::remove(scratch);
