@@ -186,6 +186,14 @@ void WriteRegions(const std::filesystem::path& path, const Mesh& mesh,
   WriteFileAtomically(path, root.dump() + "\n");
 }
 
+std::vector<TimelineRegion> RegionsOn(const std::filesystem::path& path, const Mesh* mesh) {
+  Timeline timeline;
+  for (const auto& [name, bound] : ReadRegions(path).regions)
+    timeline.regions.push_back({name, bound.vertices, bound.center, bound.radius});
+  if (mesh) FollowRegions(path, *mesh, timeline, nullptr);
+  return timeline.regions;
+}
+
 void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Timeline& timeline,
                    CarryLog* log) {
   if (timeline.regions.empty()) return;

@@ -16,6 +16,12 @@ namespace keypose {
 void WriteRegions(const std::filesystem::path& path, const Mesh& mesh,
                   const std::vector<TimelineRegion>& regions);
 
+/// All regions of a file, by name, adapted to a mesh as FollowRegions does.
+/// @param path  written by WriteRegions
+/// @param mesh  null: as they were written
+/// @throws InputError  malformed, or regions that could not be transferred; names them
+std::vector<TimelineRegion> RegionsOn(const std::filesystem::path& path, const Mesh* mesh);
+
 /// Adapts the timeline's regions to the first key's mesh.
 ///
 /// A list of vertices stays valid while the keys have the same faces as when the region was bound;

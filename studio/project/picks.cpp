@@ -127,6 +127,20 @@ void RequireRevision(const fs::path& file, const json& body) {
 
 std::string TemplatePose(Snapshot& snapshot) { return snapshot.graph().template_pose; }
 
+/// Those of the file, on the template as it is now, if it has a mesh.
+/// @throws InputError  it cannot be read, or they could not follow the template
+std::vector<TimelineRegion> KnownRegions(Snapshot& snapshot, const fs::path& file) {
+  if (!fs::is_regular_file(file)) return {};
+  try {
+    if (!snapshot.PickedMesh(TemplatePose(snapshot))) return RegionsOn(file, nullptr);
+    const Mesh mesh = PickedMeshOf(snapshot, TemplatePose(snapshot));
+    return RegionsOn(file, &mesh);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}; to paint all regions anew, move {} away", error.what(),
+                                 file.filename().string()));
+  }
+}
+
 }  // namespace
 
 fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
@@ -321,11 +335,8 @@ void SaveStiffness(Snapshot& snapshot, const json& body) {
 json RegionsJson(Snapshot& snapshot) {
   const fs::path file = snapshot.project() / "regions.json";
   json body = {{"revision", RevisionOf(file)}, {"regions", json::object()}};
-  if (!fs::is_regular_file(file)) return body;
-  const json parsed = json::parse(ReadFile(file), nullptr, false);
-  if (!parsed.is_object()) return body;
-  for (const json& region : parsed.value("regions", json::array()))
-    if (region.contains("vertices")) body["regions"][region.at("name")] = region.at("vertices");
+  for (const TimelineRegion& region : KnownRegions(snapshot, file))
+    if (!region.vertices.empty()) body["regions"][region.name] = region.vertices;
   return body;
 }
 
@@ -334,6 +345,10 @@ void SaveRegions(Snapshot& snapshot, const json& body) {
   const fs::path file = snapshot.project() / "regions.json";
   RequireRevision(file, body);
   std::vector<TimelineRegion> regions;
+  // Balls are written by hand: the page neither shows nor loses them.
+  for (const TimelineRegion& known : KnownRegions(snapshot, file))
+    if (known.vertices.empty() && !body.at("regions").contains(known.name))
+      regions.push_back(known);
   for (const auto& [name, vertices] : body.at("regions").items()) {
     TimelineRegion region;
     region.name = name;

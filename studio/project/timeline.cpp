@@ -130,12 +130,22 @@ std::string WithList(const std::string& text, const std::string& name, const jso
   return WithSetting(text, name, after.empty() ? json() : after);
 }
 
+/// By name. Without those of a file that cannot be read: it holds up the page that paints them, not
+/// the timeline.
+json PaintedRegions(Snapshot& snapshot) {
+  try {
+    return RegionsJson(snapshot).at("regions");
+  } catch (const InputError&) {
+    return json::object();
+  }
+}
+
 /// Pins as the page has them, and the painted regions that they and the turns need.
 std::string WithRules(Snapshot& snapshot, const std::string& text, const json& timeline) {
   const std::string& written = snapshot.graph().timeline_json;
   const json before = written.empty() ? json::object() : json::parse(written);
   const json none = json::array(), other = timeline.value("other", json::object());
-  const json painted = RegionsJson(snapshot).at("regions");
+  const json painted = PaintedRegions(snapshot);
   const json regions = before.value("regions", none);
   const std::set<std::string> used = UsedRegions(timeline.at("keys"), other);
   const std::string with_pins =

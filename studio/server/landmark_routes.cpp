@@ -1,5 +1,8 @@
 // Landmarks, their suggestions, and what is painted on the template.
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
 
 #include "core/errors.h"
 #include "pipeline/session.h"
@@ -18,31 +21,52 @@ namespace {
 
 constexpr double kSuggestSeconds = 300;
 
+/// A file of one question, which is gone when that is answered: two tabs may ask at once.
+class OwnFile {
+ public:
+  explicit OwnFile(const fs::path& folder) {
+    fs::create_directories(folder);
+    std::string name = (folder / "suggested_XXXXXX.json").string();
+    const int file = mkstemps(name.data(), 5);
+    if (file < 0) throw DiskError("cannot write a file in " + folder.string());
+    close(file);
+    path = name;
+  }
+  ~OwnFile() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+  OwnFile(const OwnFile&) = delete;
+  OwnFile& operator=(const OwnFile&) = delete;
+
+  fs::path path;
+};
+
 }  // namespace
 
 void Routes::AddLandmarks() {
-  const auto picks = [this](const Question& question) {
-    const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) {
-      return now.IsFitted(pose) ? PhotoPicksJson(now, pose) : PicksJson(now, pose);
-    }));
+  const auto picks = [](Snapshot& now, const std::string& pose) {
+    return now.IsFitted(pose) ? PhotoPicksJson(now, pose) : PicksJson(now, pose);
   };
-  Add("GET", "/api/landmarks", picks);
+  Add("GET", "/api/landmarks", [this, picks](const Question& question) {
+    const std::string pose = question.Need("pose");
+    return JsonAnswer(With([&](Snapshot& now) { return picks(now, pose); }));
+  });
+  // The answer is what was saved, not what another tab has saved meanwhile.
   Add("PUT", "/api/landmarks", [this, picks](const Question& question) {
     const std::string pose = question.Need("pose");
-    With([&](Snapshot& now) {
+    return JsonAnswer(With([&](Snapshot& now) {
       (now.IsFitted(pose) ? SavePhotoPicks : SavePicks)(now, pose, question.Json());
-      return 0;
-    });
-    return picks(question);
+      return picks(now, pose);
+    }));
   });
   Add("POST", "/api/landmarks/import", [this, picks](const Question& question) {
+    const std::string pose = question.Need("pose");
     const json body = question.Json();
-    With([&](Snapshot& now) {
-      ImportPicks(now, question.Need("pose"), body.at("name"), body.at("text"));
-      return 0;
-    });
-    return picks(question);
+    return JsonAnswer(With([&](Snapshot& now) {
+      ImportPicks(now, pose, body.at("name"), body.at("text"));
+      return picks(now, pose);
+    }));
   });
   Add("GET", "/api/landmarks/export", [this](const Question& question) {
     const std::string pose = question.Need("pose"), format = question.Need("format");
@@ -93,11 +117,11 @@ Answer Routes::Suggest(const Question& question) {
   const std::string pose = body.at("pose");
   const double count = body.at("count");
   if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
-  const fs::path suggested = folder_ / ".keypose/studio/suggested.json";
+  const OwnFile suggested(folder_ / ".keypose/studio");
   std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose-landmarks").string(),
                                     "suggest",
                                     "--suggested",
-                                    suggested.string(),
+                                    suggested.path.string(),
                                     "--count",
                                     std::to_string(static_cast<int>(count))};
   With([&](Snapshot& now) {
@@ -112,12 +136,10 @@ Answer Routes::Suggest(const Question& question) {
       words.insert(words.end(), {"--landmarks", known.string(), "--landmarks", there.string()});
     return 0;
   });
-  fs::create_directories(suggested.parent_path());
-  std::error_code ignored;
-  fs::remove(suggested, ignored);
   const ChildResult result = RunChild(words, folder_, kSuggestSeconds);
   if (result.exit_code != 0) throw InputError(result.output);
-  return JsonAnswer(With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested); }));
+  return JsonAnswer(
+      With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested.path); }));
 }
 
 }  // namespace keypose::studio

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <memory>
+#include <thread>
 
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
@@ -11,6 +13,8 @@
 #include "core/io/image_set.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/regions_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
 #include "studio/project/snapshot.h"
@@ -70,8 +74,8 @@ class PhotoPicks : public testing::Test {
   /// One project with photographs that were read, which each test gets as a copy: to ask all
   /// programs what they are takes most of the time.
   static void SetUpTestSuite() {
-    made = fs::temp_directory_path() / ("keypose_picks_" + std::to_string(getpid()));
-    fs::remove_all(made);
+    own_made = std::make_unique<TestingFolder>();
+    made = own_made->path();
     for (const char* folder :
          {"photos/rest", "photos/wave", "tools/made_images/masks", "tools/made_model", "landmarks"})
       fs::create_directories(made / folder);
@@ -85,17 +89,13 @@ class PhotoPicks : public testing::Test {
     WriteFile(made / "pipeline.yaml", ProjectText(""));
     Run(made, "capture");
   }
-  static void TearDownTestSuite() { fs::remove_all(made); }
+  static void TearDownTestSuite() { own_made.reset(); }
 
-  PhotoPicks() : place_(fs::temp_directory_path() / ("keypose_pick_" + std::to_string(getpid()))) {
-    fs::remove_all(place_);
+  PhotoPicks() {
     fs::create_directories(place_ / "outside");
     fs::copy(made, folder_, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
   }
-  ~PhotoPicks() override {
-    routes_.reset();
-    fs::remove_all(place_);
-  }
+  ~PhotoPicks() override { routes_.reset(); }
 
   static View ViewAt(int degrees) {
     View view = FitView(mesh.points, degrees, 10, kWidth, kHeight);
@@ -200,11 +200,25 @@ class PhotoPicks : public testing::Test {
     return {{"name", name}, {"image", image}, {"pixel", {x, y}}};
   }
   fs::path File() const { return folder_ / "landmarks/wave.json"; }
+  /// By another program, which is asked again what it is.
+  void Replace(const std::string& stage) const {
+    WriteFile(folder_ / "tools" / stage, std::string(kCopy) + "# another one\n");
+    fs::permissions(folder_ / "tools" / stage, fs::perms::owner_all);
+  }
+  /// Regions on the template's mesh.
+  fs::path Painted() const { return folder_ / "regions.json"; }
+  json Regions() { return json::parse(Ask({"GET", "/api/regions", {}, ""}).bytes)["regions"]; }
+  Answer Paint(const json& regions) {
+    const json body = {{"regions", regions}, {"revision", RevisionOf(Painted())}};
+    return Ask({"PUT", "/api/regions", {}, body.dump()});
+  }
 
+  static inline std::unique_ptr<TestingFolder> own_made;
   static inline fs::path made;
   static inline const Mesh mesh = MakeIcosphere(2);
   static inline Scene scene;
-  const fs::path place_, folder_ = place_ / "dance";
+  const TestingFolder own_;
+  const fs::path place_ = own_.path(), folder_ = place_ / "dance";
   std::unique_ptr<Routes> routes_;
 };
 
@@ -382,6 +396,78 @@ TEST_F(PhotoPicks, AFitSaysWherePicksAreAndWhereOthersMustBe) {
   ASSERT_EQ(fit.at("meets").size(), 3u);
   for (int k = 0; k < 2; ++k)
     EXPECT_NEAR(fit.at("meets")[2].at("pixel")[k].get<double>(), pixel_in(2)[k], 0.05);
+}
+
+TEST_F(PhotoPicks, PaintedRegionsFollowATemplateThatIsMadeAnew) {
+  Run(folder_, "unwrap");
+  ASSERT_EQ(Paint({{"foot", {0, 1, 2}}}).status, 200);
+  EXPECT_EQ(Regions(), json({{"foot", {0, 1, 2}}}));
+  routes_.reset();
+  Mesh turned = mesh;  // the same vertices, the last one first
+  const int last = mesh.vertex_count() - 1;
+  turned.points = mesh.points.colwise().reverse();
+  turned.faces = last - mesh.faces.array();
+  WriteMesh(folder_ / "turned.ply", turned);
+  fs::rename(folder_ / "turned.ply", folder_ / "tools/made_unwrapped");
+  std::string description = ReadFile(folder_ / "tools/unwrap.json");
+  description.replace(description.find(R"("version":"1")"), 13, R"("version":"2")");
+  WriteFile(folder_ / "tools/unwrap.json", description);
+  Replace("unwrap");
+  Run(folder_, "unwrap");
+  EXPECT_EQ(Regions(), json({{"foot", {last - 2, last - 1, last}}}));
+}
+
+TEST_F(PhotoPicks, RegionsThatAreBallsOrCannotBeReadAreNotWrittenOver) {
+  Run(folder_, "unwrap");
+  WriteRegions(Painted(), mesh, {{"head", {}, {0, 0, 1}, 0.2}, {"foot", {0, 1, 2}}});
+  ASSERT_EQ(Paint({{"hand", {5}}}).status, 200);
+  EXPECT_EQ(Regions(), json({{"hand", {5}}}));
+  const std::string text = ReadFile(Painted());
+  EXPECT_THAT(text, HasSubstr(R"("name":"head")"));
+  EXPECT_THAT(text, HasSubstr(R"("radius":0.2)"));
+  WriteFile(Painted(), text + "}");
+  EXPECT_EQ(Ask({"GET", "/api/regions", {}, ""}).status, 400);
+  const Answer refused = Paint({{"foot", {0}}});
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_THAT(refused.bytes, HasSubstr("move regions.json away"));
+  EXPECT_EQ(ReadFile(Painted()), text + "}");
+}
+
+TEST_F(PhotoPicks, AStageThatWasReplacedIsDescribedOnceAsItIsNow) {
+  const auto summaries = [&] {
+    std::vector<std::string> found;
+    for (const json& stage : json::parse(Ask({"GET", "/api/stages", {}, ""}).bytes))
+      if (stage["stage"] == "fit") found.push_back(stage["summary"]);
+    return found;
+  };
+  EXPECT_EQ(summaries(), std::vector<std::string>{"copies"});
+  std::string description = ReadFile(folder_ / "tools/fit.json");
+  description.replace(description.find("copies"), 6, "bends");
+  WriteFile(folder_ / "tools/fit.json", description);
+  Replace("fit");
+  EXPECT_EQ(summaries(), std::vector<std::string>{"bends"});
+}
+
+TEST_F(PhotoPicks, TabsThatAskForSuggestionsAtOnceGetTheirOwn) {
+  Run(folder_, "unwrap");
+  constexpr int kTabs = 4;
+  std::vector<Answer> answers(kTabs);
+  const auto ask = [&](int count) {
+    answers[count] = Ask({"POST",
+                          "/api/landmarks/suggest",
+                          {},
+                          json{{"pose", "rest"}, {"count", count + 1}}.dump()});
+  };
+  Ask({"GET", "/api/project", {}, ""});
+  std::vector<std::thread> tabs;
+  for (int i = 0; i < kTabs; ++i) tabs.emplace_back(ask, i);
+  for (std::thread& tab : tabs) tab.join();
+  for (int i = 0; i < kTabs; ++i) {
+    ASSERT_EQ(answers[i].status, 200) << answers[i].bytes;
+    EXPECT_EQ(json::parse(answers[i].bytes).size(), i + 1u);
+  }
+  for (const auto& entry : fs::directory_iterator(folder_ / ".keypose/studio"))
+    EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("suggested")));
 }
 
 }  // namespace

@@ -115,8 +115,9 @@ void Routes::Tell(const std::string& path) {
   // Photographs come by the hundred; the watch tells of all of them together.
   const bool of_puppet = path.starts_with("/api/armature") && path != "/api/armature/take/use";
   if (path == "/api/photos" || path.starts_with("/api/shoot") || of_puppet) return;
+  if (path == "/api/run" || path == "/api/stop") return;
   watch_->Forget();
-  if (path != "/api/run" && path != "/api/stop") hub_.Send("project", "{}");
+  hub_.Send("project", "{}");
 }
 
 void Routes::Add(const std::string& method, const std::string& path, Handler handler) {
@@ -205,21 +206,23 @@ Answer Routes::Stages() {
   // A program says the same until it is replaced; asking all of them takes seconds.
   const std::lock_guard<std::mutex> lock(described_mutex_);
   std::vector<std::vector<std::string>> commands;
-  std::vector<std::string> keys;
+  std::vector<std::string> keys, asked;
   for (const fs::path& program : programs) {
     const auto stat = pipeline::RealDisk().Stat(program);
     keys.push_back(fmt::format("{} {} {}", program.string(), stat ? stat->mtime_ns : 0,
                                stat ? stat->size : 0));
-    if (described_.contains(keys.back()))
-      keys.pop_back();
-    else
-      commands.push_back({program.string(), "--describe"});
+    if (described_.contains(keys.back())) continue;
+    asked.push_back(keys.back());
+    commands.push_back({program.string(), "--describe"});
   }
   const auto answers = pipeline::RealProcessRunner().Ask(commands);
   for (std::size_t i = 0; i < answers.size(); ++i)
-    if (answers[i].exit_code == 0) described_[keys[i]] = StageJson(answers[i].output);
+    if (answers[i].exit_code == 0) described_[asked[i]] = StageJson(answers[i].output);
+  // Not what programs said that were replaced since, or are used no more.
   json stages = json::array();
-  for (const auto& [key, stage] : described_) stages.push_back(stage);
+  for (const std::string& key : keys)
+    if (const auto stage = described_.find(key); stage != described_.end())
+      stages.push_back(stage->second);
   return JsonAnswer(stages);
 }
 
@@ -254,12 +257,12 @@ void Routes::AddTimeline() {
     return JsonAnswer(With([](Snapshot& now) { return TimelineToPage(now); }));
   });
   Add("PUT", "/api/timeline", [this](const Question& question) {
-    With([&](Snapshot& now) {
+    return JsonAnswer(With([&](Snapshot& now) {
       SaveTimeline(now, question.Json());
-      return 0;
-    });
-    stale_ = true;
-    return JsonAnswer(With([](Snapshot& now) { return TimelineToPage(now); }));
+      stale_ = true;
+      // Within the same turn, so that it is not what another tab has saved meanwhile.
+      return TimelineToPage(Now());
+    }));
   });
 }
 
