@@ -37,22 +37,31 @@ bool IsCommand(const std::string& word) {
   return std::find(kCommands.begin(), kCommands.end(), word) != kCommands.end();
 }
 
+bool IsStage(const std::string& word) {
+  return access((ProgramFolder() / ("keypose-" + word)).c_str(), X_OK) == 0;
+}
+
 /// `keypose report` shows the project's report; with the stage's flags it runs the stage `report`.
 bool MeansStage(int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return false;
   const std::string word = argv[1];
   if (!IsCommand(word)) return true;
-  if (access((ProgramFolder() / ("keypose-" + word)).c_str(), X_OK) != 0) return false;
+  if (!IsStage(word)) return false;
   for (int i = 2; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument.starts_with("--") && argument != "--folder") return true;
+    const std::string argument = argv[i], flag = argument.substr(0, argument.find('='));
+    if (flag.starts_with("--") && flag != "--folder" && flag != "--help") return true;
   }
   return false;
 }
 
+[[noreturn]] void Become(const fs::path& program, char** argv) {
+  execv(program.c_str(), argv);
+  throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
+}
+
 [[noreturn]] void BecomeStage(char** argv) {
   const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
-  if (access(program.c_str(), X_OK) != 0) {
+  if (!IsStage(argv[1])) {
     std::vector<std::string> known = kCommands;
     known.insert(known.end(), {"studio", "shoot"});
     for (const std::string& stage : StageNames()) known.push_back(stage);
@@ -61,8 +70,19 @@ bool MeansStage(int argc, char** argv) {
                     Suggestion(argv[1], known)));
   }
   argv[1] = const_cast<char*>(program.c_str());
-  execv(program.c_str(), argv + 1);
-  throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
+  Become(program, argv + 1);
+}
+
+/// Of a command; where a stage has the same name, also of that.
+ExitCode ShowHelp(const CLI::App& command) {
+  fmt::print("{}", command.help("keypose"));
+  if (!IsStage(command.get_name())) return ExitCode::kOk;
+  fmt::print("\nThe stage of that name, which flags of its own run alone:\n\n");
+  std::fflush(stdout);
+  const fs::path program = ProgramFolder() / ("keypose-" + command.get_name());
+  std::string name = program.string(), flag = "--help";
+  char* words[] = {name.data(), flag.data(), nullptr};
+  Become(program, words);
 }
 
 /// A hint for commands such as `keypose run puppet`.
@@ -99,10 +119,7 @@ class CommandLine {
     try {
       app_.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
-      for (const CLI::App* command : app_.get_subcommands()) {
-        fmt::print("{}", command->help());
-        return ExitCode::kOk;
-      }
+      for (const CLI::App* command : app_.get_subcommands()) return ShowHelp(*command);
       fmt::print("{}", app_.help());
       return ExitCode::kOk;
     } catch (const CLI::ParseError& error) {

@@ -324,6 +324,24 @@ TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {
   EXPECT_EQ(Keypose({"gather", "--describe"}).code, 0) << "`keypose STAGE` becomes the stage";
 }
 
+TEST_F(RunTest, HelpOfACommandIsOfTheCommandThoughAStageHasItsName) {
+  EXPECT_THAT(Keypose({"report", "--help"}).text, HasSubstr("show where the project's report is"));
+  const fs::path stage = root_ / "bin/keypose-report";
+  WriteFile(stage, "#!/bin/sh\necho \"the stage with $*\"\n");
+  fs::permissions(stage, fs::perms::owner_all);
+  for (const char* help : {"--help", "-h"}) {
+    const Ended both = Keypose({"report", help});
+    EXPECT_EQ(both.code, 0);
+    EXPECT_THAT(both.text, ::testing::StartsWith("show where the project's report is"));
+    EXPECT_THAT(both.text, HasSubstr("Usage: keypose report [OPTIONS]"));
+    EXPECT_THAT(both.text, HasSubstr("-C,--folder"));
+    EXPECT_THAT(both.text, ::testing::EndsWith("\nthe stage with --help\n"));
+  }
+  const std::string folder = "--folder=" + (root_ / "hero").string();
+  EXPECT_THAT(Keypose({"report", folder}).text, HasSubstr("there is no report yet"));
+  EXPECT_EQ(Keypose({"report", "--run", "x"}).text, "the stage with --run x\n");
+}
+
 TEST_F(RunTest, DryRunChangesNothing) {
   const Ended ended = Run({"--dry-run"});
   EXPECT_EQ(ended.code, 0);
