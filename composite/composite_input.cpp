@@ -128,9 +128,10 @@ void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
   }
 }
 
-void ReadFilm(const fs::path& path, std::unique_ptr<FilmFiles> files, CompositeInput* input) {
+void ReadFilm(const fs::path& path, std::unique_ptr<FilmFiles> files, CompositeInput* input,
+              Progress* progress) {
   input->film_files = std::move(files);
-  input->film_files->DecodeAll();
+  input->film_files->DecodeAll(progress);
   input->film = input->film_files->pictures();
   for (const FilmPicture& picture : input->film)
     RequireSize(picture.path, input->shot.camera, "the filmed frame");
@@ -158,7 +159,7 @@ void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
         "same move: one numbered plate for each filmed frame, or one for each picture of the "
         "finished shot");
   input->film_stays = true;
-  ReadFilm(film, std::make_unique<FilmFiles>(film), input);
+  ReadFilm(film, std::make_unique<FilmFiles>(film), input, stage.progress());
 }
 
 void ReadPlate(StageContext& stage, CompositeInput* input) {
@@ -169,10 +170,10 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
   const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
   if (input->film_stays || is_film) {
     ReadFilm(folder, folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder),
-             input);
+             input, stage.progress());
   }
   if (!is_film) {
-    plate_files->Decode({0});
+    plate_files->Decode({0}, stage.progress());
     const fs::path path = plate_files->pictures().front().path;
     if (plate_files->pictures().size() > 1)
       stage.Note(
@@ -218,7 +219,7 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   input.plan = PlanFilm(input.shot, numbers, input.times);
   if (!input.shot.still)
     input.passing = std::make_unique<PassingPlates>(stage.Input("plate"), input.plan, numbers,
-                                                    input.shot.camera);
+                                                    input.shot.camera, stage.progress());
   stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
                          input.plan.between, input.plan.held));
   return input;

@@ -229,12 +229,12 @@ struct Partners {
             "locate: one matte for {} pictures; pass a folder with a matte for each, or a video",
             frames.size()));
       mattes->MatchNumbers(film);
-      mattes->Decode(frames);
+      mattes->Decode(frames, 1, stage.progress());
     } else if (stage.Has("background") && !options.quick) {
       plates.emplace(stage.Input("background"), "plate");
       if (options.camera == "still") plates->TakeFirst();
       if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
-      plates->Decode(frames, plates_a_frame);
+      plates->Decode(frames, plates_a_frame, stage.progress());
     }
   }
 };
@@ -368,7 +368,7 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   std::vector<std::pair<FilmPicture, int>> chosen = shows.Chosen(options.camera == "moving");
   ReadMeshes(files, shows, chosen, input);
   const std::vector<int> frames = FramesOf(chosen);
-  input.film->Decode(frames);  // of a video only the pictures that are used
+  input.film->Decode(frames, stage.progress());  // of a video only the pictures that are used
   SetCamera(stage, options, chosen[0].first.path, input);
   input.shot.quick = options.quick;
   const Partners partners(stage, options, pictures, frames);

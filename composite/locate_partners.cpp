@@ -22,12 +22,12 @@ void PartnerFilm::MatchNumbers(const std::vector<FilmPicture>& film) {
   if (within && !single_) offset_ = first - film.front().number;
 }
 
-void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame) {
-  if (single_) return files_.Decode({0});
+void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame, Progress* progress) {
+  if (single_) return files_.Decode({0}, progress);
   std::vector<int> frames;
   for (const int frame : film_frames)
     if (frame * a_frame <= last()) frames.push_back(frame * a_frame);
-  files_.Decode(frames);
+  files_.Decode(frames, progress);
 }
 
 const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const {

@@ -20,7 +20,7 @@ class PartnerFilm {
   /// The first picture is for all.
   void TakeFirst() { single_ = true; }
   /// @param a_frame  numbers of this film for each filmed frame
-  void Decode(const std::vector<int>& film_frames, int a_frame = 1);
+  void Decode(const std::vector<int>& film_frames, int a_frame, Progress* progress);
   int last() const { return files_.pictures().back().frame; }
   /// Where all numbers in this film's names are among those of the filmed pictures, each belongs to
   /// the picture of its own number, also when the first ones are missing. Else, and without this

@@ -15,7 +15,8 @@ namespace keypose::composite {
 namespace fs = std::filesystem;
 
 PassingPlates::PassingPlates(const fs::path& plates, const FilmPlan& plan,
-                             const std::vector<int>& film_frames, const Camera& camera)
+                             const std::vector<int>& film_frames, const Camera& camera,
+                             Progress* progress)
     : files_(plates), start_(plan.start), per_frame_(plan.per_frame), camera_(camera) {
   const std::vector<FilmPicture>& pictures = files_.pictures();
   if (pictures.size() < 2)
@@ -25,7 +26,7 @@ PassingPlates::PassingPlates(const fs::path& plates, const FilmPlan& plan,
         "finished shot, such as motion control shoots of the empty set",
         PrintableName(plates)));
   step_ = PlatesAFrame(pictures.back().frame, film_frames.back()) == 1 ? per_frame_ : 1;
-  files_.DecodeAll();
+  files_.DecodeAll(progress);
   for (const int frame : film_frames)
     if (!Find(frame * per_frame_))
       throw InputError(fmt::format(

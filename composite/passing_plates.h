@@ -13,11 +13,11 @@ namespace keypose::composite {
 /// shot. A plate that is missing between two filmed frames is made from theirs.
 class PassingPlates {
  public:
-  /// Reads no picture yet.
+  /// Decodes a video; reads no picture yet.
   /// @param film_frames  numbers of the filmed frames, ascending
   /// @throws InputError  a filmed frame without a plate; fewer plates than filmed frames
   PassingPlates(const std::filesystem::path& plates, const FilmPlan& plan,
-                const std::vector<int>& film_frames, const Camera& camera);
+                const std::vector<int>& film_frames, const Camera& camera, Progress* progress);
   /// @throws InputError  of another size than the camera's
   PassingPlate At(int animation);
 

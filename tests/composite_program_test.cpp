@@ -2,11 +2,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "composite/composing/join.h"
@@ -15,6 +18,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
 #include "core/io/shot_io.h"
+#include "core/io/testing_folder.h"
 #include "synth/shot_command.h"
 #include "tests/run_program.h"
 #include "views/film/mp4.h"
@@ -62,10 +66,11 @@ struct PaintedFaces {
 /// A generated shot, and its true animation as frames and texture: made once for all tests.
 class GeneratedShot : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { Film("keypose_composite_", {}); }
+  static void SetUpTestSuite() { Film({}); }
   /// @param command  what differs from the test's shot
-  static void Film(const std::string& name, synth::ShotCommand command) {
-    folder_ = fs::temp_directory_path() / (name + std::to_string(getpid()));
+  static void Film(synth::ShotCommand command) {
+    own_ = std::make_unique<TestingFolder>();
+    folder_ = own_->path();
     command.output = folder_;
     command.shows = {{0, "rest"}, {2, "wave"}};
     command.world.spacing_m = 0.004;
@@ -76,7 +81,7 @@ class GeneratedShot : public ::testing::Test {
     WriteFrames(command);
     WriteShot();
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { own_.reset(); }
 
   static void WriteFrames(const synth::ShotCommand& command) {
     const synth::World world = synth::MakeWorld(command.world);
@@ -102,9 +107,8 @@ class GeneratedShot : public ::testing::Test {
     WriteFile(folder_ / "shot.json", ShotText(shot));
   }
 
-  static RunResult Composite(const std::string& output,
-                             const std::map<std::string, std::string>& other = {},
-                             const std::vector<std::string>& environment = {}) {
+  static std::vector<std::string> Words(const std::string& output,
+                                        const std::map<std::string, std::string>& other) {
     std::map<std::string, std::string> flags = {{"frames", "frames"},  {"textures", "texture.png"},
                                                 {"shot", "shot.json"}, {"plate", "film"},
                                                 {"filmed", "film"},    {"pictures", output},
@@ -117,7 +121,12 @@ class GeneratedShot : public ::testing::Test {
       const bool path = fs::exists(folder_ / value) || name == "pictures" || name == "report";
       arguments.push_back(path ? (folder_ / value).string() : value);
     }
-    return RunProgram(arguments, folder_, environment);
+    return arguments;
+  }
+  static RunResult Composite(const std::string& output,
+                             const std::map<std::string, std::string>& other = {},
+                             const std::vector<std::string>& environment = {}) {
+    return RunProgram(Words(output, other), folder_, environment);
   }
 
   static double PsnrOf(const std::string& pictures, int n) {
@@ -134,6 +143,7 @@ class GeneratedShot : public ::testing::Test {
     return composite::PsnrWithin(mine, truth, box);
   }
 
+  static inline std::unique_ptr<TestingFolder> own_;
   static fs::path folder_;
 };
 fs::path GeneratedShot::folder_;
@@ -226,6 +236,31 @@ TEST_F(GeneratedShot, OfSeveralPlatesOfAStillCameraTheFirstIsTaken) {
   EXPECT_THAT(result.output, HasSubstr("of 2 plates the first one, take_1.png, is taken"));
   ASSERT_EQ(Composite("of_one", one).exit_code, 0);
   EXPECT_EQ(ReadFile(folder_ / "several/0001.png"), ReadFile(folder_ / "of_one/0001.png"));
+}
+
+TEST_F(GeneratedShot, CtrlCWhileAFilmIsDecodedEndsItAndLeavesNothing) {
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  Mp4Writer writer(folder_ / "long.mp4", 64, 48, 12);
+  for (int i = 0; i < 6000; ++i) writer.Add(Image8(64, 48, 3, static_cast<std::uint8_t>(i % 200)));
+  writer.Finish();
+  const fs::path scratch = folder_ / "scratch";
+  fs::create_directories(scratch);
+  const auto decoded = [&] {
+    for (const auto& film : fs::directory_iterator(scratch))
+      if (fs::exists(film.path() / "0010.png")) return true;
+    return false;
+  };
+  Program program(Words("stopped", {{"plate", "long.mp4"}, {"filmed", "long.mp4"}}), folder_,
+                  {"TMPDIR=" + scratch.string()});
+  while (program.running() && !decoded()) usleep(10'000);
+  ASSERT_TRUE(program.running());
+  const auto asked = std::chrono::steady_clock::now();
+  program.SendSignal(SIGINT);
+  // If it decoded on, it would find at the end that the film has another size than the shot.
+  EXPECT_EQ(program.Wait(60).exit_code, 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(2));
+  EXPECT_TRUE(fs::is_empty(scratch));
+  EXPECT_FALSE(fs::exists(folder_ / "stopped"));
 }
 
 TEST_F(GeneratedShot, AHoldoutKeepsThePropInFront) {
@@ -334,7 +369,7 @@ class MovingShot : public GeneratedShot {
   static void SetUpTestSuite() {
     synth::ShotCommand command;
     command.swing_deg = 6, command.dolly_m = 0.03;
-    Film("keypose_moving_", command);
+    Film(command);
     FilmedShot shot = ReadShot(folder_ / "truth/shot/shot.json");  // all that was filmed
     for (ShotFrame& frame : shot.frames) frame.world_from_character = {};
     WriteFile(folder_ / "shot.json", ShotText(shot));

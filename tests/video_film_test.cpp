@@ -1,13 +1,13 @@
 // Films that are videos: the pictures that are decoded, and files that are no whole video.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "composite/film/film_files.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/movie_header.h"
+#include "core/io/testing_folder.h"
 #include "views/film/mp4.h"
 #include "views/shot/shot.h"
 
@@ -20,17 +20,15 @@ using ::testing::HasSubstr;
 
 constexpr int kWidth = 64, kHeight = 48, kFrames = 6;
 
-class Video : public ::testing::Test {
+class Video : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
-    fs::create_directories(folder_);
     Mp4Writer writer(film_, kWidth, kHeight, 12.5);
     for (int i = 0; i < kFrames; ++i)
       writer.Add(Image8(kWidth, kHeight, 3, static_cast<std::uint8_t>(40 * i)));
     writer.Finish();
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   /// What is wrong with a file of these bytes.
   std::string Fault(const std::string& bytes) {
@@ -44,7 +42,6 @@ class Video : public ::testing::Test {
     return "none";
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("keypose_video_" + std::to_string(getpid()));
   fs::path film_ = folder_ / "take.mp4";
 };
 
@@ -127,6 +124,17 @@ class Stopping : public Progress {
  private:
   mutable int left_;
 };
+
+TEST_F(Video, DecodingStopsWhenItIsAskedTo) {
+  FilmFiles film(film_);
+  Stopping soon(5);
+  EXPECT_THROW(film.DecodeAll(&soon), Cancelled);
+  EXPECT_TRUE(fs::exists(film.pictures().front().path));
+  EXPECT_FALSE(fs::exists(film.pictures().back().path));
+  FilmFiles again(film_);
+  Stopping on_the_way(4);
+  EXPECT_THROW(again.Decode({kFrames - 1}, &on_the_way), Cancelled) << "between wanted frames";
+}
 
 TEST_F(Video, FoldersStayWhatTheyAre) {
   WriteImage(folder_ / "a_0003.png", Image8(8, 8, 3)),

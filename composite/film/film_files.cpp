@@ -56,12 +56,11 @@ void FilmFiles::Decode(const std::vector<int>& frames, Progress* progress) {
   FrameReader reader(source);
   int done = 0;
   for (const int frame : frames) {
-    if (progress && progress->cancelled()) throw Cancelled();
     ReportProgress(progress, static_cast<double>(done) / SizeOf(frames), "decoding the film");
     const fs::path& to = pictures_.at(static_cast<std::size_t>(frame)).path;
     if (!fs::exists(to)) {
       try {
-        WritePng(to, reader.Read(frame, 3));
+        WritePng(to, reader.Read(frame, 3, progress));
       } catch (const InputError& error) {
         if (done > 0 || frame > 0) throw;
         throw InputError(

@@ -35,6 +35,7 @@ class FilmFiles {
   /// @param frames  ascending
   /// @throws InputError  no decoder for it; data that cannot be decoded; names file and frame
   /// @throws DiskError
+  /// @throws Cancelled  before the next frame of the video
   void Decode(const std::vector<int>& frames, Progress* progress = nullptr);
   void DecodeAll(Progress* progress = nullptr);
 

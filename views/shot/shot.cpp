@@ -191,7 +191,7 @@ FrameReader::~FrameReader() = default;
 FrameReader::FrameReader(FrameReader&&) noexcept = default;
 FrameReader& FrameReader::operator=(FrameReader&&) noexcept = default;
 
-Image8 FrameReader::Read(int frame, int channels) {
+Image8 FrameReader::Read(int frame, int channels, const Progress* progress) {
   const FrameSource& source = impl_->source;
   if (frame < 0 || frame >= source.frames)
     throw UsageError("frame " + std::to_string(frame) + " was asked for, but there are " +
@@ -203,6 +203,7 @@ Image8 FrameReader::Read(int frame, int channels) {
   }
   cv::Mat picture;
   for (; impl_->next <= frame; ++impl_->next) {
+    if (progress && progress->cancelled()) throw Cancelled();
     const bool last = impl_->next == frame;
     if (last ? !impl_->video.read(picture) : !impl_->video.grab())
       throw InputError("frame " + std::to_string(impl_->next) + " of " +

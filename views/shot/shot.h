@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/progress.h"
 
 namespace keypose {
 
@@ -55,9 +56,10 @@ class FrameReader {
   FrameReader& operator=(FrameReader&&) noexcept;
 
   /// @param channels  1 (luma) or 3 (RGB)
+  /// @param progress  asked for cancel before each frame of a video that is decoded; may be null
   /// @throws InputError  it cannot be decoded; names the file and the frame
   /// @throws UsageError  no such frame
-  Image8 Read(int frame, int channels);
+  Image8 Read(int frame, int channels, const Progress* progress = nullptr);
 
  private:
   struct Impl;
