@@ -231,15 +231,9 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   if (input.passing)
     film.plate_at = [plates = input.passing.get()](int animation) { return plates->At(animation); };
   film.read = [&input](int i) { return ReadImage(input.film[i].path, 3); };
-  int start = 0;
-  for (const ShotFrame& frame : input.shot.frames)
-    if (!frame.pose.empty()) {
-      start = frame.frame;
-      break;
-    }
   for (int i = 0; i < SizeOf(input.film); ++i) {
     FilmedPicture picture{i, 0, -1};
-    const int shown = (input.film[i].frame - start) * input.plan.per_frame;
+    const int shown = (input.film[i].frame - input.plan.first_frame) * input.plan.per_frame;
     picture.shows = shown >= 0 && shown < SizeOf(input.frames);
     picture.animation = std::clamp(shown, 0, SizeOf(input.frames) - 1);
     for (int a = 0; a < SizeOf(geometry.anchors()); ++a) {

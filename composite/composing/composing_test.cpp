@@ -58,6 +58,17 @@ TEST(ShotGeometry, LocatedFramesAreWhereTheyWereFound) {
   EXPECT_NEAR(table.up.z(), 1, 1e-12);
 }
 
+TEST(ShotGeometry, ACameraAloneMayBeFoundLateInItsFilm) {
+  const std::vector<Mesh> frames = RollingBall();
+  FilmedShot shot = ShotOfTwo();
+  for (ShotFrame& frame : shot.frames) frame.frame += 7, frame.pose.clear();
+  const AnimationTimes times{24, 5, {}, {}};
+  const ShotGeometry geometry(shot, PlanFilm(shot, {}, times), frames, times);
+  ASSERT_EQ(geometry.anchors().size(), 2u);
+  EXPECT_EQ(geometry.anchors()[0].animation, 0);
+  EXPECT_EQ(geometry.anchors()[1].animation, 4);
+}
+
 TEST(ShotGeometry, ShiftsGoStraightFromFrameToFrame) {
   const std::vector<Mesh> frames = RollingBall();
   const FilmedShot shot = ShotOfTwo();

@@ -31,18 +31,12 @@ std::vector<CameraKnot> KnotsOf(const FilmedShot& shot, const std::vector<Anchor
 ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
                            const std::vector<Mesh>& frames, const AnimationTimes& times)
     : shot_(shot), frames_(frames), t_(times.t) {
-  int start = 0;
-  for (const ShotFrame& frame : shot.frames)
-    if (!frame.pose.empty()) {
-      start = frame.frame * plan.per_frame;
-      break;
-    }
   if (SizeOf(t_) != SizeOf(frames)) {
     t_.resize(frames.size());
     for (std::size_t i = 0; i < t_.size(); ++i) t_[i] = static_cast<double>(i);
   }
   for (int i = 0; i < SizeOf(shot.frames); ++i) {
-    const int shown = shot.frames[i].frame * plan.per_frame - start;
+    const int shown = (shot.frames[i].frame - plan.first_frame) * plan.per_frame;
     if (shown >= 0 && shown < SizeOf(frames)) anchors_.push_back({shown, i});
   }
   if (anchors_.empty())

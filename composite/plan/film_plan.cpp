@@ -64,7 +64,8 @@ FilmPlan PlanFilm(const FilmedShot& shot, const std::vector<int>& film_frames,
                   const AnimationTimes& animation) {
   FilmPlan plan;
   plan.per_frame = PicturesPerFrame(shot.fps, animation.fps);
-  plan.start = FirstKeyedFrame(shot, !film_frames.empty()) * plan.per_frame;
+  plan.first_frame = FirstKeyedFrame(shot, !film_frames.empty());
+  plan.start = plan.first_frame * plan.per_frame;
   RequireKeysThere(shot, animation, plan);
   const int last_filmed = film_frames.empty() ? 0 : film_frames.back() * plan.per_frame;
   const int count = std::max(last_filmed, plan.start + animation.frame_count - 1) + 1;

@@ -32,6 +32,7 @@ struct FilmPlan {
   std::vector<PlannedPicture> pictures;   ///< at the animation's rate, from the film's first frame
   int per_frame = 2;                      ///< pictures a filmed frame
   int start = 0;                          ///< the picture that shows the animation's frame 0
+  int first_frame = 0;                    ///< the film's frame in which that is
   int filmed = 0, between = 0, held = 0;  ///< counts
 };
 

@@ -59,6 +59,7 @@ TEST(PlanFilm, GapsInTheFilmAreFilledAndEndsStand) {
       PlanFilm(ShotWith({{1, "rest"}, {4, "wave"}}), {0, 1, 2, 4, 5}, {24, 7, {0, 6}, {}});
   EXPECT_EQ(KindsOf(plan), "FHFBFBBBFHF");
   EXPECT_EQ(plan.start, 2);
+  EXPECT_EQ(plan.first_frame, 1);
   EXPECT_EQ(plan.pictures[1].filmed, 0);
   EXPECT_EQ(plan.pictures[6].animation, 4);
   EXPECT_EQ(plan.held, 2);
@@ -74,6 +75,7 @@ TEST(PlanFilm, WithoutFilmACameraIsEnough) {
   const FilmPlan plan = PlanFilm(ShotWith({{2, ""}, {3, ""}}), {}, {24, 3, {0, 2}, {}});
   EXPECT_EQ(KindsOf(plan), "BBB");
   EXPECT_EQ(plan.pictures[0].animation, 0);
+  EXPECT_EQ(plan.first_frame, 2);
 }
 
 TEST(PlanFilm, WhatDoesNotFitIsRefused) {
