@@ -39,7 +39,17 @@ TEST_F(CaptureProgram, EmptyFolderIsAnInputError) {
   const Outcome outcome = Run();
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.output, HasSubstr("has no photographs"));
+  EXPECT_THAT(outcome.output, HasSubstr("RAW: .cr2"));
   EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, PicturesOfOtherFormatsAreCountedAndWhatToDoIsSaid) {
+  WriteFile(photos / "a.webp", "");
+  WriteFile(photos / "b.ppm", "");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("1 .ppm (b.ppm), 1 .webp (a.webp)"));
+  EXPECT_THAT(outcome.output, HasSubstr("as JPEG or PNG"));
 }
 
 TEST_F(CaptureProgram, TwoSizesAreAnInputErrorThatNamesThem) {

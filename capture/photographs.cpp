@@ -174,8 +174,8 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
 /// Reports why no photographs were found, and what to do.
 [[noreturn]] void FailForWantOfPhotographs(const fs::path& folder) {
   const std::vector<fs::path> others = IgnoredFiles(folder, {});
-  const std::string start =
-      "capture: " + folder.string() + " has no photographs (" + kReadablePhotographs + ")";
+  const std::string start = "capture: " + folder.string() + " has no photographs (" +
+                            kReadablePhotographs + "; RAW: " + kReadableRaw + ")";
   if (others.empty()) throw InputError(start + "; check the folder's path");
   const std::string cure = CureFor(others);
   throw InputError(start + "; there are " + KindsOf(others) + "; " +

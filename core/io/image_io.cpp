@@ -50,11 +50,11 @@ std::string RequireKnownKind(const fs::path& path) {
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(in.gcount()));
   const std::string kind = ImageKindOf(head);
-  if (kind.empty())
-    throw InputError(
-        "cannot read image " + path.string() + ": its first bytes are not those of a " + kKinds +
-        " file, although its name may say so; save it as JPEG or PNG, or leave it out");
-  return kind;
+  if (!kind.empty()) return kind;
+  const std::string other = OtherKindOf(head);
+  throw InputError("cannot read image " + path.string() + ": it is " +
+                   (other.empty() ? "no" : other + ", and no") + " " + kKinds +
+                   " file, whatever its name says; save it as JPEG or PNG, or leave it out");
 }
 
 [[noreturn]] void ThrowDamaged(const fs::path& path, const std::string& reason) {

@@ -176,6 +176,40 @@ TEST_F(ImageIo, TruncatedJpegThrowsAndNamesTheFile) {
   }
 }
 
+TEST_F(ImageIo, PicturesOfOtherFormatsAreCalledWhatTheyAre) {
+  const std::vector<std::pair<std::string, std::string>> others = {
+      {std::string("RIFF\x24\0\0\0WEBPVP8 ", 16), "a WebP picture"},
+      {"BM6\x04", "a BMP picture"},
+      {"P6\n4 4\n255\n", "a PPM, PGM or PBM picture"},
+      {std::string("\0\0\0\x1c"
+                   "ftypavif\0\0\0\0avifmif1",
+                   24),
+       "an AVIF picture"},
+      {std::string("\0\0\0\x14"
+                   "ftypqt  \0\0\0\0qt  ",
+                   20),
+       "a video"},
+      {"<!DOCTYPE html><html>", "a web page"}};
+  const auto told = [&](const std::string& bytes) -> std::string {
+    const fs::path file = folder_ / "of_another_kind.jpg";
+    WriteFile(file, bytes + std::string(60, '\0'));
+    try {
+      ReadImage(file, 3);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const auto& [bytes, kind] : others) {
+    EXPECT_NE(told(bytes).find("it is " + kind + ", and no JPEG, PNG, TIFF or HEIC file"),
+              std::string::npos)
+        << told(bytes);
+    EXPECT_NE(told(bytes).find("save it as JPEG or PNG"), std::string::npos);
+  }
+  EXPECT_NE(told("RIFF, but no picture").find("it is no JPEG"), std::string::npos);
+  EXPECT_NE(told("P6").find("it is no JPEG"), std::string::npos);
+}
+
 TEST_F(ImageIo, ResizingKeepsTheMean) {
   Image8 image(64, 64, 1);
   for (int y = 0; y < 64; ++y)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace keypose {
 
@@ -83,6 +84,33 @@ std::string ImageKindOf(std::string_view head) {
   for (const std::string_view mark : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
     if (head.starts_with(mark)) return "tiff";
   return IsHeif(head) ? "heif" : "";
+}
+
+std::string OtherKindOf(std::string_view head) {
+  using std::string_view_literals::operator""sv;
+  constexpr std::array<std::pair<std::string_view, const char*>, 12> kOthers = {
+      {{"GIF8"sv, "a GIF picture"},
+       {"BM"sv, "a BMP picture"},
+       {"8BPS"sv, "a Photoshop document"},
+       {"\x76\x2f\x31\x01"sv, "an OpenEXR picture"},
+       {"\xff\x0a"sv, "a JPEG XL picture"},
+       {"\0\0\0\x0cJXL "sv, "a JPEG XL picture"},
+       {"\0\0\0\x0cjP  "sv, "a JPEG 2000 picture"},
+       {"#?RADIANCE"sv, "a Radiance picture"},
+       {"%PDF"sv, "a PDF document"},
+       {"<!DOCTYPE"sv, "a web page"},
+       {"<html"sv, "a web page"},
+       {"PK\x03\x04"sv, "a ZIP file"}}};
+  const bool netpbm = head.size() > 2 && head[0] == 'P' && head[1] >= '1' && head[1] <= '7' &&
+                      std::string_view(" \t\r\n").find(head[2]) != kNone;
+  if (netpbm) return "a PPM, PGM or PBM picture";
+  const std::string_view box = head.size() < 12 ? "" : head.substr(4, 8);
+  if (head.starts_with("RIFF") && box.ends_with("WEBP")) return "a WebP picture";
+  if (box.starts_with("ftyp"))
+    return box.substr(4).starts_with("avi") ? "an AVIF picture" : "a video";
+  for (const auto& [start, kind] : kOthers)
+    if (head.starts_with(start)) return kind;
+  return "";
 }
 
 bool IsWholeImage(std::string_view bytes, const std::string& kind) {

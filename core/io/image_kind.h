@@ -19,6 +19,11 @@ inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 /// @param head  the first 4096 bytes, or all of a shorter file
 std::string ImageKindOf(std::string_view head);
 
+/// What a file is that ImageKindOf does not know, for messages: "a WebP picture", "a web page"; ""
+/// if that is not known either.
+/// @param head  its first bytes
+std::string OtherKindOf(std::string_view head);
+
 /// Whether a JPEG has its end marker (not only that of an embedded thumbnail), or a PNG its last
 /// chunk. True for other formats.
 /// @param bytes  the whole file

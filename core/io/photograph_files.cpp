@@ -30,7 +30,9 @@ constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
                                              ".dng", ".raf", ".orf", ".rw2"};
 constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
 constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
-constexpr std::array<const char*, 5> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd"};
+constexpr std::array<const char*, 15> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
+                                                        ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
+                                                        ".jp2",  ".tga",  ".exr", ".hdr", ".jfif"};
 
 }  // namespace
 
@@ -86,7 +88,9 @@ std::string CureFor(const std::vector<fs::path>& files) {
     add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
   if (some(kVideo))
     add("take photographs rather than a film, or save its sharpest pictures as JPEG");
-  if (some(kOtherPictures)) add("save pictures of other formats as JPEG or PNG");
+  if (some(kOtherPictures))
+    add("save pictures of other formats as JPEG or PNG, in any picture program or with "
+        "ImageMagick's `mogrify -format png FILES`");
   return cure;
 }
 

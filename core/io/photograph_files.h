@@ -10,6 +10,8 @@ namespace keypose {
 /// The extensions that are read, for messages.
 inline const char* const kReadablePhotographs =
     ".jpg, .jpeg, .png, .tif, .tiff, .heic, .heif, .hif";
+/// Those of RAW files, which `capture` develops where there are no others.
+inline const char* const kReadableRaw = ".cr2, .cr3, .nef, .arw, .dng, .raf, .orf, .rw2";
 
 /// @return whether the name's extension (any case) is one of kReadablePhotographs
 bool IsPhotographName(const std::filesystem::path& file);

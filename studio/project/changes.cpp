@@ -228,8 +228,12 @@ void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::strin
   if (!IsPhotographName(name))
     throw UsageError(
         fmt::format("'{}' is no photograph that can be read ({})", name, kReadablePhotographs));
-  if (const std::string kind = ImageKindOf(std::string_view(bytes).substr(0, 4096));
-      kind.empty() || !IsWholeImage(bytes, kind))
+  const std::string_view head = std::string_view(bytes).substr(0, 4096);
+  const std::string kind = ImageKindOf(head), other = OtherKindOf(head);
+  if (kind.empty() && !other.empty())
+    throw UsageError(
+        fmt::format("'{}' is {}, whatever its name says; save it as JPEG or PNG", name, other));
+  if (kind.empty() || !IsWholeImage(bytes, kind))
     throw UsageError(fmt::format("'{}' is not a whole picture that can be read ({})", name,
                                  kReadablePhotographs));
   const fs::path folder = snapshot.PhotoFolder(pose), file = folder / name;

@@ -4,7 +4,7 @@
 const kPhotographs = 'jpg jpeg png tif tiff heic heif hif'.split(' ')
 /** What a camera writes beside or instead of them. */
 const kRaw = 'dng cr2 cr3 nef arw raf orf rw2'.split(' ')
-const kOtherPictures = 'webp avif bmp gif psd'.split(' ')
+const kOtherPictures = 'webp avif bmp gif psd ppm pgm pbm pnm jxl jp2 tga exr hdr jfif'.split(' ')
 /** Kinds that a browser cannot draw as thumbnails. */
 const kUndrawn = 'tif tiff heic heif hif'.split(' ')
 
