@@ -21,6 +21,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/poses_io.h"
+#include "core/io/testing_folder.h"
 #include "core/io/timeline.h"
 #include "core/mesh_checks.h"
 #include "core/testing_shapes.h"
@@ -30,18 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class HostileFile : public testing::Test {
+class HostileFile : public testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_hostile_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path Put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
-  }
   fs::path PutJpeg(const std::string& name, int width = 320, int height = 240) const {
     Image8 image(width, height, 3);
     for (std::size_t k = 0; k < image.data.size(); ++k)
@@ -71,8 +62,6 @@ class HostileFile : public testing::Test {
     EXPECT_EQ(info, Message<InputError>(file, [&] { ReadImage(file); }));
     return info;
   }
-
-  fs::path folder_;
 };
 
 /// A lower bound of the peak memory that `work` adds to this process.

@@ -3,12 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -85,8 +85,8 @@ TEST(JsonPick, PixelsNumbersAndNames) {
 }
 
 TEST(ReadJson, FaultsNameTheFile) {
-  const auto path =
-      std::filesystem::path(testing::TempDir()) / ("pick" + std::to_string(::getpid()) + ".json");
+  const TestingFolder folder;
+  const auto path = folder.path() / "pick.json";
   WriteFileAtomically(path, R"({"a": [1]})");
   EXPECT_EQ(ReadJson<json>(path)["a"][0], 1);
   for (const std::string& bad : {std::string("{"), std::string(200, '[')}) {
@@ -98,7 +98,6 @@ TEST(ReadJson, FaultsNameTheFile) {
       EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
     }
   }
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include "core/errors.h"
 #include "core/io/bvh_io.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 
 namespace keypose {
@@ -84,17 +84,8 @@ TEST(EulerZyx, RotatesBack) {
   }
 }
 
-class RigTest : public testing::Test {
+class RigTest : public testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_rig_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path Put(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   static std::vector<View> Ring() {
     std::vector<View> views;
     for (int i = 0; i < 4; ++i) {
@@ -116,7 +107,6 @@ class RigTest : public testing::Test {
       EXPECT_LT((a[i].Center() - b[i].Center()).norm(), 1e-6) << i;
     }
   }
-  fs::path folder_;
 };
 
 TEST_F(RigTest, OpenCvYamlReadsBack) {

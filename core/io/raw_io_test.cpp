@@ -1,7 +1,6 @@
 #include "core/io/raw_io.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "core/io/files.h"
 #include "core/io/photograph_files.h"
 #include "core/io/testing_dng.h"
+#include "core/io/testing_folder.h"
 #include "core/srgb.h"
 
 namespace keypose {
@@ -24,13 +24,8 @@ const std::array<Colour, 4> kPatches = {
     {{0.18, 0.18, 0.18}, {0.5, 0.2, 0.1}, {0.1, 0.3, 0.4}, {0.05, 0.06, 0.04}}};
 constexpr int kPatch_px = 64, kHeight_px = 96;
 
-class Raw : public testing::Test {
+class Raw : public testing::Test, public TestingFolder {
  protected:
-  Raw() : folder_(fs::temp_directory_path() / ("keypose_raw_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Raw() override { fs::remove_all(folder_); }
-
   fs::path Patches(const DngOptions& options) const {
     ImageF linear(kPatch_px * static_cast<int>(kPatches.size()), kHeight_px, 3);
     for (int y = 0; y < linear.height; ++y)
@@ -41,8 +36,6 @@ class Raw : public testing::Test {
     WriteDng(file, linear, options);
     return file;
   }
-
-  fs::path folder_;
 };
 
 void ExpectPatches(const Image8& image, bool turned) {

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose {
 namespace {
@@ -107,10 +107,8 @@ TEST(ShotFile, FaultsNameFrameAndField) {
   EXPECT_THROW(ParseShot("[1]", "shot.json"), InputError);
 }
 
-class FilmFolder : public ::testing::Test {
+class FilmFolder : public ::testing::Test, public TestingFolder {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   void Touch(const std::string& name) { std::ofstream(folder_ / name) << "x"; }
   std::string Fault() {
     try {
@@ -120,7 +118,6 @@ class FilmFolder : public ::testing::Test {
     }
     return "none";
   }
-  fs::path folder_ = fs::temp_directory_path() / ("keypose_film_" + std::to_string(getpid()));
 };
 
 TEST_F(FilmFolder, NumbersAreTimesFromTheFirstPicture) {

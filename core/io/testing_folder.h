@@ -17,12 +17,7 @@ namespace fs = std::filesystem;
 /// the object. A base of fixtures, or a variable of a test.
 class TestingFolder {
  public:
-  TestingFolder() {
-    std::string name = (fs::temp_directory_path() / "keypose_test_XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      throw std::runtime_error("no folder for the test in " + fs::temp_directory_path().string());
-    folder_ = name;
-  }
+  TestingFolder() : folder_(NewFolder()) {}
   ~TestingFolder() {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
@@ -39,7 +34,16 @@ class TestingFolder {
   }
 
  protected:
-  fs::path folder_;
+  const fs::path folder_;  ///< without links, as programs say it
+
+ private:
+  static fs::path NewFolder() {
+    const fs::path all = fs::canonical(fs::temp_directory_path());
+    std::string name = (all / "keypose_test_XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      throw std::runtime_error("no folder for the test in " + all.string());
+    return name;
+  }
 };
 
 }  // namespace keypose

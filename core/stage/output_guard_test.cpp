@@ -1,9 +1,9 @@
 #include "core/stage/output_guard.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 
@@ -37,11 +37,9 @@ void CopyPhotographs(StageContext& stage, const NoOptions&) {
   if (stage.Has("note")) WriteFile(stage.Output("note"), "done");
 }
 
-class OutputGuardTest : public testing::Test {
+class OutputGuardTest : public testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    folder_ =
-        fs::canonical(fs::temp_directory_path()) / ("keypose_guard_" + std::to_string(::getpid()));
     fs::create_directories(folder_ / "shoot");
     WriteFile(folder_ / "shoot/a.jpg", "original");
     before_ = fs::current_path();
@@ -49,7 +47,6 @@ class OutputGuardTest : public testing::Test {
   }
   void TearDown() override {
     fs::current_path(before_);
-    fs::remove_all(folder_);
     ::unsetenv("KEYPOSE_PROGRESS_FD");
   }
   int Run(std::vector<std::string> arguments) {
@@ -68,7 +65,7 @@ class OutputGuardTest : public testing::Test {
       count += entry.path().filename().string().starts_with(".");
     return count;
   }
-  fs::path folder_, before_;
+  fs::path before_;
   std::string error_;
 };
 

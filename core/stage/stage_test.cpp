@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "core/size_of.h"
 
 namespace keypose {
@@ -54,14 +55,9 @@ void CopyStage(StageContext& stage, const TestOptions& options) {
   if (options.mode == "bug") throw std::logic_error("a bug");
 }
 
-class StageTest : public testing::Test {
+class StageTest : public testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("keypose_stage_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    WriteFile(folder_ / "in.txt", "clay ");
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { WriteFile(folder_ / "in.txt", "clay "); }
   int Run(std::vector<std::string> extra) {
     std::vector<std::string> arguments{"keypose-test",
                                        "--text",
@@ -82,7 +78,6 @@ class StageTest : public testing::Test {
     return static_cast<int>(
         std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
   }
-  fs::path folder_;
   std::string error_;
 };
 
