@@ -1,13 +1,13 @@
 // `keypose armature bake` and `live` as programs, on the generated theropod.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -22,6 +22,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::armature {
 namespace {
@@ -30,9 +31,8 @@ namespace fs = std::filesystem;
 
 class LivePrograms : public testing::Test {
  protected:
-  LivePrograms() : folder_(fs::temp_directory_path() / ("live_" + std::to_string(getpid()))) {
+  LivePrograms() {
     if (!fs::exists(folder_ / "t")) {
-      fs::create_directories(folder_);
       EXPECT_EQ(Run("example --folder " + Path("t") + " --vertices 3000"), 0) << Err();
     }
   }
@@ -40,9 +40,8 @@ class LivePrograms : public testing::Test {
     for (const auto& entry : fs::directory_iterator(folder_))
       if (entry.path().filename() != "t") fs::remove_all(entry.path());
   }
-  static void TearDownTestSuite() {
-    fs::remove_all(fs::temp_directory_path() / ("live_" + std::to_string(getpid())));
-  }
+  static void SetUpTestSuite() { made_ = std::make_unique<TestingFolder>(); }
+  static void TearDownTestSuite() { made_.reset(); }
 
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }
   std::string Puppet() const {
@@ -73,7 +72,9 @@ class LivePrograms : public testing::Test {
     WriteFile(folder_ / "curves.json", CurvesJson(armature, curves));
   }
 
-  fs::path folder_;
+  /// Of all these tests: the example is made once.
+  static inline std::unique_ptr<TestingFolder> made_;
+  const fs::path folder_ = made_->path();
 };
 
 TEST_F(LivePrograms, BakeHoldsFramesOnTwos) {

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/io/colmap_io.h"
@@ -12,6 +13,7 @@
 #include "core/io/image_set.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/kd_tree.h"
 #include "core/ray_scene.h"
 
@@ -32,9 +34,8 @@ int Call(const std::string& program, const std::string& words, const fs::path& l
 class FitProgram : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = fs::path(testing::TempDir()) / "keypose_fit_program";
-    fs::remove_all(folder);
-    fs::create_directories(folder);
+    own = std::make_unique<TestingFolder>();
+    folder = own->path();
     const std::string f = folder.string();
     Make("synth", "photos --output " + f + "/world --poses rest,limbs --views 20 --few limbs=6 " +
                       "--width 640 --spacing 0.005 --seed 5 --pose-seed 5");
@@ -48,7 +49,7 @@ class FitProgram : public testing::Test {
                      "/world/truth/rest/cameras --texture_size 1024 --hold_out 0 --texture " + f +
                      "/template.png");
   }
-  static void TearDownTestSuite() { fs::remove_all(folder); }
+  static void TearDownTestSuite() { own.reset(); }
 
   static void Make(const std::string& program, const std::string& words) {
     ASSERT_EQ(Call(program, words, folder / "log"), 0)
@@ -78,6 +79,7 @@ class FitProgram : public testing::Test {
     return nlohmann::json::parse(ReadFile(folder / "score.json"))["correspondence"];
   }
 
+  static inline std::unique_ptr<TestingFolder> own;
   static inline fs::path folder;
 };
 

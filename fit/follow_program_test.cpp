@@ -1,7 +1,6 @@
 // The program keypose-follow, as a user starts it.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/testing_folder.h"
 #include "fit/testing/breathing_ball.h"
 
 namespace keypose::fit {
@@ -23,18 +23,15 @@ namespace fs = std::filesystem;
 
 constexpr int kFilmed = 3;
 
-class Follow : public testing::Test {
+class Follow : public testing::Test, public TestingFolder {
  protected:
   Follow() {
-    std::string name = (fs::temp_directory_path() / "keypose-follow-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     fs::create_directories(folder_ / "frames");
     for (int f = 0; f < kFilmed; ++f) WriteFrame(f, world_.mesh.points);
     for (int v = 0; v < kCameras; ++v)
       for (int f = 0; f < kFilmed; ++f) WriteFilmed(v, f);
     WriteCalibration(world_.views);
   }
-  ~Follow() override { fs::remove_all(folder_); }
 
   void WriteFrame(int f, const PointsX3& points) const {
     Mesh frame = world_.mesh;
@@ -66,7 +63,6 @@ class Follow : public testing::Test {
 
   static constexpr int kCameras = 4;
   BreathingBall world_{kCameras};
-  fs::path folder_;
   std::string log_;
 };
 

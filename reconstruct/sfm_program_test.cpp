@@ -15,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -27,15 +28,8 @@ struct Outcome {
   std::string output;
 };
 
-class SfmProgram : public testing::Test {
+class SfmProgram : public testing::Test, public TestingFolder {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "sfm_program_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    root = pattern;
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   Outcome Run(const std::string& environment, const std::string& program,
               const std::string& arguments) const {
     const fs::path log = root / "log.txt";
@@ -107,7 +101,7 @@ class SfmProgram : public testing::Test {
     WriteImageSet(set);
   }
 
-  fs::path root;
+  const fs::path root = path();
 };
 
 std::string ModelBytes(const fs::path& model) {

@@ -15,6 +15,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "synth/pair_command.h"
@@ -360,9 +361,8 @@ TEST(Tessellate, TooFewVerticesThrowInputError) {
 }
 
 TEST(PairCommand, FilesComeBackAsTheyWereMade) {
-  namespace fs = std::filesystem;
-  const fs::path folder =
-      fs::path(::testing::TempDir()) / ("keypose_pair_" + std::to_string(::getpid()));
+  const TestingFolder own;
+  const fs::path folder = own.path();
   PairCommand command{folder, Options(120, 8)};
   command.pair.holes = 2;
   RunPair(command);
@@ -391,7 +391,6 @@ TEST(PairCommand, FilesComeBackAsTheyWereMade) {
   EXPECT_FALSE(fs::exists(folder / "landmarks.txt"));
   EXPECT_FALSE(fs::exists(folder / "source_landmarks.json"));
   EXPECT_THROW(RunPair({"/dev/null/x", Options(60)}), DiskError);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 // A pose of which only a few photographs are taken, from cameras of another pose's rig.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 #include "synth/photos_command.h"
 #include "synth/truth_files.h"
 
@@ -58,10 +59,12 @@ class FewPhotographs : public ::testing::Test {
     return command;
   }
   static void SetUpTestSuite() {
-    folder_ = fs::path(::testing::TempDir()) / ("keypose_few_" + std::to_string(::getpid()));
+    own_ = std::make_unique<TestingFolder>();
+    folder_ = own_->path();
     written_ = RunPhotos(Command(folder_), nullptr);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { own_.reset(); }
+  static inline std::unique_ptr<TestingFolder> own_;
   static inline fs::path folder_;
   static inline int written_ = 0;
 };

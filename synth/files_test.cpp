@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <numeric>
 
 #include "core/errors.h"
@@ -12,6 +13,7 @@
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "synth/damage.h"
 #include "synth/outer_surface.h"
@@ -28,21 +30,21 @@ namespace fs = std::filesystem;
 class SynthFiles : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ =
-        fs::path(::testing::TempDir()) / ("keypose_synth_files_" + std::to_string(::getpid()));
-    command_.output = folder_;
+    own_ = std::make_unique<TestingFolder>();
+    command_.output = folder_ = own_->path();
     command_.world.spacing_m = 0.006;
     command_.photographer.views = 6;
     command_.photographer.width = 200, command_.photographer.height = 150;
     command_.clean_plate = true;
     written_ = RunPhotos(command_, nullptr);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { own_.reset(); }
   fs::path Spoilt(DamageKind kind, const std::string& name) const {
     const fs::path to = folder_ / ("spoilt_" + std::to_string(static_cast<int>(kind)));
     DamagePhotos(folder_ / "photos/rest", to, kind, {name});
     return to / name;
   }
+  static inline std::unique_ptr<TestingFolder> own_;
   static inline fs::path folder_;
   static inline PhotosCommand command_;
   static inline int written_ = 0;
@@ -93,9 +95,9 @@ TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
 }
 
 TEST(SynthGenus, TruthSaysWhatOneSeesThrough) {
+  const TestingFolder folder;
   PhotosCommand command;
-  command.output =
-      fs::path(::testing::TempDir()) / ("keypose_synth_hip_" + std::to_string(::getpid()));
+  command.output = folder.path();
   command.poses = {"rest", "hip"};
   command.world.spacing_m = 0.006;
   command.photographer.views = 2;
@@ -110,13 +112,12 @@ TEST(SynthGenus, TruthSaysWhatOneSeesThrough) {
   const Truth hip = ReadTruth(truth / "hip");
   EXPECT_EQ(Genus(hip.outer), 1);
   EXPECT_EQ(hip.surface.faces, rest.surface.faces);
-  fs::remove_all(command.output);
 }
 
 TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
+  const TestingFolder folder;
   PhotosCommand command;
-  command.output =
-      fs::path(::testing::TempDir()) / ("keypose_synth_flip_" + std::to_string(::getpid()));
+  command.output = folder.path();
   command.poses = {"bent"};
   command.flip = true;
   command.world.spacing_m = 0.006;
@@ -136,7 +137,6 @@ TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
       }
     EXPECT_GT(both, 0.97 * either) << view.name;
   }
-  fs::remove_all(command.output);
 }
 
 TEST_F(SynthFiles, PicksAreReadableLandmarksOfTheMesh) {

@@ -3,15 +3,16 @@
 #include "synth/mishaps.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "synth/photos_command.h"
@@ -24,10 +25,9 @@ namespace fs = std::filesystem;
 
 constexpr int kViews = 8;
 
-PhotosCommand Command(const std::string& name) {
+PhotosCommand CommandTo(const fs::path& folder) {
   PhotosCommand command;
-  command.output =
-      fs::path(::testing::TempDir()) / ("keypose_mishaps_" + name + std::to_string(::getpid()));
+  command.output = folder;
   command.poses = {"rest"};
   command.world.spacing_m = 0.006;
   command.photographer.views = kViews;
@@ -39,17 +39,17 @@ PhotosCommand Command(const std::string& name) {
 std::string Name(int i) { return "IMG_000" + std::to_string(i + 1) + ".jpg"; }
 
 /// Photographs with mishaps, and the same photographs without.
-class MishapsAtTheSet : public ::testing::Test {
+class MishapsAtTheSet : public ::testing::Test, public TestingFolder {
  protected:
   static void SetUpTestSuite() {
-    clean_ = Command("clean");
+    own_ = std::make_unique<TestingFolder>();
+    clean_ = CommandTo(own_->path());
     RunPhotos(clean_, nullptr);
   }
-  static void TearDownTestSuite() { fs::remove_all(clean_.output); }
-  void TearDown() override { fs::remove_all(spoilt_.output); }
+  static void TearDownTestSuite() { own_.reset(); }
 
-  void Spoil(const std::string& name, const Mishaps& mishaps) {
-    spoilt_ = Command(name);
+  void Spoil(const Mishaps& mishaps) {
+    spoilt_ = CommandTo(folder_);
     spoilt_.photographer.mishaps = mishaps;
     EXPECT_EQ(RunPhotos(spoilt_, nullptr), kViews);
   }
@@ -67,6 +67,7 @@ class MishapsAtTheSet : public ::testing::Test {
     return nlohmann::json::parse(ReadFile(spoilt_.output / "truth/rest/world.json")).at("mishaps");
   }
 
+  static inline std::unique_ptr<TestingFolder> own_;
   static inline PhotosCommand clean_, spoilt_;
 };
 
@@ -77,7 +78,7 @@ int Count(const Image8& mask) {
 TEST_F(MishapsAtTheSet, StrayPhotographShowsAnotherFigureAndHasNoTrueCamera) {
   Mishaps mishaps;
   mishaps.strays = 1;
-  Spoil("stray", mishaps);
+  Spoil(mishaps);
   const std::vector<int> strays = StrayViews(mishaps, kViews);
   ASSERT_EQ(strays.size(), 1u);
   for (int i = 0; i < kViews; ++i) EXPECT_EQ(SameBytes(i), i != strays[0]) << i;
@@ -90,7 +91,7 @@ TEST_F(MishapsAtTheSet, StrayPhotographShowsAnotherFigureAndHasNoTrueCamera) {
 TEST_F(MishapsAtTheSet, HandCoversPartOfTheFigureAndLeavesTheRestAlone) {
   Mishaps mishaps;
   mishaps.hands = 2;
-  Spoil("hand", mishaps);
+  Spoil(mishaps);
   const std::vector<int> hands = HandViews(mishaps, kViews);
   ASSERT_EQ(hands.size(), 2u);
   for (int i = 0; i < kViews; ++i) {
@@ -108,7 +109,7 @@ TEST_F(MishapsAtTheSet, HandCoversPartOfTheFigureAndLeavesTheRestAlone) {
 TEST_F(MishapsAtTheSet, MovedFigureIsSeenWhereItsTrueCamerasSayAndPhotographsBeforeAreTheSame) {
   Mishaps mishaps;
   ReadMove("0.5:8mm,15deg", &mishaps);
-  Spoil("moved", mishaps);
+  Spoil(mishaps);
   const Truth truth = ReadTruth(spoilt_.output / "truth/rest");
   const RayScene scene(truth.surface.points, truth.surface.faces);
   for (int i = 0; i < kViews; ++i) {
@@ -130,7 +131,7 @@ TEST_F(MishapsAtTheSet, MovedFigureIsSeenWhereItsTrueCamerasSayAndPhotographsBef
 TEST_F(MishapsAtTheSet, FigureBumpedIntoAnotherPoseShowsThatPose) {
   Mishaps mishaps;
   ReadMove("0.75:bow", &mishaps);
-  Spoil("bumped", mishaps);
+  Spoil(mishaps);
   for (int i = 0; i < kViews; ++i) EXPECT_EQ(SameBytes(i), i < 6);
   EXPECT_NE(Mask(clean_, 7).data, Mask(spoilt_, 7).data);
   EXPECT_EQ(World().at("moved").at("pose"), "bow");
@@ -139,7 +140,7 @@ TEST_F(MishapsAtTheSet, FigureBumpedIntoAnotherPoseShowsThatPose) {
 TEST_F(MishapsAtTheSet, FallenLampShadesAnewAndMovesNothing) {
   Mishaps mishaps;
   mishaps.lamp_falls_after = 0.5;
-  Spoil("lamp", mishaps);
+  Spoil(mishaps);
   for (int i = 0; i < kViews; ++i) {
     EXPECT_EQ(SameBytes(i), i < kViews / 2);
     EXPECT_EQ(Mask(clean_, i).data, Mask(spoilt_, i).data);

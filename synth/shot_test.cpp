@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -8,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/io/image_io.h"
 #include "core/io/shot_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "synth/pose_between.h"
 #include "synth/shot_command.h"
@@ -39,11 +39,10 @@ TEST(PoseBetween, EndsAreTheGivenPosesAndTheMiddleLiesBetween) {
   }
 }
 
-class SyntheticShot : public ::testing::Test {
+class SyntheticShot : public ::testing::Test, public TestingFolder {
  protected:
-  void TearDown() override { fs::remove_all(command_.output); }
   void SetUp() override {
-    command_.output = fs::temp_directory_path() / ("keypose_shot_" + std::to_string(getpid()));
+    command_.output = folder_;
     command_.world.spacing_m = 0.006;
     command_.set.width = 320, command_.set.height = 180;
     command_.shows = {{2, "rest"}, {4, "wave"}};

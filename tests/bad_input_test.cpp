@@ -14,6 +14,7 @@
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "tests/run_program.h"
 
@@ -44,7 +45,7 @@ class BadInput : public ::testing::Test {
  protected:
   // One set of good photographs for all tests; each test damages a copy.
   static void SetUpTestSuite() {
-    world_ = std::make_unique<TestFolder>();
+    world_ = std::make_unique<TestingFolder>();
     const RunResult made =
         RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
                     "--views", "10", "--width", "320", "--height", "240", "--spacing", "0.004"},
@@ -119,10 +120,10 @@ class BadInput : public ::testing::Test {
     return project;
   }
 
-  TestFolder folder_;
-  static std::unique_ptr<TestFolder> world_;
+  TestingFolder folder_;
+  static std::unique_ptr<TestingFolder> world_;
 };
-std::unique_ptr<TestFolder> BadInput::world_;
+std::unique_ptr<TestingFolder> BadInput::world_;
 
 // --- photographs ---
 

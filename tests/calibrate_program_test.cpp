@@ -5,6 +5,7 @@
 
 #include "core/io/colmap_io.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/testing_folder.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -13,17 +14,17 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(CalibrateProgram, LensOfRenderedPicturesComesOutAndAPoorlyCoveredPictureIsSaid) {
-  const TestFolder folder;
-  const RunResult made = RunProgram(
-      {"keypose-synth", "photos", "--output", "room", "--poses", "rest", "--views", "12", "--width",
-       "800", "--charuco", "--elevations", "25,50"},
-      folder.path());
+  const TestingFolder folder;
+  const RunResult made =
+      RunProgram({"keypose-synth", "photos", "--output", "room", "--poses", "rest", "--views", "12",
+                  "--width", "800", "--charuco", "--elevations", "25,50"},
+                 folder.path());
   ASSERT_EQ(made.exit_code, 0) << made.output;
   fs::create_directories(folder.path() / "shot");
   fs::rename(folder.path() / "room/photos/rest", folder.path() / "shot/cam1");
-  const RunResult run = RunProgram({"keypose-calibrate", "--video", "shot", "--calibration",
-                                    "rig.yml", "--every", "1"},
-                                   folder.path());
+  const RunResult run = RunProgram(
+      {"keypose-calibrate", "--video", "shot", "--calibration", "rig.yml", "--every", "1"},
+      folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_NE(run.output.find("12 boards"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("its lens is a guess elsewhere"), std::string::npos) << run.output;
@@ -36,7 +37,7 @@ TEST(CalibrateProgram, LensOfRenderedPicturesComesOutAndAPoorlyCoveredPictureIsS
 }
 
 TEST(CalibrateProgram, PicturesWithoutABoardAreAnError) {
-  const TestFolder folder;
+  const TestingFolder folder;
   const RunResult made = RunProgram({"keypose-synth", "photos", "--output", "room", "--poses",
                                      "rest", "--views", "6", "--width", "300"},
                                     folder.path());

@@ -8,6 +8,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "tests/run_program.h"
 
@@ -71,7 +72,7 @@ class ExportedGlb : public ::testing::Test {
         folder_.path());
   }
 
-  TestFolder folder_;
+  TestingFolder folder_;
   fs::path frames_ = folder_.path() / "frames", animation_ = folder_.path() / "animation",
            texture_ = folder_.path() / "clay.png";
   int vertices_ = 0;

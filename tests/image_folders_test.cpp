@@ -13,6 +13,7 @@
 #include "core/camera.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
+#include "core/io/testing_folder.h"
 #include "core/size_of.h"
 #include "tests/run_program.h"
 
@@ -41,7 +42,7 @@ struct CameraErrors {
 class ImageFolders : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    world_ = std::make_unique<TestFolder>();
+    world_ = std::make_unique<TestingFolder>();
     const RunResult made =
         RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
                     "--views", std::to_string(kViews), "--elevations", "25", "--width", "560",
@@ -141,9 +142,9 @@ class ImageFolders : public ::testing::Test {
     EXPECT_FALSE(fs::exists(folder_.path() / "images"));
   }
 
-  TestFolder folder_;
+  TestingFolder folder_;
   std::map<std::string, std::string> truth_name_;  // per photograph in the folder
-  static inline std::unique_ptr<TestFolder> world_;
+  static inline std::unique_ptr<TestingFolder> world_;
 };
 
 TEST_F(ImageFolders, ShuffledNamesTurnedPhotographsAndFiveMissingViewsGiveTheSameRing) {

@@ -11,6 +11,7 @@
 
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "tests/run_program.h"
 
@@ -34,7 +35,7 @@ class Mutants : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (!fs::is_directory(Data())) return;
-    world_ = std::make_unique<TestFolder>();
+    world_ = std::make_unique<TestingFolder>();
     const RunResult made =
         RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
                     "--views", "10", "--width", "320", "--height", "240", "--spacing", "0.004"},
@@ -107,10 +108,10 @@ class Mutants : public ::testing::Test {
     return model;
   }
 
-  TestFolder folder_;
-  static std::unique_ptr<TestFolder> world_;
+  TestingFolder folder_;
+  static std::unique_ptr<TestingFolder> world_;
 };
-std::unique_ptr<TestFolder> Mutants::world_;
+std::unique_ptr<TestingFolder> Mutants::world_;
 
 const std::set<int> kRefused{3}, kAnyDocumented{0, 3, 6};
 

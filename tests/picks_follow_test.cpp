@@ -12,6 +12,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
+#include "core/io/testing_folder.h"
 #include "core/kd_tree.h"
 #include "tests/run_program.h"
 
@@ -30,7 +31,7 @@ constexpr int kOk = 0, kUsage = 2, kInput = 3;
 class PicksFollow : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    world_ = std::make_unique<TestFolder>();
+    world_ = std::make_unique<TestingFolder>();
     const auto pair = [&](const std::string& folder, const std::vector<std::string>& more) {
       std::vector<std::string> command = {"keypose-synth", "pair", folder,    "--vertices", "2500",
                                           "--ratio",       "1",    "--noise", "0"};
@@ -59,10 +60,10 @@ class PicksFollow : public ::testing::Test {
                  picks_now_ = World("clay/target_landmarks.json");
 
  private:
-  static std::unique_ptr<TestFolder> world_;
-  TestFolder folder_;
+  static std::unique_ptr<TestingFolder> world_;
+  TestingFolder folder_;
 };
-std::unique_ptr<TestFolder> PicksFollow::world_;
+std::unique_ptr<TestingFolder> PicksFollow::world_;
 
 TEST_F(PicksFollow, RegisterTakesThePicksToTheSameClay) {
   const Mesh before = ReadMesh(before_), now = ReadMesh(now_);

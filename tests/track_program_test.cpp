@@ -10,6 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/testing_folder.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 class TrackProgram : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TestFolder;
+    folder_ = new TestingFolder;
     const RunResult made =
         RunProgram({"keypose-synth", "performance", "--output", "film", "--frames", "36", "--size",
                     "360", "--noise", "0.7", "--seed", "7", "--masks-only", "--hide-arm-from", "22",
@@ -75,9 +76,9 @@ class TrackProgram : public testing::Test {
     WriteFile(film / "calibration.yml", text);
   }
 
-  static TestFolder* folder_;
+  static TestingFolder* folder_;
 };
-TestFolder* TrackProgram::folder_ = nullptr;
+TestingFolder* TrackProgram::folder_ = nullptr;
 
 TEST_F(TrackProgram, FollowsAGeneratedPerformanceAndFindsAnArmThatWasHidden) {
   const RunResult run = Track(Film(), {"--actor_frames", "4"});
@@ -199,7 +200,7 @@ TEST(TrackRealShot, EightOfTheDomesViewsExplainTheOtherTwelve) {
   const fs::path dome =
       fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion/dome";
   if (!fs::exists(dome)) GTEST_SKIP() << dome << " is not here; set KEYPOSE_DATA";
-  const TestFolder folder;
+  const TestingFolder folder;
   for (int c = 0; c < 20; ++c) {
     const std::string name = std::to_string(c);
     fs::create_directories(folder.path() / "shot/masks" / name);

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/shot_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "core/rotations.h"
 #include "core/testing_shapes.h"
@@ -55,8 +57,8 @@ View Camera50() {
 class LocateProgram : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = fs::path(testing::TempDir()) / "keypose_locate_program";
-    fs::remove_all(folder);
+    own = std::make_unique<TestingFolder>();
+    folder = own->path();
     fs::create_directories(folder / "film");
     fs::create_directories(folder / "mattes");
     const Mesh body = Body();
@@ -73,7 +75,7 @@ class LocateProgram : public testing::Test {
       WriteImage(folder / "mattes" / name, matte);
     }
   }
-  static void TearDownTestSuite() { fs::remove_all(folder); }
+  static void TearDownTestSuite() { own.reset(); }
 
   /// @return the exit code; `%` in the words stands for the folder
   static int Run(std::string words) {
@@ -88,6 +90,7 @@ class LocateProgram : public testing::Test {
   }
   static std::string Log() { return ReadFile(folder / "log"); }
 
+  static inline std::unique_ptr<TestingFolder> own;
   static inline fs::path folder;
 };
 

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
@@ -16,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/size_of.h"
 #include "core/testing_shapes.h"
 
@@ -213,9 +213,8 @@ void WriteProject(const Scene& scene, const fs::path& folder) {
 TEST(BlenderAddOn, ImportsAndUpdatesInBlender) {
   if (std::system("blender --version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "no Blender: run ./dev setup";
-  const fs::path folder =
-      fs::temp_directory_path() / ("keypose_blender_" + std::to_string(getpid()));
-  fs::create_directories(folder);
+  const TestingFolder own;
+  const fs::path folder = own.path();
   const Scene scene = WithTextures(BendingScene(Limb(16)), folder, 200);
   WriteProject(scene, folder / "first");
   WriteProject(WithTextures(BendingScene(Limb(16), 0.5), folder, 100), folder / "second");
@@ -232,7 +231,6 @@ TEST(BlenderAddOn, ImportsAndUpdatesInBlender) {
       folder.string() + " > " + (folder / "log").string() + " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log");
   EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("add_on_test: passed"));
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 
 namespace keypose::pipeline {
 
@@ -56,17 +57,14 @@ struct Ended {
   std::string text;  ///< standard output and error
 };
 
-class RunTest : public ::testing::Test {
+class RunTest : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
-    char name[] = "/tmp/keypose-run-test-XXXXXX";
-    root_ = mkdtemp(name);
     Install(root_);
     MakeProject(root_ / "hero");
   }
   void TearDown() override {
     if (mounted_) umount2((root_ / "small").c_str(), MNT_DETACH);
-    fs::remove_all(root_);
   }
 
   /// Installs keypose and its test stages below `root`.
@@ -152,7 +150,7 @@ class RunTest : public ::testing::Test {
     return at_work();
   }
 
-  fs::path root_;
+  const fs::path root_ = path();
   bool mounted_ = false;
 };
 

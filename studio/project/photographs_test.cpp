@@ -2,13 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/testing_dng.h"
+#include "core/io/testing_folder.h"
 #include "core/srgb.h"
 
 namespace keypose::studio {
@@ -18,14 +18,12 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::UnorderedElementsAre;
 
-class Photographs : public testing::Test {
+class Photographs : public testing::Test, public TestingFolder {
  protected:
-  Photographs()
-      : folder_(fs::temp_directory_path() / ("keypose_photographs_" + std::to_string(getpid()))) {
+  Photographs() {
     fs::create_directories(photos());
     WriteFile(folder_ / "pipeline.yaml", "name: raw\nposes: {rest: photos/rest}\ntemplate: rest\n");
   }
-  ~Photographs() override { fs::remove_all(folder_); }
 
   fs::path photos() const { return folder_ / "photos/rest"; }
   void Put(const std::string& name) const { WriteFile(photos() / name, name); }
@@ -33,8 +31,6 @@ class Photographs : public testing::Test {
   void PutRaw(const std::string& name, float linear) const {
     WriteDng(photos() / name, ImageF(64, 48, 3, linear), {});
   }
-
-  fs::path folder_;
 };
 
 TEST_F(Photographs, RawFilesCountWhereNoOtherPhotographHasTheirStem) {

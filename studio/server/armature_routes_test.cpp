@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -16,18 +17,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class ArmatureRoutes : public testing::Test {
+class ArmatureRoutes : public testing::Test, public TestingFolder {
  protected:
-  ArmatureRoutes()
-      : folder_(fs::temp_directory_path() / ("armature_routes_" + std::to_string(getpid()))) {
+  ArmatureRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
-    fs::create_directories(folder_);
     routes_ = std::make_unique<Routes>(folder_);
   }
-  ~ArmatureRoutes() override {
-    routes_.reset();
-    fs::remove_all(folder_);
-  }
+  ~ArmatureRoutes() override { routes_.reset(); }
 
   Answer Post(const std::string& path, const json& body) {
     return routes_->Handle({"POST", "/api/armature/" + path, {}, body.dump()});
@@ -44,7 +40,6 @@ class ArmatureRoutes : public testing::Test {
   }
   std::size_t Frames() { return Get("/frames").bytes.size(); }
 
-  const fs::path folder_;
   std::unique_ptr<Routes> routes_;
 };
 

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/testing_dng.h"
+#include "core/io/testing_folder.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -13,19 +13,15 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class MaskRoutes : public testing::Test {
+class MaskRoutes : public testing::Test, public TestingFolder {
  protected:
   MaskRoutes() {
-    fs::remove_all(folder_);
     fs::create_directories(folder_ / "photos/rest");
     WriteImage(folder_ / "photos/rest/a.png", Image8(60, 40, 3, 90));
     WriteFile(folder_ / "pipeline.yaml", "name: x\nposes: {rest: photos/rest}\ntemplate: rest\n");
     routes_ = std::make_unique<Routes>(folder_);
   }
-  ~MaskRoutes() override {
-    routes_.reset();
-    fs::remove_all(folder_);
-  }
+  ~MaskRoutes() override { routes_.reset(); }
   /// A mask of which so many rows are white.
   std::string Mask(int rows) const {
     Image8 mask(60, 40, 1);
@@ -47,8 +43,6 @@ class MaskRoutes : public testing::Test {
             TagOf(answer.file)};
   }
 
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("keypose_masks_" + std::to_string(getpid()));
   std::unique_ptr<Routes> routes_;
 };
 

@@ -10,6 +10,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
@@ -82,11 +83,9 @@ void GiveUvs(Mesh* mesh, double size) {
   mesh->uv_faces = mesh->faces;
 }
 
-class MotionRoutes : public testing::Test {
+class MotionRoutes : public testing::Test, public TestingFolder {
  protected:
-  MotionRoutes()
-      : folder_(fs::temp_directory_path() / ("keypose_motion_" + std::to_string(getpid()))) {
-    fs::remove_all(folder_);
+  MotionRoutes() {
     for (const char* folder : {"films/walk", "films/turn", "tools"})
       fs::create_directories(folder_ / folder);
     WriteFile(folder_ / "films/walk/cam1.mp4", "film");
@@ -103,7 +102,6 @@ class MotionRoutes : public testing::Test {
       WriteFile(folder_ / "tools/track.frames" / file, "{}");
     WriteFile(folder_ / "pipeline.yaml", kProject);
   }
-  ~MotionRoutes() override { fs::remove_all(folder_); }
 
   void AddTool(const std::string& name, const std::vector<std::string>& inputs, const json& outputs,
                const json& options = json::array()) {
@@ -167,7 +165,6 @@ class MotionRoutes : public testing::Test {
   json Frames(const std::string& shot) { return json::parse(Ask("/api/frames", shot).bytes); }
   json Shots() { return json::parse(Ask("/api/project", "").bytes).at("poses"); }
 
-  const fs::path folder_;
   const Mesh body = MakeIcosphere(1), scan = MakeIcosphere(2);
 };
 

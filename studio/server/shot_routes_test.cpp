@@ -8,6 +8,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
 #include "studio/project/snapshot.h"
@@ -66,8 +67,7 @@ cp "$clean" "$unwrapped"
 
 class ShotRoutes : public testing::Test {
  protected:
-  ShotRoutes() : place_(fs::temp_directory_path() / ("keypose_shot_" + std::to_string(getpid()))) {
-    fs::remove_all(place_);
+  ShotRoutes() {
     for (const char* folder : {"photos/rest", "photos/wave", "films/take1"})
       fs::create_directories(folder_ / folder);
     for (const char* name : {"a_0000.png", "a_0002.png", "a_0004.png"})
@@ -76,10 +76,7 @@ class ShotRoutes : public testing::Test {
     WriteImage(place_ / "outside/0000.png", Image8(8, 8, 3, 200));
     WriteImage(place_ / "outside/0001.png", Image8(8, 8, 3, 200));
   }
-  ~ShotRoutes() override {
-    routes_.reset();
-    fs::remove_all(place_);
-  }
+  ~ShotRoutes() override { routes_.reset(); }
 
   /// Asked anew: the watch would see the change only a moment later.
   void Project(const std::string& shot) {
@@ -160,7 +157,8 @@ class ShotRoutes : public testing::Test {
     return {{"clicks", clicks}, {"revision", RevisionOf(folder_ / "clicks.json")}};
   }
 
-  const fs::path place_, folder_ = place_ / "dance";
+  const TestingFolder own_;
+  const fs::path place_ = own_.path(), folder_ = place_ / "dance";
   const Mesh ball_ = MakeIcosphere(1);
   std::unique_ptr<Routes> routes_;
 };

@@ -1,7 +1,6 @@
 // Requests of a take's page, with `keypose armature` behind them.
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/testing_folder.h"
 #include "pipeline/session.h"
 #include "studio/runs/children.h"
 #include "studio/server/routes.h"
@@ -19,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class TakeRoutes : public testing::Test {
+class TakeRoutes : public testing::Test, public TestingFolder {
  protected:
-  TakeRoutes() : folder_(fs::temp_directory_path() / ("take_routes_" + std::to_string(getpid()))) {
+  TakeRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
     fs::create_directories(folder_ / "armature");
     routes_ = std::make_unique<Routes>(folder_);
@@ -33,10 +33,7 @@ class TakeRoutes : public testing::Test {
     fs::create_directories(folder_ / ".keypose/studio");
     WriteFile(folder_ / ".keypose/studio/armature.json", setup_.dump());
   }
-  ~TakeRoutes() override {
-    routes_.reset();
-    fs::remove_all(folder_);
-  }
+  ~TakeRoutes() override { routes_.reset(); }
 
   void Program(std::vector<std::string> words) {
     words.insert(words.begin(), (pipeline::ProgramFolder() / "keypose-armature").string());
@@ -71,7 +68,6 @@ class TakeRoutes : public testing::Test {
   }
   static std::string Words(const Answer& answer) { return json::parse(answer.bytes)["error"]; }
 
-  const fs::path folder_;
   std::unique_ptr<Routes> routes_;
   json setup_;
 };
