@@ -158,18 +158,6 @@ RunResult RunProgram(const std::vector<std::string>& command, const fs::path& fo
   return Program(command, folder, environment).Wait(seconds);
 }
 
-TestFolder::TestFolder() {
-  std::string pattern = (fs::temp_directory_path() / "keypose_test_XXXXXX").string();
-  if (!mkdtemp(pattern.data()))
-    throw std::runtime_error("no folder for the test in " + fs::temp_directory_path().string());
-  path_ = pattern;
-}
-
-TestFolder::~TestFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
 bool HasProgram(const std::string& name) { return !Found(name).empty(); }
 
 }  // namespace keypose::tests

@@ -47,17 +47,6 @@ class Program {
 RunResult RunProgram(const std::vector<std::string>& command, const std::filesystem::path& folder,
                      const std::vector<std::string>& environment = {}, double seconds = 300);
 
-/// A private folder of the test, empty at the start, deleted at the end.
-class TestFolder {
- public:
-  TestFolder();
-  ~TestFolder();
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// Whether a program is built here or on PATH.
 bool HasProgram(const std::string& name);
 
