@@ -20,8 +20,9 @@ Each constant of `core/tuned.h` halved and doubled:
 
 {counts}
 
-The figures are errors, so `+` is worse; `-` is below 0.05 %. `over N s`: ended after that time of
-the processor.{kept_text}
+The figures are errors, so `+` is worse; `-` is below 0.05 %. Each is of one generated set: its
+scatter is not measured. `over N s`: ended after that time of the processor.
+{kept_text}
 
 | figure | as it is | what |
 |---|---|---|
@@ -168,7 +169,7 @@ def page(known, rows, old_page, scenes):
     lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {c['comment']} | {figure} "
              f'| {half} | {double} |'
              for c, figure, half, double in sorted(shown, key=lambda r: (r[1], r[0]['file']))]
-    kept_text = ' Asterisk: by an earlier version.' if kept else ''
+    kept_text = 'Asterisk: by an earlier version.' if kept else ''
     return TEXT.format(
         counts=counts_text(known, shown, aside, rest), scenes='\n'.join(scenes),
         kept_text=kept_text, constants='\n'.join(lines),
