@@ -22,6 +22,7 @@ const kArguments = [
   '--disable-component-update',
   '--disable-sync',
 ];
+const kUnsaved = 'The last change could not be saved';
 const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 /**
@@ -122,6 +123,9 @@ export class Browser {
   faults = [];
   /** while true, a server that does not answer is no fault */
   away = false;
+  /** kinds of the page's own questions before it is left, and how they are answered */
+  questions = [];
+  stays = false;
 
   async start() {
     this.browser = await chromium.launch({ executablePath: kBrowser, args: kArguments });
@@ -158,8 +162,10 @@ export class Browser {
         this.faults.push(`${page.url()} asks another machine: ${request.url()}`);
     });
     page.on('dialog', (dialog) => {
-      if (dialog.type() !== 'beforeunload') this.faults.push(`a script ran: ${dialog.message()}`);
-      dialog.accept().catch(() => undefined);
+      const ours = dialog.type() === 'beforeunload' || dialog.message().startsWith(kUnsaved);
+      if (ours) this.questions.push(dialog.type());
+      else this.faults.push(`a script ran: ${dialog.message()}`);
+      (this.stays ? dialog.dismiss() : dialog.accept()).catch(() => undefined);
     });
     return page;
   }

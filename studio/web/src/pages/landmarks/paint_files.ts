@@ -3,6 +3,7 @@ import { useEffect, useMemo, useReducer, useRef } from 'preact/hooks'
 
 import { api, ApiError } from '../../api'
 import { useStudio } from '../../state'
+import { useUnsavedGuard } from '../poses/route'
 import type { MeshData } from '../../view/mesh_data'
 import { kStiffness, Painting, regionLayer } from './painting'
 
@@ -49,7 +50,7 @@ function membersOf(painting: Painting, name: string): number[] {
 async function loadStiffness(files: Files, vertices: number, force: boolean): Promise<boolean> {
   const { revision, values } = await api.stiffness()
   if (!force && (files.dirty.stiffness || files.saving)) return false
-  if (files.loaded && revision === files.revision.stiffness) return false
+  if (!force && files.loaded && revision === files.revision.stiffness) return false
   if (values && values.length !== vertices)
     throw new Error('The painted stiffness belongs to another mesh; it is not shown.')
   files.revision.stiffness = revision
@@ -60,7 +61,7 @@ async function loadStiffness(files: Files, vertices: number, force: boolean): Pr
 async function loadRegions(files: Files, vertices: number, force: boolean): Promise<boolean> {
   const { revision, regions } = await api.regions()
   if (!force && (files.dirty.regions || files.saving)) return false
-  if (files.loaded && revision === files.revision.regions) return false
+  if (!force && files.loaded && revision === files.revision.regions) return false
   files.revision.regions = revision
   for (const name of files.regions) files.painting.dropLayer(regionLayer(name))
   files.regions = Object.keys(regions)
@@ -89,13 +90,25 @@ async function saveRegions(files: Files): Promise<void> {
   files.revision.regions = answer.revision
 }
 
-/** Both kinds one after the other, until nothing is left. */
-async function saveAll(files: Files): Promise<void> {
+type Kind = 'stiffness' | 'regions'
+
+/**
+ * Both kinds one after the other, until nothing is left.
+ * @param changedElsewhere  reads a kind anew, of which somebody else has written the file
+ */
+async function saveAll(
+  files: Files,
+  changedElsewhere: (kind: Kind) => Promise<void>,
+): Promise<void> {
   while (files.dirty.stiffness || files.dirty.regions) {
     const kind = files.dirty.stiffness ? 'stiffness' : 'regions'
     try {
       await (kind === 'stiffness' ? saveStiffness(files) : saveRegions(files))
     } catch (error) {
+      if (error instanceof ApiError && error.status === 409) {
+        await changedElsewhere(kind)
+        continue
+      }
       files.dirty[kind] = true
       throw error
     }
@@ -110,35 +123,41 @@ export function usePaintFiles(data: MeshData | null, onLoad: () => void): PaintF
   const loadedNow = useRef(onLoad)
   loadedNow.current = onLoad
 
-  const load = async (force = false) => {
-    const first = await loadStiffness(files, vertices, force)
-    const second = await loadRegions(files, vertices, force)
+  const load = async () => {
+    const first = await loadStiffness(files, vertices, false)
+    const second = await loadRegions(files, vertices, false)
     files.loaded = true
     if (first || second) loadedNow.current()
     redraw(0)
   }
-  useEffect(() => {
-    if (data) load().catch(complain)
-  }, [files, version])
 
+  const readAnew = async (kind: Kind) => {
+    await (kind === 'stiffness' ? loadStiffness : loadRegions)(files, vertices, true)
+    files.dirty[kind] = false
+    loadedNow.current()
+    tell('The paint was changed elsewhere. It is shown as it is now, without your stroke.')
+  }
   const save = async () => {
     if (files.saving) return
     files.saving = true
     files.failed = ''
     redraw(0)
     try {
-      await saveAll(files)
+      await saveAll(files, readAnew)
     } catch (error) {
-      if (error instanceof ApiError && error.status === 409) {
-        files.dirty = { stiffness: false, regions: false }
-        files.loaded = false
-        tell('The paint was changed elsewhere. It is shown as it is now, without your stroke.')
-        await load(true).catch(complain)
-      } else files.failed = error instanceof Error ? error.message : String(error)
+      files.failed = error instanceof Error ? error.message : String(error)
     }
     files.saving = false
     redraw(0)
   }
+  useEffect(() => {
+    if (!data) return
+    // A stroke that could not be saved, perhaps as the studio was away, is tried again.
+    load()
+      .then(() => (files.failed ? save() : undefined))
+      .catch(complain)
+  }, [files, version])
+  useUnsavedGuard(files.failed !== '')
   const changed = (layer: string) => {
     if (layer === kStiffness) files.dirty.stiffness = true
     else files.dirty.regions = true

@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 import { api } from '../../api'
 import type { Advice, Pick } from '../../api'
 import { useStudio } from '../../state'
+import { useUnsavedGuard } from '../poses/route'
 import type { Hit } from '../../view/viewer'
 import { adviceOnFace, lookAt, lookAtAdvice } from './looking'
 import type { Surfaces } from './looking'
@@ -45,6 +46,7 @@ export function usePickFiles(): PickFiles {
     }
     load().catch(complain)
   }, [files, names, version, complain])
+  useUnsavedGuard(files.failed !== '')
   return files
 }
 

@@ -57,6 +57,24 @@ addEventListener('hashchange', (event) => {
 })
 
 /**
+ * While a change could not be saved, the person is asked before it is lost with the page. Where the
+ * studio is away, it is saved when that is back.
+ */
+export function useUnsavedGuard(unsaved: boolean): void {
+  useEffect(() => {
+    if (!unsaved) return
+    const unload = (event: BeforeUnloadEvent) => event.preventDefault()
+    mayLeave = () =>
+      confirm('The last change could not be saved, and is lost with this page. Leave it?')
+    addEventListener('beforeunload', unload)
+    return () => {
+      mayLeave = null
+      removeEventListener('beforeunload', unload)
+    }
+  }, [unsaved])
+}
+
+/**
  * While `dirty`, leaving is held up: `wanted` is the address that the person asked for, to be
  * answered with `stay` or `leave`.
  */

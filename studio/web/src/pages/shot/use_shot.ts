@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
 import { useStudio } from '../../state'
+import { useUnsavedGuard } from '../poses/route'
 import { ClickFile } from './click_file'
 import { shotApi } from './shot_api'
 import type { Shot, ShotChange } from './shot_api'
@@ -45,13 +46,18 @@ export function useShot(): ShotDesk {
   useEffect(() => {
     let current = true
     shotApi.shot().then(
-      (now) => current && take(now),
+      (now) => {
+        if (current) take(now)
+        // A click that could not be saved, perhaps as the studio was away, is tried again.
+        if (current && clicks.failed) void clicks.save()
+      },
       (error: unknown) => current && complain(error),
     )
     return () => {
       current = false
     }
   }, [version, clicks, complain])
+  useUnsavedGuard(clicks.failed !== '')
   // One after the other: each begins with the file that the one before has made.
   const save = (change: Change) => {
     setSaving(true)

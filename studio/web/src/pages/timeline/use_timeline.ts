@@ -4,6 +4,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks'
 import { api, ApiError } from '../../api'
 import type { Frames, Timeline } from '../../api'
 import { useStudio } from '../../state'
+import { useUnsavedGuard } from '../poses/route'
 import { framesFit, spreadOrder } from './timeline_model'
 
 const kSaveAfterMs = 400
@@ -152,6 +153,8 @@ export function useTimeline(frames: Frames | null): Editing | null {
       leave()
     }
   }, [saver])
+
+  useUnsavedGuard(saving === 'failed')
 
   // An order of poses is shown with the times that its frames have; it becomes times when edited.
   const order = state !== null && state.order && !(frames && framesFit(state.timeline, frames))
