@@ -9,9 +9,9 @@ ROW = re.compile(r'^\| `([^`]+)` \| `([^`]+)` \| ([^|]+) \| ([^|]*)' + 3 * r' \|
                  re.MULTILINE)
 SCENE = re.compile(r'^\| (\w+)\*? \| ([-+.e0-9]+) \| (.+) \|$', re.MULTILINE)
 
-TEXT = '''# How sensitive results are to the tuned constants
+TEXT = '''# Sensitivity to tuned constants
 
-Each constant of `core/tuned.h` halved and doubled:
+Constants of `core/tuned.h`, halved and doubled:
 
     cmake --preset release -B build/sensitive -DKEYPOSE_SENSITIVITY=ON
     cmake --build build/sensitive --target programs score_views
@@ -20,9 +20,7 @@ Each constant of `core/tuned.h` halved and doubled:
 
 {counts}
 
-The figures are errors, so `+` is worse; `-` is below 0.05 %. Each is of one generated set: its
-scatter is not measured. `over N s`: ended after that time of the processor.
-{kept_text}
+Figures are errors (`+`: worse; `-`: below 0.05 %) of one set each; scatter is not measured.{slow}
 
 | figure | as it is | what |
 |---|---|---|
@@ -32,7 +30,7 @@ scatter is not measured. `over N s`: ended after that time of the processor.
 |---|---|---|---|---|---|---|
 {constants}
 
-## Not measured
+## Rest
 
 {unread}
 
@@ -149,10 +147,10 @@ def counts_text(known, shown, aside, rest):
     kept = sum(row[1].endswith('*') for row in shown)
     moved = sum(largest(row[2:]) > 5 for row in shown)
     still = sum(row[2:] == ('-', '-') for row in shown)
-    text = (f'Of {len(known)} constants {len(shown)} are measured'
-            f'{f", {kept} of them by an earlier version" if kept else ""}: {moved} move their figure '
-            f'by more than 5 % or end the stage, {still} not at all. {len(aside)} more are read by no '
-            f'scene of their room, and {len(rest)} are left.')
+    earlier = f', {kept} (*) by an earlier version' if kept else ''
+    text = (f'{len(shown)} of {len(known)} are measured{earlier}: {moved} move their figure by '
+            f'over 5 % or end the stage, {still} not at all. {len(aside)} are read by no scene, '
+            f'{len(rest)} are left.')
     return textwrap.fill(text, 100)
 
 
@@ -169,10 +167,11 @@ def page(known, rows, old_page, scenes):
     lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {c['comment']} | {figure} "
              f'| {half} | {double} |'
              for c, figure, half, double in sorted(shown, key=lambda r: (r[1], r[0]['file']))]
-    kept_text = 'Asterisk: by an earlier version.' if kept else ''
+    slow = any(cell.startswith('over ') for row in shown for cell in row[2:])
     return TEXT.format(
         counts=counts_text(known, shown, aside, rest), scenes='\n'.join(scenes),
-        kept_text=kept_text, constants='\n'.join(lines),
-        unread=names_text('Read by no scene:', aside) if aside
+        slow=' `over N s`: ended after so much CPU time.' if slow else '',
+        constants='\n'.join(lines),
+        unread=names_text('Unread:', aside) if aside
         else '',
         left=names_text('Left:', rest) if rest else '')

@@ -270,7 +270,8 @@ def all_scenes(scorer='', data=''):
               f'{CAMERAS}: 10 photographs with a printed board', board),
         Scene('masks', ('capture/',), ('keypose-capture', 'keypose-masks'),
               '1 - IoU of the masks, by the true surface', masks),
-        Scene('unwrap', ('texture/unwrap', 'texture/charts', 'texture/packing'), ('keypose-unwrap',),
+        Scene('unwrap', ('texture/unwrap', 'texture/charts', 'texture/packing'),
+              ('keypose-unwrap',),
               'share of the texture\'s square that the charts leave empty', unwrap),
         Scene('bake', (*BAKE, 'views/'), ('keypose-bake',),
               'error of the photographs shown again by the textured mesh (root mean square, 0 to '

@@ -142,6 +142,7 @@ class Resuming(Case):
         page = sensitivity_page.page(known, rows, '', self.first())
         self.assertIn('| first | refused | refused |', page)
         self.assertIn('| first | over 1 s | over 1 s |', page)
+        self.assertIn('`over N s`', page)
 
     def test_a_scene_that_fails_as_it_is_measures_nothing(self):
         (self.folder / 'stage-a').write_text('#!/bin/sh\necho no film >&2; exit 3\n')
@@ -170,10 +171,10 @@ class Page(Case):
         page = sensitivity_page.page(KNOWN, self.run_all(), '', self.first())
         self.assertIn('| `a/x.cpp` | `kRead` | 4 | of a test | first | +200.0 % | +800.0 % |', page)
         self.assertIn('| first | 1 | figure of first |', page)
-        self.assertIn('Of 4 constants 2 are measured: 2 move their figure', page)
+        self.assertIn('2 of 4 are measured: 2 move their figure', page)
         words = ' '.join(page.split())
-        self.assertIn('1 more are read by no scene of their room, and 1 are left.', words)
-        read_by_none, not_yet = page.split('## Not measured')[1].split('Left:')
+        self.assertIn('1 are read by no scene, 1 are left.', words)
+        read_by_none, not_yet = page.split('## Rest')[1].split('Left:')
         self.assertIn('| `a/x.cpp` | `kUnread` |', read_by_none)
         self.assertIn('| `b/y.cpp` | `kElsewhere` |', not_yet)
 
@@ -183,7 +184,7 @@ class Page(Case):
         self.assertIn('| old* | 0.25 | what old was |', page)
         self.assertNotIn('+7.0 %', page)  # measured anew
         self.assertNotIn('+8.0 %', page)  # its value was 3
-        self.assertIn('3 are measured, 1 of them by an earlier version:', ' '.join(page.split()))
+        self.assertIn('3 of 4 are measured, 1 (*) by an earlier version:', ' '.join(page.split()))
         self.assertEqual(sensitivity_page.page(KNOWN, self.run_all(), page, self.first()), page)
 
     def test_a_constant_is_unread_only_if_all_scenes_of_its_room_ran(self):
