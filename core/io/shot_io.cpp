@@ -173,16 +173,6 @@ ordered_json JsonOf(const ShotFrame& frame) {
   return node;
 }
 
-/// The last number in a name, such as 12 of "take2_0012.png"; -1: none.
-long NumberIn(const std::string& stem) {
-  const std::size_t last = stem.find_last_of("0123456789");
-  if (last == std::string::npos) return -1;
-  std::size_t first = last;
-  while (first > 0 && std::isdigit(static_cast<unsigned char>(stem[first - 1]))) --first;
-  if (last - first >= 9) return -1;
-  return std::stol(stem.substr(first, last - first + 1));
-}
-
 bool IsPicture(const fs::path& path) {
   static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".tif",
                                            ".tiff", ".heic", ".heif"};
@@ -193,7 +183,7 @@ bool IsPicture(const fs::path& path) {
 }
 
 void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
-  const long number = NumberIn(path.stem().string());
+  const long number = FrameNumberIn(path.stem().string());
   const std::string name = PrintableName(path.filename());
   if (number < 0)
     throw InputError(
@@ -209,6 +199,15 @@ void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
 }
 
 }  // namespace
+
+long FrameNumberIn(const std::string& stem) {
+  const std::size_t last = stem.find_last_of("0123456789");
+  if (last == std::string::npos) return -1;
+  std::size_t first = last;
+  while (first > 0 && std::isdigit(static_cast<unsigned char>(stem[first - 1]))) --first;
+  if (last - first >= 9) return -1;
+  return std::stol(stem.substr(first, last - first + 1));
+}
 
 FilmedShot ParseShot(const std::string& text, const std::string& source) {
   RequireShallowJson(text, source);

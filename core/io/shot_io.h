@@ -25,6 +25,10 @@ struct FilmPicture {
   int number = 0;  ///< in its name; of a video, and of one picture alone, its frame
 };
 
+/// The last number in a name without its ending, such as 12 of "take2_0012"; -1: none, or of more
+/// than nine digits.
+long FrameNumberIn(const std::string& stem);
+
 /// Those of a folder's files that are pictures of a film; see FilmPictures.
 /// @param names  of the files, in any order
 /// @return empty if none is a picture

@@ -14,6 +14,7 @@
 #include "core/io/movie_header.h"
 #include "core/io/rig_calibration.h"
 #include "core/size_of.h"
+#include "views/shot/together.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -53,14 +54,14 @@ std::vector<fs::path> Content(const fs::path& folder) {
   return paths;
 }
 
-FrameSource OpenVideo(const fs::path& path, double* frames_per_second) {
+FrameSource OpenVideo(const fs::path& path) {
   cv::VideoCapture video(path.string());
   FrameSource source;
   source.video = path;
   if (video.isOpened()) {
     // A stream without an index says a hugely negative number, which no int can hold.
     source.frames = static_cast<int>(std::clamp(video.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
-    if (frames_per_second) *frames_per_second = video.get(cv::CAP_PROP_FPS);
+    source.frames_per_second = std::max(0.0, video.get(cv::CAP_PROP_FPS));
   }
   if (IsMovie(path)) try {  // a trimmed film has more pictures than the decoder gives
       source.frames = std::min(source.frames, ReadMovieHeader(path).frames);
@@ -74,14 +75,14 @@ FrameSource OpenVideo(const fs::path& path, double* frames_per_second) {
 }
 
 /// The source that lies at a path: a folder with pictures, or a video. Empty when it is neither.
-FrameSource SourceAt(const fs::path& path, double* frames_per_second) {
+FrameSource SourceAt(const fs::path& path) {
   FrameSource source;
   if (fs::is_directory(path)) {
     for (const fs::path& file : Content(path))
       if (IsPicture(file)) source.pictures.push_back(file);
     source.frames = SizeOf(source.pictures);
   } else if (IsVideo(path)) {
-    source = OpenVideo(path, frames_per_second);
+    source = OpenVideo(path);
   }
   return source;
 }
@@ -100,13 +101,13 @@ double RateIn(const fs::path& folder) {
   return rate;
 }
 
-std::map<std::string, FrameSource> SourcesIn(const fs::path& folder, double* frames_per_second) {
+std::map<std::string, FrameSource> SourcesIn(const fs::path& folder) {
   std::map<std::string, FrameSource> sources;
   if (!fs::is_directory(folder)) return sources;
   for (const fs::path& path : Content(folder)) {
     const std::string name = path.filename().string();
     if (name == "masks" || name == "background") continue;
-    FrameSource source = SourceAt(path, frames_per_second);
+    FrameSource source = SourceAt(path);
     if (source.empty()) continue;
     const std::string camera = fs::is_directory(path) ? name : path.stem().string();
     if (!sources.emplace(camera, std::move(source)).second)
@@ -148,8 +149,10 @@ std::vector<std::string> Shot::names() const {
 
 Shot OpenShot(const fs::path& folder) {
   Shot shot;
-  std::map<std::string, FrameSource> pictures = SourcesIn(folder, &shot.frames_per_second);
-  std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks", nullptr);
+  std::map<std::string, FrameSource> pictures = SourcesIn(folder);
+  std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks");
+  for (const auto& [name, source] : pictures)
+    shot.frames_per_second = std::max(shot.frames_per_second, source.frames_per_second);
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   std::set<std::string> names;
   for (const auto& [name, source] : pictures) names.insert(name);
@@ -170,6 +173,7 @@ Shot OpenShot(const fs::path& folder) {
     throw InputError(
         "the shot " + PrintableName(folder) +
         " has no camera; it needs a folder of numbered pictures, or a video, for each");
+  RequireTogether(shot.cameras);
   return shot;
 }
 

@@ -14,24 +14,9 @@
 
 #include "core/image.h"
 #include "core/progress.h"
+#include "views/shot/shot_camera.h"
 
 namespace keypose {
-
-/// One camera's frames: either numbered pictures or a video.
-struct FrameSource {
-  std::vector<std::filesystem::path> pictures;  ///< sorted, numbers as numbers
-  std::filesystem::path video;
-  int frames = 0;
-  bool empty() const { return frames == 0; }
-};
-
-struct ShotCamera {
-  std::string name;
-  FrameSource pictures;         ///< empty when only masks are given
-  FrameSource masks;            ///< empty when there are none
-  std::filesystem::path plate;  ///< empty when there is none
-  int frames() const { return pictures.empty() ? masks.frames : pictures.frames; }
-};
 
 struct Shot {
   std::vector<ShotCamera> cameras;  ///< sorted by name, numbers as numbers
@@ -40,7 +25,8 @@ struct Shot {
   std::vector<std::string> names() const;
 };
 
-/// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are needed
+/// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are
+/// needed; films that do not run together (RequireTogether)
 Shot OpenShot(const std::filesystem::path& folder);
 
 /// Writes rate.json, so that a folder of masks says how fast their films are.

@@ -1,0 +1,95 @@
+#include "views/shot/together.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "core/errors.h"
+#include "core/io/shot_io.h"
+#include "core/size_of.h"
+
+namespace keypose {
+namespace {
+
+/// 30 and 29.97 pictures a second part by a frame in half a minute; 24 and 25 at once.
+constexpr double kSameRate = 0.005;
+/// Names whose numbers do not rise by one step are no frame numbers: times, or counters.
+constexpr double kRegular = 0.9;
+
+void RequireOneRate(const std::vector<ShotCamera>& cameras) {
+  const ShotCamera* slow = nullptr;
+  const ShotCamera* fast = nullptr;
+  for (const ShotCamera& camera : cameras) {
+    const double rate = camera.pictures.frames_per_second;
+    if (!(rate > 0)) continue;
+    if (!slow || rate < slow->pictures.frames_per_second) slow = &camera;
+    if (!fast || rate > fast->pictures.frames_per_second) fast = &camera;
+  }
+  if (!slow) return;
+  const double low = slow->pictures.frames_per_second, high = fast->pictures.frames_per_second;
+  if (high <= low * (1 + kSameRate)) return;
+  throw InputError(fmt::format(
+      "the films do not run together: {} has {:.3g} pictures a second and {} has {:.3g}; convert "
+      "all to one rate, as in\n  ffmpeg -i {}.mp4 -r {:.3g} converted.mp4",
+      slow->name, low, fast->name, high, fast->name, low));
+}
+
+/// For each picture its number after the first one's, in steps; empty if the names are not
+/// numbered so.
+std::vector<long> StepsOf(const FrameSource& source) {
+  std::vector<long> numbers;
+  for (const auto& path : source.pictures) {
+    numbers.push_back(FrameNumberIn(path.stem().string()));
+    if (numbers.back() < 0) return {};
+  }
+  std::map<long, int> count;
+  for (int i = 1; i < SizeOf(numbers); ++i) ++count[numbers[i] - numbers[i - 1]];
+  if (count.empty()) return {};
+  const auto [step, times] = *std::max_element(
+      count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (step < 1 || times < kRegular * (SizeOf(numbers) - 1)) return {};
+  std::vector<long> steps;
+  for (const long number : numbers) {
+    if ((number - numbers[0]) % step != 0 || number < numbers[0]) return {};
+    steps.push_back((number - numbers[0]) / step);
+  }
+  return steps;
+}
+
+/// A camera whose card was too slow has no picture 57 and goes on with 58: all later ones would be
+/// taken for the moment before.
+void RequireSameGaps(const std::vector<ShotCamera>& cameras) {
+  const ShotCamera* first = nullptr;
+  std::vector<long> expected;
+  for (const ShotCamera& camera : cameras) {
+    const std::vector<long> steps = StepsOf(camera.pictures);
+    if (steps.empty()) continue;
+    if (!first) {
+      first = &camera, expected = steps;
+      continue;
+    }
+    const auto [a, b] = std::mismatch(
+        steps.begin(), steps.begin() + std::min(SizeOf(steps), SizeOf(expected)), expected.begin());
+    const std::size_t at = static_cast<std::size_t>(a - steps.begin());
+    if (at >= std::min(steps.size(), expected.size())) continue;
+    // The one that jumped further lacks a picture.
+    const ShotCamera& lacks = *a > *b ? camera : *first;
+    const auto& before = lacks.pictures.pictures[at - 1];
+    throw InputError(fmt::format(
+        "the films do not run together: camera {} has no picture between {} and {}, where {} has "
+        "one; put a copy of {} in its place, or take that picture out of all cameras",
+        lacks.name, before.filename().string(), lacks.pictures.pictures[at].filename().string(),
+        (&lacks == &camera ? first->name : camera.name), before.filename().string()));
+  }
+}
+
+}  // namespace
+
+void RequireTogether(const std::vector<ShotCamera>& cameras) {
+  RequireOneRate(cameras);
+  RequireSameGaps(cameras);
+}
+
+}  // namespace keypose

@@ -1,0 +1,80 @@
+// Films that do not run together are refused before anything is made of them.
+#include "views/shot/together.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/errors.h"
+
+namespace keypose {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+ShotCamera Numbered(const std::string& name, const std::vector<int>& numbers) {
+  ShotCamera camera;
+  camera.name = name;
+  for (const int number : numbers)
+    camera.pictures.pictures.emplace_back(fmt::format("take2_{:04}.jpg", number));
+  camera.pictures.frames = static_cast<int>(numbers.size());
+  return camera;
+}
+
+ShotCamera Video(const std::string& name, double rate) {
+  ShotCamera camera;
+  camera.name = name;
+  camera.pictures.video = name + ".mp4";
+  camera.pictures.frames = 100;
+  camera.pictures.frames_per_second = rate;
+  return camera;
+}
+
+std::vector<int> Range(int first, int count, int step, int left_out = -1) {
+  std::vector<int> numbers;
+  for (int i = 0; i < count; ++i)
+    if (i != left_out) numbers.push_back(first + i * step);
+  return numbers;
+}
+
+std::string Fault(const std::vector<ShotCamera>& cameras) {
+  try {
+    RequireTogether(cameras);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Together, VideosOfOneRateOnly) {
+  EXPECT_EQ(Fault({Video("a", 30), Video("b", 30 / 1.001), Video("c", 0)}), "");
+  EXPECT_THAT(Fault({Video("a", 25), Video("b", 24), Video("c", 25)}),
+              AllOf(HasSubstr("b has 24 pictures a second and a has 25"), HasSubstr("-r 24")));
+}
+
+TEST(Together, ACameraThatLostAPictureIsNamed) {
+  const ShotCamera whole = Numbered("left", Range(1001, 40, 1));
+  EXPECT_THAT(Fault({whole, Numbered("right", Range(1, 40, 1, 17))}),
+              AllOf(HasSubstr("camera right has no picture between take2_0017.jpg and "
+                              "take2_0019.jpg, where left has one"),
+                    HasSubstr("a copy of take2_0017.jpg")));
+  EXPECT_THAT(Fault({Numbered("right", Range(1, 40, 1, 17)), whole}),
+              HasSubstr("camera right has no picture between take2_0017.jpg"));
+}
+
+TEST(Together, FilmsOnTwosOtherStartsAndOtherLengthsRunTogether) {
+  EXPECT_EQ(Fault({Numbered("a", Range(0, 40, 2)), Numbered("b", Range(7, 33, 1))}), "");
+  EXPECT_EQ(Fault({Numbered("a", Range(0, 40, 1, 9)), Numbered("b", Range(100, 30, 1, 9))}), "")
+      << "left out of both";
+}
+
+TEST(Together, NumbersThatAreTimesSayNothing) {
+  EXPECT_EQ(Fault({Numbered("a", {12, 45, 79, 112, 145}), Numbered("b", {13, 46, 80, 112, 147})}),
+            "");
+}
+
+}  // namespace
+}  // namespace keypose
