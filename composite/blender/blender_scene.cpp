@@ -85,13 +85,27 @@ def show_film(data):
 def make_material():
     material = bpy.data.materials.new("character")
     material.use_nodes = True
-    shader = material.node_tree.nodes["Principled BSDF"]
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    shader = nodes["Principled BSDF"]
     shader.inputs["Roughness"].default_value = 0.7
     if SHOT["textures"]:
-        texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+        texture = nodes.new("ShaderNodeTexImage")
         texture.image = bpy.data.images.load(str(HERE / SHOT["textures"][0]))
-        material.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+        links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+        # The texture holds the light of the photographs, and the scene has no lamp. To light it
+        # anew, join the Principled BSDF to the Material Output.
+        glow = nodes.new("ShaderNodeEmission")
+        links.new(texture.outputs["Color"], glow.inputs["Color"])
+        links.new(glow.outputs["Emission"], nodes["Material Output"].inputs["Surface"])
     return material
+
+
+def show_colours_as_filmed(scene):
+    """Blender's own view of bright colours (AgX, Filmic) is not for pictures that are finished."""
+    try:
+        scene.view_settings.view_transform = "Standard"
+    except TypeError:
+        print("this Blender has no view transform Standard: colours differ from the film's")
 
 
 def make_character(scene):
@@ -126,6 +140,7 @@ def build():
     scene.render.fps = max(1, round(SHOT["fps"]))
     scene.render.fps_base = scene.render.fps / SHOT["fps"]
     scene.frame_start, scene.frame_end = 0, max(0, SHOT["pictures"] - 1)
+    show_colours_as_filmed(scene)
     show_film(make_camera(scene))
     make_character(scene)
     scene.frame_set(SHOT["first_picture"])

@@ -71,6 +71,7 @@ here = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
 scene = bpy.context.scene
 bpy.context.view_layer.update()
 character = bpy.data.objects["character"]
+assert scene.view_settings.view_transform == "Standard"
 pixels = []
 for frame in (0, 1):
     scene.frame_set(SHOT_START + frame)
