@@ -242,18 +242,6 @@ PointsX3 Displaced(const PointsX3& coarse, const std::vector<Eigen::Matrix3d>& t
   return moved;
 }
 
-int FlippedFaces(const PointsX3& rest, const FacesX3& faces,
-                 const std::vector<Eigen::Matrix3d>& maps, const PointsX3& points) {
-  const auto normal = [&](const PointsX3& at, Eigen::Index f) {
-    const Eigen::Vector3d a = at.row(faces(f, 0)), b = at.row(faces(f, 1)), c = at.row(faces(f, 2));
-    return Eigen::Vector3d((b - a).cross(c - a));
-  };
-  int flipped = 0;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    flipped += normal(points, f).dot(maps[faces(f, 0)] * normal(rest, f)) < 0;
-  return flipped;
-}
-
 }  // namespace
 
 Offsets FitFrame(const FollowedMesh& mesh, const PointsX3& base,
