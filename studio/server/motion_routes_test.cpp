@@ -95,7 +95,7 @@ class MotionRoutes : public testing::Test, public TestingFolder {
     AddTool("track", {"video", "calibration", "actor"},
             json::array(
                 {Folder("frames"), File("motion", "motion.bvh"), File("picture", "tracked.jpg")}));
-    AddTool("transfer", {"template", "target", "marks"}, json::array({Folder("frames")}));
+    AddTool("transfer", {"template", "target", "marks", "pins"}, json::array({Folder("frames")}));
     AddFrames("track", body);
     AddFrames("transfer", scan);
     for (const char* file : {"actor.json", "angles.csv"})
