@@ -153,6 +153,7 @@ void RequireDifferentNames(const std::vector<Photograph>& photographs) {
 /// Adds files of the folder that are not photographs, masks or the clean plate, and files of those
 /// subfolders that contain no photographs.
 void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::path>* ignored) {
+  const fs::path plate = FindBackground(folder);
   std::set<fs::path> stems;
   for (const fs::path& file : ImagesIn(folder)) stems.insert(file.stem());
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -160,8 +161,7 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
     // What `keypose shoot` puts beside the photographs: its notes, and RAW files of the same names.
     const bool shot = name == kShootNotes || name == kFocusStacks ||
                       (IsRawName(name) && stems.contains(name.stem()));
-    const bool plate = IsRawName(name) && entry.path() == FindBackground(folder);
-    if (IsLitterName(name) || name == "masks" || shot || plate) continue;
+    if (IsLitterName(name) || name == "masks" || shot || entry.path() == plate) continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path()))
       ignored->push_back(entry.path());
     // A link to a parent folder would cause endless recursion.
