@@ -1,6 +1,7 @@
 #include "views/shot/together.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
