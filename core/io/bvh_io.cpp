@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -21,10 +23,17 @@ constexpr int kMostJoints = 10000, kMostFrames = 10000000;
 /// Words of a text with the lines they stand in.
 class Words {
  public:
-  Words(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
+  Words(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // editors on Windows write it
+    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
 
   std::string_view Next() {
-    while (at_ < text_.size() && IsSpace(text_[at_])) line_ += text_[at_++] == '\n';
+    SkipSpace();
+    while (text_.substr(at_).starts_with("#") || text_.substr(at_).starts_with("//")) {
+      Line();  // a comment
+      SkipSpace();
+    }
     const std::size_t begin = at_;
     while (at_ < text_.size() && !IsSpace(text_[at_])) ++at_;
     return text_.substr(begin, at_ - begin);
@@ -63,6 +72,9 @@ class Words {
   }
 
  private:
+  void SkipSpace() {
+    while (at_ < text_.size() && IsSpace(text_[at_])) line_ += text_[at_++] == '\n';
+  }
   static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
   std::string_view text_;
@@ -71,9 +83,16 @@ class Words {
   int line_ = 1;
 };
 
+/// Some programs write "XPosition" or "xrotation".
+bool SameLetters(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  });
+}
+
 BvhChannel ChannelNamed(std::string_view word, const Words& words) {
   for (std::size_t i = 0; i < kChannelNames.size(); ++i)
-    if (word == kChannelNames[i]) return static_cast<BvhChannel>(i);
+    if (SameLetters(word, kChannelNames[i])) return static_cast<BvhChannel>(i);
   words.Fail(fmt::format("'{}' is not a channel", word));
 }
 

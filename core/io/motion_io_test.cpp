@@ -49,6 +49,22 @@ TEST(Bvh, WrittenClipReadsTheSame) {
   EXPECT_EQ(again.values, clip.values);
 }
 
+TEST(Bvh, FilesOfOtherProgramsReadTheSame) {
+  std::string text = "# exported\n" + std::string(kClip);
+  text.insert(text.find("MOTION"), "// the numbers\n");
+  text.replace(text.find("Xposition"), 9, "XPosition");
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2)
+    text.replace(at, 1, "\r\n");
+  const MotionClip plain = ParseBvh(kClip, "clip.bvh"),
+                   other = ParseBvh("\xEF\xBB\xBF" + text, "other.bvh");
+  EXPECT_EQ(other.values, plain.values);
+  ASSERT_EQ(other.joints.size(), plain.joints.size());
+  for (std::size_t j = 0; j < plain.joints.size(); ++j) {
+    EXPECT_EQ(other.joints[j].name, plain.joints[j].name);
+    EXPECT_EQ(other.joints[j].channels, plain.joints[j].channels);
+  }
+}
+
 TEST(Bvh, DamagedFilesNameTheLine) {
   const std::string text = kClip;
   const auto fault = [](const std::string& damaged) {
