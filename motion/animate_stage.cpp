@@ -1,6 +1,7 @@
 // keypose-animate: a motion clip on a rigged mesh.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -30,17 +31,19 @@ constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie
 
 struct AnimateOptions {
   double fps = 24, from = 0, to = 0;
-  std::string up = "y";
+  std::string up = "auto";
   bool all_parts = false;
 
   void Describe(OptionVisitor& visit) {
     visit("fps", fps, {"frames per second of the result", "", 0.1, 1000, {}});
     visit("from", from, {"where in the clip it begins", "s", 0, 1e6, {}});
     visit("to", to, {"where in the clip it ends; 0: at the clip's end", "s", 0, 1e6, {}});
-    visit("up", up,
-          {.help = "which way is up in the clip and in the rig; the result has z up",
-           .unit = "",
-           .choices = {"y", "z"}});
+    visit(
+        "up", up,
+        {.help = "which way is up in the clip and in the rig; auto: for each, against its legs at "
+                 "rest. The result has z up",
+         .unit = "",
+         .choices = {"auto", "y", "z"}});
     visit("all_parts", all_parts,
           {.help = "also the mesh's small separate parts, such as teeth; else only the largest"});
   }
@@ -49,7 +52,7 @@ struct AnimateOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "animate";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
   spec.inputs = {
       {"clip", "file", "motion clip (.bvh)", "", false, false},
@@ -83,22 +86,60 @@ std::vector<JointName> LoadTable(const fs::path& path) {
   return table;
 }
 
-/// The clip's frame of each frame of the result.
-std::vector<int> FramesOf(const MotionClip& clip, const AnimateOptions& options) {
+/// The moment of each frame of the result, in frames of the clip.
+std::vector<double> MomentsOf(const MotionClip& clip, const AnimateOptions& options) {
+  constexpr double kSameMoment = 0.02;  // of a frame: as times like 0.0083333 are rounded
   if (clip.frame_count() == 0) throw InputError("animate: the clip has no frames");
   const double length = clip.frame_time_s * (clip.frame_count() - 1),
                end = options.to > 0 ? std::min(options.to, length) : length;
   if (options.from > end)
     throw UsageError("animate: the clip is " + std::to_string(length) +
                      " s long; `from` must be before that and before `to`");
-  std::vector<int> frames;
+  std::vector<double> moments;
   for (int k = 0;; ++k) {
     const double at = options.from + k / options.fps;
     if (at > end + 1e-9) break;
-    frames.push_back(
-        std::min(static_cast<int>(std::lround(at / clip.frame_time_s)), clip.frame_count() - 1));
+    const double moment = std::min(at / clip.frame_time_s, clip.frame_count() - 1.0),
+                 whole = std::round(moment);
+    moments.push_back(std::abs(moment - whole) < kSameMoment ? whole : moment);
   }
-  return frames;
+  return moments;
+}
+
+UpAxes UpOf(const RestUps& rest, const std::string& up) {
+  if (up == "auto") return {rest.clip.axis, rest.rig.axis};
+  return up == "y" ? UpAxes{1, 1} : UpAxes{2, 2};
+}
+
+/// What a person would otherwise only see in the frames.
+void WarnOfClip(StageContext& stage, const MotionClip& clip, const Rig& rig,
+                const std::vector<int>& joints, const RestUps& rest,
+                const AnimateOptions& options) {
+  std::string missing;
+  for (const std::string& bone : BonesWithoutJoint(rig, joints))
+    missing += (missing.empty() ? "" : ", ") + bone;
+  if (!missing.empty())
+    stage.Warn("no joint of the clip moves the bones " + missing +
+               ": they only ride on the bones that they hang on. Name their joints with --joints: "
+               "{\"joints\": {\"CLIP JOINT\": \"RIG BONE\", ...}}; the others are still found");
+  if (rest.clip.has_legs && !rest.clip.upright)
+    stage.Warn(
+        "the clip's rest pose (all angles zero) does not stand on its legs, so trunk, head and "
+        "feet are posed wrongly; export the clip from a rig that rests in a T pose or an A pose");
+  const UpAxes up = UpOf(rest, options.up);
+  if ((rest.clip.upright && rest.clip.axis != up.clip) ||
+      (rest.rig.upright && rest.rig.axis != up.rig))
+    stage.Warn("by their legs at rest, " + std::string(1, "xyz"[rest.clip.axis]) +
+               " is up in the clip and " + std::string(1, "xyz"[rest.rig.axis]) +
+               " in the rig, but `up` says otherwise; leave it at auto");
+  if (BeginsWithItsRest(clip) && options.from < 0.5 * clip.frame_time_s) {
+    char from[32];
+    std::snprintf(from, sizeof from, "%.4f", clip.frame_time_s);
+    stage.Warn(
+        "the clip's first frame is its rest pose, and the motion begins after it; leave it "
+        "out with --from " +
+        std::string(from));
+  }
 }
 
 /// y up to z up: what looks along z then looks along -y, to the front.
@@ -110,11 +151,11 @@ PointsX3 Upright(const PointsX3& points, bool y_up) {
 }
 
 /// The height on which the feet stand, through all frames.
-double GroundOf(const Rig& rig, const Retarget& retarget, const std::vector<int>& frames,
+double GroundOf(const Rig& rig, const Retarget& retarget, const std::vector<double>& moments,
                 bool y_up) {
   std::vector<double> lowest;
-  for (int frame : frames)
-    lowest.push_back(Skinned(rig, retarget.At(frame)).col(y_up ? 1 : 2).minCoeff());
+  for (double moment : moments)
+    lowest.push_back(Skinned(rig, retarget.At(moment)).col(y_up ? 1 : 2).minCoeff());
   const auto at = lowest.begin() + static_cast<long>(kGroundShare * (lowest.size() - 1.0));
   std::nth_element(lowest.begin(), at, lowest.end());
   return *at;
@@ -130,10 +171,13 @@ void Run(StageContext& stage, const AnimateOptions& options) {
   if (!options.all_parts) rig = LargestPart(rig);
   const std::vector<int> joints = MatchJoints(
       clip, rig, stage.Has("joints") ? LoadTable(stage.Input("joints")) : std::vector<JointName>());
-  const bool y_up = options.up == "y";
-  const Retarget retarget(clip, rig, joints, y_up ? 1 : 2);
-  const std::vector<int> frames = FramesOf(clip, options);
-  const double ground = GroundOf(rig, retarget, frames, y_up);
+  const RestUps rest = UpsAtRest(clip, rig, joints);
+  const UpAxes up = UpOf(rest, options.up);
+  const bool y_up = up.rig == 1;
+  const Retarget retarget(clip, rig, joints, up);
+  const std::vector<double> moments = MomentsOf(clip, options);
+  WarnOfClip(stage, clip, rig, joints, rest, options);
+  const double ground = GroundOf(rig, retarget, moments, y_up);
   const fs::path out = stage.Output("frames");
   Mesh bound;
   bound.faces = rig.mesh.faces;
@@ -143,9 +187,9 @@ void Run(StageContext& stage, const AnimateOptions& options) {
   const double area = SurfaceArea(bound.points, bound.faces),
                volume = SignedVolume(bound.points, bound.faces);
   std::vector<FrameMeasures> measures;
-  for (int k = 0; k < SizeOf(frames); ++k) {
-    ReportProgress(stage.progress(), k / static_cast<double>(frames.size()), "posing");
-    PointsX3 points = Upright(Skinned(rig, retarget.At(frames[k])), y_up);
+  for (int k = 0; k < SizeOf(moments); ++k) {
+    ReportProgress(stage.progress(), k / static_cast<double>(moments.size()), "posing");
+    PointsX3 points = Upright(Skinned(rig, retarget.At(moments[k])), y_up);
     points.col(2).array() -= ground;
     writer.Write(out / FrameFileName(k), points);
     measures.push_back({area > 0 ? SurfaceArea(points, bound.faces) / area : 1,
@@ -154,7 +198,7 @@ void Run(StageContext& stage, const AnimateOptions& options) {
   WriteFile(out / "distortion.json", FrameNotesText(measures, options.fps, "animate"));
   if (const fs::path reference = stage.Output("reference"); !reference.empty())
     WriteMesh(reference, bound);
-  stage.Report("frames", SizeOf(frames));
+  stage.Report("frames", SizeOf(moments));
   stage.Report("vertices", bound.vertex_count());
   stage.Report("bones", SizeOf(rig.bones));
   stage.Report("bones_with_joints", static_cast<int>(std::count_if(joints.begin(), joints.end(),

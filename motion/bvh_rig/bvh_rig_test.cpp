@@ -80,7 +80,7 @@ TEST(Retarget, HangingArmsTakeTheClipsLevelOnes) {
   const MotionClip clip = MakeClip(1, 1);
   const Rig rig = MakeBody();
   const std::vector<int> joints = MatchJoints(clip, rig, {});
-  const std::vector<BoneMove> moves = Retarget(clip, rig, joints, 1).At(0);
+  const std::vector<BoneMove> moves = Retarget(clip, rig, joints, {}).At(0);
   EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.8, 1.3, 0)).norm(), 1e-12);
   EXPECT_LT((HeadOf(rig, moves, "wrist.R") - Eigen::Vector3d(-0.8, 1.3, 0)).norm(), 1e-12);
   EXPECT_LT((HeadOf(rig, moves, "foot.L") - Eigen::Vector3d(0.1, 0, 0)).norm(), 1e-12);
@@ -95,7 +95,7 @@ TEST(Retarget, ElbowBendsAndThePathIsScaledByTheLegs) {
   }
   clip.values(1, 2) = 10;  // z
   const Rig rig = MakeBody();
-  const Retarget retarget(clip, rig, MatchJoints(clip, rig, {}), 1);
+  const Retarget retarget(clip, rig, MatchJoints(clip, rig, {}), {});
   EXPECT_NEAR(retarget.scale(), 1 / 20.0, 1e-12);
   const std::vector<BoneMove> moves = retarget.At(1);
   EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.5, 1.6, 0.5)).norm(), 1e-12);
@@ -107,8 +107,59 @@ TEST(Retarget, ClipThatFacesTheOtherWayIsTurned) {
   for (ClipJoint& joint : clip.joints) joint.offset[0] = -joint.offset[0];
   clip.values(0, 2) = 1;
   const Rig rig = MakeBody();
-  const std::vector<BoneMove> moves = Retarget(clip, rig, MatchJoints(clip, rig, {}), 1).At(0);
+  const std::vector<BoneMove> moves = Retarget(clip, rig, MatchJoints(clip, rig, {}), {}).At(0);
   EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.8, 1.3, -1)).norm(), 1e-12);
+}
+
+TEST(Retarget, BetweenTwoFramesThePoseIsBetween) {
+  MotionClip clip = MakeClip(1, 2);
+  clip.values(1, 1) = 0.2;  // y
+  clip.values(1, 3 + 1) = 40;
+  const Rig rig = MakeBody();
+  const Retarget retarget(clip, rig, MatchJoints(clip, rig, {}), {});
+  const Eigen::Vector3d half =
+      Eigen::Vector3d(0, 0.9, 0) + ExpOf({0, 20 * kDegree, 0}) * Eigen::Vector3d(0.8, 0.5, 0);
+  EXPECT_LT((HeadOf(rig, retarget.At(0.5), "wrist.L") - half).norm(), 1e-12);
+  EXPECT_LT((HeadOf(rig, retarget.At(1.0), "root") - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+}
+
+TEST(Retarget, ClipWithZUpMovesARigWithYUp) {
+  MotionClip clip = MakeClip(1, 2);
+  // x stays, y becomes z, and z, the front, becomes -y.
+  for (ClipJoint& joint : clip.joints)
+    joint.offset = Eigen::Vector3d(joint.offset[0], -joint.offset[2], joint.offset[1]);
+  clip.values(1, 1) = -1;  // a step forwards
+  const Rig rig = MakeBody();
+  const std::vector<int> joints = MatchJoints(clip, rig, {});
+  const RestUps ups = UpsAtRest(clip, rig, joints);
+  EXPECT_TRUE(ups.clip.upright && ups.rig.upright);
+  EXPECT_EQ(ups.clip.axis, 2);
+  EXPECT_EQ(ups.rig.axis, 1);
+  const std::vector<BoneMove> moves =
+      Retarget(clip, rig, joints, {ups.clip.axis, ups.rig.axis}).At(1);
+  EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.8, 1.3, 1)).norm(), 1e-12);
+  EXPECT_LT((HeadOf(rig, moves, "foot.R") - Eigen::Vector3d(-0.1, 0, 1)).norm(), 1e-12);
+}
+
+TEST(UpsAtRest, BodyThatLiesIsNotUpright) {
+  MotionClip clip = MakeClip(1, 1);
+  for (ClipJoint& joint : clip.joints)
+    joint.offset = Eigen::Vector3d(joint.offset[1], joint.offset[0], 0);
+  const Rig rig = MakeBody();
+  const RestUp up = UpsAtRest(clip, rig, MatchJoints(clip, rig, {})).clip;
+  EXPECT_TRUE(up.has_legs);
+  EXPECT_FALSE(up.upright);
+  EXPECT_EQ(up.axis, 1);
+}
+
+TEST(BeginsWithItsRest, OnlyWhenTheSecondFrameMoves) {
+  MotionClip clip = MakeClip(1, 2);
+  clip.values.row(0).head<3>() << 0, 90, 0;  // a place is no pose
+  EXPECT_FALSE(BeginsWithItsRest(clip));
+  clip.values(1, 8) = 60;
+  EXPECT_TRUE(BeginsWithItsRest(clip));
+  clip.values(0, 8) = 50;
+  EXPECT_FALSE(BeginsWithItsRest(clip));
 }
 
 TEST(Skinned, BoneTurnsItsVerticesAboutItsHead) {
@@ -131,6 +182,75 @@ TEST(MeaningOf, KnowsTheUsualNames) {
   EXPECT_EQ(one("tail"), kNone);
   EXPECT_EQ(MeaningOf({"LeftShoulder", "LeftElbow"})[0], kUpperArmL);
   EXPECT_EQ(MeaningOf({"LeftShoulder", "LeftArm"})[0], kCollarL);
+}
+
+/// The place in the list of the one name that has this meaning; -1: none; -2: several.
+int PlaceOf(BodyJoint joint, const std::vector<std::string>& names) {
+  const std::vector<BodyJoint> meanings = MeaningOf(names);
+  int place = -1;
+  for (std::size_t k = 0; k < meanings.size(); ++k)
+    if (meanings[k] == joint) place = place == -1 ? static_cast<int>(k) : -2;
+  return place;
+}
+
+TEST(MeaningOf, HelpersAndRootsGiveWayToTheJointsUnderThem) {
+  using enum BodyJoint;
+  const std::vector<std::string> blender = {"Root", "__UpArm_L", "UpArm_L", "LoArm_L",
+                                            "Hips", "__UpLeg_L", "UpLeg_L", "LoLeg_L"};
+  EXPECT_EQ(PlaceOf(kHips, blender), 4);
+  EXPECT_EQ(PlaceOf(kUpperArmL, blender), 2);
+  EXPECT_EQ(PlaceOf(kThighL, blender), 6);
+  EXPECT_EQ(PlaceOf(kHips, {"root", "pelvis", "thigh_l"}), 1);
+  EXPECT_EQ(PlaceOf(kHips, {"Hips", "Pelvis"}), 0);
+  EXPECT_EQ(PlaceOf(kFootL, {"L_Ankle", "L_Foot"}), 0);
+}
+
+TEST(MeaningOf, PrefixesThatAllNamesHaveDoNotMatter) {
+  using enum BodyJoint;
+  for (const std::string prefix :
+       {"mixamorig_", "mixamorig", "Character1_", "CC_Base_", "Bip01 "}) {
+    std::vector<std::string> names = {"Hips"};
+    for (const char* side : {"Left", "Right"})
+      for (const char* limb : {"Arm", "ForeArm", "UpLeg", "Leg"})
+        names.push_back(std::string(side) + limb);
+    for (std::string& name : names) name = prefix + name;
+    names.insert(names.begin(), "RL_BoneRoot");
+    EXPECT_EQ(PlaceOf(kHips, names), 1) << prefix;
+    EXPECT_EQ(PlaceOf(kForearmL, names), 3) << prefix;
+    EXPECT_EQ(PlaceOf(kThighR, names), 8) << prefix;
+  }
+}
+
+TEST(MeaningOf, KnowsPosersAndTheMetarigsNames) {
+  using enum BodyJoint;
+  const std::vector<std::string> poser = {"hip",   "abdomen", "chest",  "neck",
+                                          "head",  "lCollar", "lShldr", "lForeArm",
+                                          "lHand", "lThigh",  "lShin",  "lFoot"};
+  const std::vector<BodyJoint> meant = {kHips,      kSpine,    kChest, kNeck,   kHead,  kCollarL,
+                                        kUpperArmL, kForearmL, kHandL, kThighL, kShinL, kFootL};
+  EXPECT_EQ(MeaningOf(poser), meant);
+  const std::vector<std::string> metarig = {"spine",     "spine.001", "spine.002", "spine.003",
+                                            "spine.004", "spine.005", "spine.006", "thigh.L"};
+  const std::vector<BodyJoint> trunk = {kHips, kSpine, kSpine, kChest,
+                                        kNeck, kNone,  kHead,  kThighL};
+  EXPECT_EQ(MeaningOf(metarig), trunk);
+}
+
+TEST(MatchJoints, ATableOfSomeNamesLeavesTheOthersToBeFound) {
+  MotionClip clip = MakeClip(1, 1);
+  const int odd = clip.Find("LeftArm");
+  clip.joints[odd].name = "Oberarm links";
+  const Rig rig = MakeBody();
+  std::vector<int> match = MatchJoints(clip, rig, {});
+  EXPECT_EQ(BonesWithoutJoint(rig, match), std::vector<std::string>{"upperarm01.L"});
+  match = MatchJoints(clip, rig, {{"Oberarm links", "upperarm01.L"}});
+  EXPECT_TRUE(BonesWithoutJoint(rig, match).empty());
+  EXPECT_EQ(match[rig.Find("upperarm01.L")], odd);
+  EXPECT_EQ(match[rig.Find("lowerleg01.R")], clip.Find("RightLeg"));
+  // A joint that the table gives to another bone moves only that one.
+  match = MatchJoints(clip, rig, {{"RightLeg", "foot.R"}});
+  EXPECT_EQ(match[rig.Find("foot.R")], clip.Find("RightLeg"));
+  EXPECT_EQ(match[rig.Find("lowerleg01.R")], -1);
 }
 
 TEST(MatchJoints, UnknownNamesAreListed) {

@@ -1,8 +1,8 @@
 #include "motion/bvh_rig/joint_names.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <map>
 #include <set>
 
 #include "core/errors.h"
@@ -12,14 +12,11 @@ namespace keypose::motion {
 
 namespace {
 
-/// Words of a name in lower case, without the side; and the side: -1 none, 0 left, 1 right.
-struct PlainName {
-  std::string word;
-  int side = -1;
-};
+using Words = std::vector<std::string>;
 
-PlainName PlainOf(const std::string& name) {
-  std::vector<std::string> words;
+/// Words of a name in lower case, without what stands before a colon.
+Words WordsOf(const std::string& name) {
+  Words words;
   const std::size_t colon = name.rfind(':');
   const std::string own = colon == std::string::npos ? name : name.substr(colon + 1);
   bool fresh = true, before_lower = false;
@@ -31,23 +28,38 @@ PlainName PlainOf(const std::string& name) {
     fresh = !letter;
     before_lower = letter && !std::isupper(u);
   }
-  PlainName plain;
-  for (const std::string& word : words) {
-    if (word == "l" || word == "left") {
-      plain.side = 0;
-    } else if (word == "r" || word == "right") {
-      plain.side = 1;
-    } else {
-      plain.word += word;
-    }
-  }
-  // As in "lhand" and "RHipJoint" of CMU, whose first letter is a word of its own only sometimes.
-  for (const auto& [letter, side] : {std::pair('l', 0), std::pair('r', 1)})
-    if (plain.side < 0 && plain.word.size() > 4 && plain.word[0] == letter &&
-        (plain.word.substr(1) == "hipjoint" || plain.word.substr(1) == "hand"))
-      plain.side = side, plain.word = plain.word.substr(1);
-  return plain;
+  return words;
 }
+
+/// -1 none, 0 left, 1 right
+int SideOf(const std::string& word) {
+  return word == "l" || word == "left" ? 0 : word == "r" || word == "right" ? 1 : -1;
+}
+
+/// Without first words that nearly all names have, as in "Bip01 L Thigh" or "Character1_Hips".
+std::vector<Words> WithoutPrefix(std::vector<Words> names) {
+  constexpr double kNearlyAll = 0.9;
+  constexpr int kFewest = 4;
+  for (;;) {
+    std::map<std::string, int> count;
+    int all = 0;
+    for (const Words& words : names)
+      if (!words.empty()) ++count[words[0]], ++all;
+    const auto most =
+        std::max_element(count.begin(), count.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (all < kFewest || most->second < kNearlyAll * all) return names;
+    const std::string prefix = most->first;
+    for (Words& words : names)
+      if (!words.empty() && words[0] == prefix) words.erase(words.begin());
+  }
+}
+
+/// A name in one word, without the side; and the side.
+struct PlainName {
+  std::string word;
+  int side = -1;
+};
 
 struct Meaning {
   BodyJoint joint;  // the left one of limbs
@@ -58,17 +70,25 @@ struct Meaning {
 const std::vector<Meaning>& Meanings() {
   using enum BodyJoint;
   static const std::vector<Meaning> table = {
-      {kHips, false, {"hips", "pelvis", "root"}},
-      {kSpine, false, {"spine", "lowerback", "spine1", "waist", "abdomen", "spine04", "torso"}},
-      {kChest, false, {"chest", "spine2", "spine3", "chest2", "upperchest", "spine02", "spine01"}},
+      {kHips, false, {"hips", "hip", "pelvis", "root"}},
+      {kSpine,
+       false,
+       {"spine", "lowerback", "spine1", "waist", "abdomen", "spine04", "torso", "upperback"}},
+      {kChest,
+       false,
+       {"chest", "spine2", "spine3", "chest2", "upperchest", "spine02", "spine01", "thorax"}},
       {kNeck, false, {"neck", "neck01", "neck1"}},
       {kHead, false, {"head"}},
       {kCollarL, true, {"collar", "clavicle", "collarbone"}},
-      {kUpperArmL, true, {"upperarm", "uparm", "arm", "upperarm01", "upperarm1"}},
-      {kForearmL, true, {"forearm", "loarm", "lowerarm", "elbow", "lowerarm01"}},
+      {kUpperArmL,
+       true,
+       {"upperarm", "uparm", "arm", "upperarm01", "upperarm1", "shldr", "shldrbend", "humerus"}},
+      {kForearmL,
+       true,
+       {"forearm", "loarm", "lowerarm", "elbow", "lowerarm01", "forearmbend", "radius"}},
       {kHandL, true, {"hand", "wrist"}},
-      {kThighL, true, {"thigh", "upleg", "upperleg", "hip", "upperleg01"}},
-      {kShinL, true, {"shin", "leg", "loleg", "lowerleg", "knee", "lowerleg01", "calf"}},
+      {kThighL, true, {"thigh", "upleg", "upperleg", "hip", "upperleg01", "thighbend", "femur"}},
+      {kShinL, true, {"shin", "leg", "loleg", "lowerleg", "knee", "lowerleg01", "calf", "tibia"}},
       {kFootL, true, {"foot", "ankle"}},
       {kToesL, true, {"toe", "toes", "toebase"}}};
   return table;
@@ -79,15 +99,58 @@ BodyJoint OnSide(BodyJoint left, int side) {
   return static_cast<BodyJoint>(static_cast<int>(left) + (side == 1 ? count : 0));
 }
 
+bool Means(const Meaning& meaning, const std::string& word) {
+  return std::any_of(meaning.words.begin(), meaning.words.end(),
+                     [&](const char* known) { return word == known; });
+}
+
+bool IsLimbWord(const std::string& word) {
+  return std::any_of(Meanings().begin(), Meanings().end(),
+                     [&](const Meaning& meaning) { return meaning.limb && Means(meaning, word); });
+}
+
+PlainName PlainOf(const Words& words) {
+  PlainName plain;
+  for (const std::string& word : words)
+    if (SideOf(word) >= 0)
+      plain.side = SideOf(word);
+    else
+      plain.word += word;
+  // As in "lhand" and "RHipJoint" of CMU, whose first letter is a word of its own only sometimes.
+  if (plain.side >= 0 || plain.word.empty()) return plain;
+  const int side = SideOf(plain.word.substr(0, 1));
+  const std::string rest = plain.word.substr(1);
+  return side >= 0 && (rest == "hipjoint" || IsLimbWord(rest)) ? PlainName{rest, side} : plain;
+}
+
 BodyJoint MeaningOfPlain(const PlainName& name, bool shoulder_is_arm) {
   if (name.word == "shoulder" && name.side >= 0)
     return OnSide(shoulder_is_arm ? BodyJoint::kUpperArmL : BodyJoint::kCollarL, name.side);
   for (const Meaning& meaning : Meanings())
-    if (meaning.limb == (name.side >= 0) &&
-        std::any_of(meaning.words.begin(), meaning.words.end(),
-                    [&](const char* word) { return name.word == word; }))
+    if (meaning.limb == (name.side >= 0) && Means(meaning, name.word))
       return meaning.limb ? OnSide(meaning.joint, name.side) : meaning.joint;
   return BodyJoint::kNone;
+}
+
+/// Blender's metarig numbers the trunk from the hips up to the head.
+void NameMetarig(std::vector<PlainName>& names) {
+  static const std::map<std::string, std::string> meant = {
+      {"spine", "hips"},    {"spine001", "spine"}, {"spine002", "spine"}, {"spine003", "chest"},
+      {"spine004", "neck"}, {"spine005", ""},      {"spine006", "head"}};
+  const auto has = [&](const char* word) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const PlainName& name) { return name.side < 0 && name.word == word; });
+  };
+  if (!has("spine006") || has("hips") || has("head")) return;
+  for (PlainName& name : names)
+    if (const auto found = meant.find(name.word); found != meant.end()) name.word = found->second;
+}
+
+/// Whether of two names of one meaning the later one is meant: the body's hips under a root that
+/// stays on the floor, and the joint under a helper of the same name, as "UpLeg_L" under
+/// "__UpLeg_L" in clips from Blender.
+bool IsMeantRather(const PlainName& later, const PlainName& earlier) {
+  return later.word == earlier.word || earlier.word == "root";
 }
 
 bool IsMain(BodyJoint joint) {
@@ -112,49 +175,46 @@ int MainMatches(const std::vector<int>& match, const std::vector<BodyJoint>& bon
   return count;
 }
 
-}  // namespace
+constexpr int kEnough = 4;  // of the eight main joints
 
-std::vector<BodyJoint> MeaningOf(const std::vector<std::string>& names) {
+std::vector<BodyJoint> MeaningOfWords(const std::vector<Words>& names) {
   std::vector<PlainName> plain;
+  for (const Words& words : names) plain.push_back(PlainOf(words));
+  NameMetarig(plain);
   bool arm = false, elbow = false;
-  for (const std::string& name : names) {
-    plain.push_back(PlainOf(name));
-    arm |= plain.back().side >= 0 &&
-           MeaningOfPlain(plain.back(), false) == OnSide(BodyJoint::kUpperArmL, plain.back().side);
-    elbow |= plain.back().word == "elbow";
-  }
-  std::vector<BodyJoint> result;
-  std::set<BodyJoint> taken;
   for (const PlainName& name : plain) {
-    const BodyJoint joint = MeaningOfPlain(name, elbow && !arm);
-    // The first of several names wins, but spines and chests are chains.
+    arm |=
+        name.side >= 0 && MeaningOfPlain(name, false) == OnSide(BodyJoint::kUpperArmL, name.side);
+    elbow |= name.word == "elbow";
+  }
+  std::vector<BodyJoint> result(plain.size(), BodyJoint::kNone);
+  std::map<BodyJoint, int> taken;
+  for (int k = 0; k < SizeOf(plain); ++k) {
+    const BodyJoint joint = MeaningOfPlain(plain[k], elbow && !arm);
+    if (joint == BodyJoint::kNone) continue;
+    const auto [at, fresh] = taken.emplace(joint, k);
+    // Spines and chests are chains; of other names of one meaning, only one counts.
     const bool chain = joint == BodyJoint::kSpine || joint == BodyJoint::kChest;
-    const bool fresh = joint != BodyJoint::kNone && (taken.insert(joint).second || chain);
-    result.push_back(fresh ? joint : BodyJoint::kNone);
+    if (!fresh && !chain) {
+      if (!IsMeantRather(plain[k], plain[at->second])) continue;
+      result[at->second] = BodyJoint::kNone;
+      at->second = k;
+    }
+    result[k] = joint;
   }
   return result;
 }
 
-std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
-                             const std::vector<JointName>& given) {
-  std::vector<std::string> joints, bones;
-  for (const ClipJoint& joint : clip.joints) joints.push_back(joint.name);
-  for (const Bone& bone : rig.bones) bones.push_back(bone.name);
+int MainCount(const std::vector<BodyJoint>& joints) {
+  return static_cast<int>(std::count_if(joints.begin(), joints.end(), IsMain));
+}
+
+/// By equal names or, where these are too few, by what names mean.
+std::vector<int> GuessedMatch(const MotionClip& clip, const std::vector<std::string>& joints,
+                              const std::vector<std::string>& bones) {
   std::vector<int> match(bones.size(), -1);
-  for (const auto& [joint, bone] : given) {
-    const int j = clip.Find(joint), b = rig.Find(bone);
-    if (j < 0 || joint.empty())
-      throw InputError("animate: the clip has no joint '" + joint + "'; its joints are " +
-                       ListOf(joints));
-    if (b < 0)
-      throw InputError("animate: the rig has no bone '" + bone + "'; its bones are " +
-                       ListOf(bones));
-    match[b] = j;
-  }
-  if (!given.empty()) return match;
   for (int b = 0; b < SizeOf(bones); ++b) match[b] = clip.Find(bones[b]);
   const std::vector<BodyJoint> of_bones = MeaningOf(bones), of_joints = MeaningOf(joints);
-  constexpr int kEnough = 4;
   if (MainMatches(match, of_bones) >= kEnough) return match;
   std::fill(match.begin(), match.end(), -1);
   for (int b = 0; b < SizeOf(bones); ++b) {
@@ -163,14 +223,61 @@ std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
     for (int j = 0; j < SizeOf(joints); ++j)
       if (of_joints[j] == of_bones[b]) match[b] = j;
   }
-  if (MainMatches(match, of_bones) < kEnough)
+  return match;
+}
+
+std::vector<std::string> NamesOf(const Rig& rig) {
+  std::vector<std::string> names;
+  for (const Bone& bone : rig.bones) names.push_back(bone.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<BodyJoint> MeaningOf(const std::vector<std::string>& names) {
+  std::vector<Words> words;
+  for (const std::string& name : names) words.push_back(WordsOf(name));
+  std::vector<BodyJoint> as_written = MeaningOfWords(words);
+  if (MainCount(as_written) >= kEnough) return as_written;
+  std::vector<BodyJoint> bare = MeaningOfWords(WithoutPrefix(words));
+  return MainCount(bare) > MainCount(as_written) ? bare : as_written;
+}
+
+std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
+                             const std::vector<JointName>& given) {
+  std::vector<std::string> joints;
+  for (const ClipJoint& joint : clip.joints) joints.push_back(joint.name);
+  const std::vector<std::string> bones = NamesOf(rig);
+  std::vector<int> match = GuessedMatch(clip, joints, bones);
+  if (given.empty() && MainMatches(match, MeaningOf(bones)) < kEnough)
     throw InputError("animate: the clip's joints cannot be told apart; found are only " +
-                     std::to_string(MainMatches(match, of_bones)) +
+                     std::to_string(MainMatches(match, MeaningOf(bones))) +
                      " of the eight upper and lower arms and legs. The clip has " + ListOf(joints) +
                      "; the rig has " + ListOf(bones) +
                      ". Pass a table with --joints: {\"joints\": {\"CLIP JOINT\": \"RIG BONE\", "
                      "...}}");
+  for (const auto& [joint, bone] : given) {
+    const int j = clip.Find(joint), b = rig.Find(bone);
+    if (j < 0 || joint.empty())
+      throw InputError("animate: the clip has no joint '" + joint + "'; its joints are " +
+                       ListOf(joints));
+    if (b < 0)
+      throw InputError("animate: the rig has no bone '" + bone + "'; its bones are " +
+                       ListOf(bones));
+    std::replace(match.begin(), match.end(), j, -1);
+  }
+  for (const auto& [joint, bone] : given) match[rig.Find(bone)] = clip.Find(joint);
   return match;
+}
+
+std::vector<std::string> BonesWithoutJoint(const Rig& rig, const std::vector<int>& match) {
+  const std::vector<std::string> names = NamesOf(rig);
+  const std::vector<BodyJoint> meanings = MeaningOf(names);
+  std::vector<std::string> missing;
+  for (int b = 0; b < SizeOf(names); ++b)
+    if (match[b] < 0 && (IsMain(meanings[b]) || meanings[b] == BodyJoint::kHips))
+      missing.push_back(names[b]);
+  return missing;
 }
 
 }  // namespace keypose::motion

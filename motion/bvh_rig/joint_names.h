@@ -35,9 +35,10 @@ enum class BodyJoint {
   kToesR
 };
 
-/// The meaning of each name, as CMU, Mixamo, MakeHuman, Blender and the `track` stage write them:
-/// capitals, signs between words, prefixes such as "mixamorig:" and the place of L and R do not
-/// matter. "Shoulder" is a collar where the names also have an arm or no elbow, else an upper arm.
+/// The meaning of each name, as CMU, Mixamo, MakeHuman, Blender, Poser and the `track` stage write
+/// them: capitals, signs between words, prefixes such as "mixamorig:" or "Bip01 " and the place of
+/// L and R do not matter. "Shoulder" is a collar where the names also have an arm or no elbow, else
+/// an upper arm.
 std::vector<BodyJoint> MeaningOf(const std::vector<std::string>& names);
 
 /// A line of a person's own table.
@@ -48,10 +49,14 @@ struct JointName {
 /// For each bone of the rig the clip's joint that moves it, or -1: it moves with its parent.
 /// Equal names go together; where fewer than half of a body's main joints are found so, names are
 /// matched by what they mean.
-/// @param given  a person's table; what it names is not guessed
+/// @param given  a person's table; the bones and joints that it does not name are guessed
 /// @throws InputError  the table names a joint or bone that does not exist; or neither hips nor
-/// limbs are found: lists the names
+/// limbs are found and there is no table: lists the names
 std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
                              const std::vector<JointName>& given);
+
+/// Names of the hips, upper and lower arms and legs of the rig that no joint moves.
+/// @param match  from MatchJoints
+std::vector<std::string> BonesWithoutJoint(const Rig& rig, const std::vector<int>& match);
 
 }  // namespace keypose::motion

@@ -1,9 +1,11 @@
 #include "motion/bvh_rig/retarget.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/angles.h"
 #include "core/size_of.h"
 #include "motion/bvh_rig/joint_names.h"
 
@@ -12,6 +14,8 @@ namespace keypose::motion {
 namespace {
 
 using enum BodyJoint;
+
+constexpr double kUpright = 0.8;  // cosine: legs that point within 37 degrees of an axis
 
 /// Joints of the clip at rest, with all angles and positions zero.
 std::vector<Eigen::Vector3d> RestOf(const MotionClip& clip) {
@@ -34,6 +38,38 @@ struct Limbs {
   Eigen::Vector3d OnClip(BodyJoint joint) const { return (*rest)[(*joints)[bone.at(joint)]]; }
 };
 
+/// By the rig's own names or, where these say nothing, by those of the joints that move them.
+Limbs LimbsOf(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints,
+              const std::vector<Eigen::Vector3d>& rest) {
+  std::vector<std::string> bone_names, joint_names;
+  for (int b = 0; b < SizeOf(rig.bones); ++b) {
+    bone_names.push_back(rig.bones[b].name);
+    joint_names.push_back(joints[b] >= 0 ? clip.joints[joints[b]].name : "");
+  }
+  const std::vector<BodyJoint> by_bone = MeaningOf(bone_names), by_joint = MeaningOf(joint_names);
+  Limbs limbs{{}, &rig, &joints, &rest};
+  for (int b = 0; b < SizeOf(rig.bones); ++b) {
+    const BodyJoint meaning = by_bone[b] != kNone ? by_bone[b] : by_joint[b];
+    if (joints[b] >= 0 && meaning != kNone) limbs.bone.try_emplace(meaning, b);
+  }
+  return limbs;
+}
+
+/// Against where the legs point; a body that lies, or stands on its head, is not upright.
+RestUp UpOfLegs(const Limbs& limbs, bool on_clip) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& [thigh, shin] : {std::pair(kThighL, kShinL), std::pair(kThighR, kShinR)})
+    if (limbs.Has(thigh) && limbs.Has(shin))
+      sum += on_clip ? limbs.OnClip(thigh) - limbs.OnClip(shin)
+                     : limbs.OnRig(thigh) - limbs.OnRig(shin);
+  RestUp up;
+  up.has_legs = sum.norm() > 0;
+  int axis = 0;
+  if (up.has_legs && sum.maxCoeff(&axis) > kUpright * sum.norm() && axis > 0)
+    up.axis = axis, up.upright = true;
+  return up;
+}
+
 double LegOf(const Limbs& limbs, bool on_clip) {
   double length = 0;
   for (const auto& [thigh, shin, foot] :
@@ -45,6 +81,20 @@ double LegOf(const Limbs& limbs, bool on_clip) {
   return length;
 }
 
+/// Joints at a moment between two frames of the clip.
+std::vector<Rigid3> FramesBetween(const MotionClip& clip, double frame) {
+  const int before = static_cast<int>(std::floor(frame));
+  std::vector<Rigid3> joints = JointFrames(clip, before);
+  const double share = frame - before;
+  if (share == 0) return joints;
+  const std::vector<Rigid3> after = JointFrames(clip, before + 1);
+  for (int j = 0; j < SizeOf(joints); ++j) {
+    joints[j].rotation = joints[j].rotation.slerp(share, after[j].rotation);
+    joints[j].translation += share * (after[j].translation - joints[j].translation);
+  }
+  return joints;
+}
+
 double Size(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d low = points[0], high = points[0];
   for (const Eigen::Vector3d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
@@ -53,35 +103,53 @@ double Size(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-Retarget::Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints, int up)
+RestUps UpsAtRest(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints) {
+  const std::vector<Eigen::Vector3d> rest = RestOf(clip);
+  const Limbs limbs = LimbsOf(clip, rig, joints, rest);
+  return {UpOfLegs(limbs, true), UpOfLegs(limbs, false)};
+}
+
+bool BeginsWithItsRest(const MotionClip& clip) {
+  constexpr double kStill = 5, kMoved = 20;  // degrees
+  if (clip.frame_count() < 2) return false;
+  double first = 0, second = 0;
+  int column = 0;
+  for (const ClipJoint& joint : clip.joints)
+    for (const BvhChannel channel : joint.channels) {
+      if (channel >= BvhChannel::kXrotation) {
+        first = std::max(first, std::abs(std::remainder(clip.values(0, column), 360)));
+        second = std::max(second, std::abs(std::remainder(clip.values(1, column), 360)));
+      }
+      ++column;
+    }
+  return first < kStill && second > kMoved;
+}
+
+Retarget::Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints,
+                   UpAxes up)
     : clip_(clip),
       rig_(rig),
       joints_(joints),
       to_clip_rest_(rig.bones.size(), Eigen::Matrix3d::Identity()) {
   const std::vector<Eigen::Vector3d> rest = RestOf(clip);
-  // By the rig's own names or, where these say nothing, by those of the joints that move them.
-  std::vector<std::string> bone_names, joint_names;
-  for (int b = 0; b < SizeOf(rig.bones); ++b) {
-    bone_names.push_back(rig.bones[b].name);
-    joint_names.push_back(joints[b] >= 0 ? clip.joints[joints[b]].name : "");
-  }
-  const std::vector<BodyJoint> by_bone = MeaningOf(bone_names), by_joint = MeaningOf(joint_names);
-  Limbs limbs{{}, &rig_, &joints_, &rest};
-  for (int b = 0; b < SizeOf(rig.bones); ++b) {
-    const BodyJoint meaning = by_bone[b] != kNone ? by_bone[b] : by_joint[b];
-    if (joints[b] >= 0 && meaning != kNone) limbs.bone.try_emplace(meaning, b);
-  }
-  const Eigen::Vector3d up_axis = Eigen::Vector3d::Unit(up);
+  const Limbs limbs = LimbsOf(clip, rig, joints, rest);
+  const Eigen::Vector3d up_axis = Eigen::Vector3d::Unit(up.rig);
+  // From z up to y up, what looks along -y then looks along z; and back.
+  if (up.clip != up.rig)
+    rig_from_clip_ = Eigen::AngleAxisd((up.rig == 1 ? -0.5 : 0.5) * kPi, Eigen::Vector3d::UnitX())
+                         .toRotationMatrix();
   if (limbs.Has(kThighL) && limbs.Has(kThighR)) {
     const auto level = [&](const Eigen::Vector3d& v) {
       return (v - v.dot(up_axis) * up_axis).eval();
     };
-    const Eigen::Vector3d from = level(limbs.OnClip(kThighL) - limbs.OnClip(kThighR)),
+    const Eigen::Vector3d from = level(rig_from_clip_ *
+                                       (limbs.OnClip(kThighL) - limbs.OnClip(kThighR))),
                           to = level(limbs.OnRig(kThighL) - limbs.OnRig(kThighR));
     if (from.norm() > 0 && to.norm() > 0)
       rig_from_clip_ =
           Eigen::AngleAxisd(std::atan2(from.cross(to).dot(up_axis), from.dot(to)), up_axis)
-              .toRotationMatrix();
+              .toRotationMatrix() *
+          rig_from_clip_;
   }
   for (const auto& [begin, end] :
        {std::pair(kUpperArmL, kForearmL), std::pair(kForearmL, kHandL), std::pair(kThighL, kShinL),
@@ -113,8 +181,8 @@ Retarget::Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int
   clip_rest_ = rest[root_joint_];
 }
 
-std::vector<BoneMove> Retarget::At(int frame) const {
-  const std::vector<Rigid3> joints = JointFrames(clip_, frame);
+std::vector<BoneMove> Retarget::At(double frame) const {
+  const std::vector<Rigid3> joints = FramesBetween(clip_, frame);
   std::vector<BoneMove> moves(rig_.bones.size());
   for (int b = 0; b < SizeOf(moves); ++b) {
     const Bone& bone = rig_.bones[b];

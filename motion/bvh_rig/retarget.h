@@ -8,6 +8,27 @@
 
 namespace keypose::motion {
 
+/// Which axis points up, by the legs at rest.
+struct RestUp {
+  bool has_legs = false;
+  bool upright = false;  ///< the legs hang along y or z
+  int axis = 1;          ///< 1, 2: y or z; y where legs do not tell
+};
+struct RestUps {
+  RestUp clip, rig;
+};
+/// @param joints  of each bone, from MatchJoints
+RestUps UpsAtRest(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints);
+
+/// Whether the first frame is the clip's rest pose, and the second one is not: recorded clips often
+/// have such a frame in front, which does not belong to the motion.
+bool BeginsWithItsRest(const MotionClip& clip);
+
+/// 1, 2: y or z is up.
+struct UpAxes {
+  int clip = 1, rig = 1;
+};
+
 /// Poses a rig after a clip.
 ///
 /// A bone's turn is that of its joint since the clip's rest pose (all angles zero), in the world.
@@ -18,11 +39,11 @@ namespace keypose::motion {
 class Retarget {
  public:
   /// @param joints  of each bone, from MatchJoints
-  /// @param up      0, 1, 2: x, y or z is up in both
-  Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints, int up);
+  Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints, UpAxes up);
 
-  /// @pre 0 <= frame < clip.frame_count()
-  std::vector<BoneMove> At(int frame) const;
+  /// @param frame  of the clip; between two frames, between their poses
+  /// @pre 0 <= frame <= clip.frame_count() - 1
+  std::vector<BoneMove> At(double frame) const;
   double scale() const { return scale_; }
 
  private:
