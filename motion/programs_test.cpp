@@ -158,6 +158,24 @@ TEST_F(Programs, MeshThatFacesTheOtherWayMovesRightOrIsRefused) {
   EXPECT_TRUE(Says("opposite ways")) << log_;
 }
 
+TEST_F(Programs, TransferWarnsOfATargetThatLiesAndOfAnotherRate) {
+  WriteBars();
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  EXPECT_FALSE(Says("leans") || Says("as fast")) << log_;
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--fps 24"), 0) << log_;
+  EXPECT_TRUE(Says("goes 2 times as fast")) << log_;
+  // The same bar from a program that has y up: z becomes y.
+  const Mesh small = ReadMesh(folder_ / "template/frame_0000.ply");
+  Mesh lying = target_;
+  lying.points.col(1) = target_.points.col(2), lying.points.col(2) = -target_.points.col(1);
+  const std::vector<LandmarkPair> pairs =
+      ReadLandmarkPairs({folder_ / "marks.json"}, small, target_);
+  WriteMesh(folder_ / "target.ply", lying);
+  WriteLandmarkPairs(folder_ / "marks.json", small, lying, pairs);
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  EXPECT_TRUE(Says("the target leans by 90 degrees")) << log_;
+}
+
 TEST_F(Programs, AnimateListsJointsThatItDoesNotKnow) {
   WriteFile(folder_ / "clip.bvh",
             "HIERARCHY\nROOT Boing\n{\n OFFSET 0 0 0\n CHANNELS 3 Xrotation Yrotation Zrotation\n"
@@ -180,6 +198,64 @@ TEST_F(Programs, AnimateListsJointsThatItDoesNotKnow) {
   const Mesh frame = ReadMesh(folder_ / "out/frame_0001.ply");
   EXPECT_NEAR(frame.points.col(0).minCoeff(), -1, 1e-9);
   EXPECT_NEAR(frame.points.col(2).minCoeff(), 0, 1e-9);
+}
+
+/// A clip of legs and one arm at 25 frames a second: a T pose in front, then bent knees.
+std::string ClipOfLegsText() {
+  const char* turns = "  CHANNELS 3 Zrotation Yrotation Xrotation\n";
+  std::string text =
+      "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation "
+      "Yrotation Xrotation\n";
+  const auto joint = [&](const std::string& name, const char* offset) {
+    text += " JOINT " + name + "\n {\n  OFFSET " + offset + "\n" + turns;
+  };
+  joint("LeftArm", "0.2 0 0.5"), joint("LeftForeArm", "0.3 0 0"), text += " }\n }\n";
+  for (const char* side : {"Left", "Right"}) {
+    joint(std::string(side) + "UpLeg", side[0] == 'L' ? "0.1 0 0" : "-0.1 0 0");
+    joint(std::string(side) + "Leg", "0 0 -0.4"), text += " }\n }\n";
+  }
+  text += "}\nMOTION\nFrames: 3\nFrame Time: 0.04\n";
+  for (const char* bend : {" 0", " 70", " 75"}) {
+    text += "0 0 0 0 0 0";
+    for (int k = 0; k < 6 * 3; ++k) text += bend;
+    text += "\n";
+  }
+  return text;
+}
+
+TEST_F(Programs, AnimateWarnsOfWhatAClipLacks) {
+  WriteFile(folder_ / "clip.bvh", ClipOfLegsText());
+  const Mesh ball = MakeIcosphere(2);
+  WriteMesh(folder_ / "body.obj", ball);
+  Eigen::Index top = 0, bottom = 0, left = 0, right = 0;
+  ball.points.col(1).maxCoeff(&top), ball.points.col(1).minCoeff(&bottom);
+  ball.points.col(0).maxCoeff(&left), ball.points.col(0).minCoeff(&right);
+  nlohmann::json rig = {
+      {"joints",
+       {{"t", {top}}, {"b", {bottom}}, {"l", {left}}, {"r", {right}}, {"m", {top, bottom}}}},
+      {"bones", {{"root", {{"head", "m"}, {"tail", "t"}, {"parent", nullptr}}}}}};
+  const auto add = [&](const std::string& bone, const char* head, const std::string& parent) {
+    rig["bones"][bone] = {{"head", head}, {"tail", "b"}, {"parent", parent}};
+  };
+  for (const auto& [side, head] : {std::pair(".L", "l"), std::pair(".R", "r")}) {
+    add(std::string("upperleg01") + side, head, "root");
+    add(std::string("lowerleg01") + side, "b", std::string("upperleg01") + side);
+    add(std::string("upperarm01") + side, head, "root");
+    add(std::string("lowerarm01") + side, head, std::string("upperarm01") + side);
+  }
+  WriteFile(folder_ / "rig.mhskel", rig.dump());
+  WriteFile(folder_ / "rig.mhw", R"({"weights": {"root": [[0, 1]]}})");
+  const std::string command =
+      "--clip clip.bvh --mesh body.obj --skeleton rig.mhskel --weights rig.mhw --frames out "
+      "--overwrite ";
+  ASSERT_EQ(Run("animate", command), 0) << log_;
+  EXPECT_TRUE(Says("no joint of the clip moves the bones upperarm01.R, lowerarm01.R")) << log_;
+  EXPECT_TRUE(Says("leave it out with --from 0.0400")) << log_;
+  EXPECT_FALSE(Says("`up`")) << log_;
+  // The clip has z up and the rig y, which only auto can tell apart.
+  ASSERT_EQ(Run("animate", command + "--from 0.04 --up y"), 0) << log_;
+  EXPECT_FALSE(Says("rest pose")) << log_;
+  EXPECT_TRUE(Says("z is up in the clip and y in the rig")) << log_;
 }
 
 /// A walk of the library on MakeHuman's body, and the same body with shorter legs as the target.

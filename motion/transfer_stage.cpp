@@ -1,6 +1,7 @@
 // keypose-transfer: the motion of a template on another mesh.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,7 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kPoorWeight = -1e-3;
-constexpr double kSurelyMirrored = 0.5;  // of the residual of the marks as they are
+constexpr double kSurelyMirrored = 0.5;    // of the residual of the marks as they are
+constexpr double kLeaning = 30 * kDegree;  // between the two meshes' uprights
+constexpr double kOtherRate = 0.01;        // of the rate
 constexpr int kFewMarks = 8;
 constexpr double kUsualRate = 24;  // frames per second
 
@@ -165,6 +168,12 @@ void WarnOfMarks(StageContext& stage, const TransferReport& report) {
     stage.Warn(
         "the marks fit a mirror image better: left and right seem to be exchanged on one of "
         "the meshes; check the marks of hands and feet");
+  if (a.certain && a.tilt > kLeaning)
+    stage.Warn(
+        "the target leans by " + std::to_string(std::lround(a.tilt / kDegree)) +
+        " degrees against the template: z must be up in both, else feet, ground and the "
+        "length of the path are wrong. Turn the one that does not stand (an OBJ from another "
+        "program mostly has y up; frames of track stand as their calibration does)");
   if (report.least_weight < kPoorWeight)
     stage.Warn(
         "long thin triangles make the fields overshoot; remesh the target with keypose "
@@ -197,6 +206,17 @@ void ReportRun(StageContext& stage, const TransferReport& report,
   stage.Report("held_move_over_diag", report.holds.held_move / diagonal);
 }
 
+/// Frames are not made anew for another rate.
+void WarnOfRate(StageContext& stage, double wanted, double rate) {
+  if (!(wanted > 0 && rate > 0) || std::abs(wanted - rate) <= kOtherRate * rate) return;
+  char factor[32];
+  std::snprintf(factor, sizeof factor, "%.3g", wanted / rate);
+  stage.Warn(
+      std::string("with this `fps` the motion goes ") + factor +
+      " times as fast as the template, whose frames are not made anew; leave `fps` at 0, and "
+      "make the template with the rate that you want");
+}
+
 Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
   Mesh frame = ReadMesh(path);
   if (frame.points.rows() != reference.points.rows() || !SameFaces(frame.faces, reference.faces))
@@ -218,6 +238,7 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   const double rate = FrameRateOf(folder), fps = options.fps > 0 ? options.fps
                                                  : rate > 0      ? rate
                                                                  : kUsualRate;
+  WarnOfRate(stage, options.fps, rate);
   TransferOptions how = OptionsOf(options);
   how.fps = fps;
   if (stage.Has("pins")) how.pins = LoadPins(stage.Input("pins"));
@@ -244,11 +265,7 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
                             volume != 0 ? SignedVolume(points, target.faces) / volume : 1});
       },
       &making);
-  WriteFile(out / "distortion.json", FrameNotesText(measures,
-                                                    options.fps > 0 ? options.fps
-                                                    : rate > 0      ? rate
-                                                                    : 24,
-                                                    options.method));
+  WriteFile(out / "distortion.json", FrameNotesText(measures, fps, options.method));
   ReportRun(stage, transfer.report(), measures, SizeOf(marks), BoundingDiagonal(target.points));
 }
 
