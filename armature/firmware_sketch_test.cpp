@@ -89,6 +89,9 @@ TEST(FirmwareSketch, CountsResetsAndTellsOfLostPower) {
   }
   ASSERT_TRUE(link.Update());
   for (int s = 0; s < 74; ++s) EXPECT_EQ(link.counts()[s], (1000 * s - 20000) & 0xFFFFFF);
+  EXPECT_FALSE(link.alarm());
+  chips.Sensor(73) = FakeCounter();  // its card lost power
+  ASSERT_TRUE(link.Update());
   EXPECT_TRUE(link.alarm());
   EXPECT_EQ(link.ReadFlags()[73], kFlagLostCount);
   link.Reset(-1);
@@ -98,6 +101,22 @@ TEST(FirmwareSketch, CountsResetsAndTellsOfLostPower) {
   ASSERT_TRUE(link.Update());
   EXPECT_EQ(link.counts()[17], 0xFFFFFB);
   EXPECT_FALSE(link.alarm());
+  EXPECT_EQ(chips.Sensor(73).mode0, 0x03);  // it counts all edges again
+}
+
+TEST(FirmwareSketch, HasANewNumberOnlyWhenCountersLostTheirPower) {
+  Chips chips;
+  bench.Begin();
+  const int boot = BootNumber();
+  chips.Sensor(5).counter = 2133;
+  bench.Begin();  // a program opened the port, and the board began again
+  EXPECT_EQ(BootNumber(), boot);
+  EXPECT_EQ(chips.Sensor(5).counter, 2133);
+  chips.Sensor(40) = FakeCounter();
+  bench.Begin();
+  EXPECT_EQ(BootNumber(), boot + 1);
+  for (int s = 0; s < 74; ++s) EXPECT_EQ(chips.Sensor(s).counter, 0) << s;
+  EXPECT_EQ(BootNumber(), boot + 1);
 }
 
 TEST(FirmwareSketch, DropsAHalfRequestWhenTheLineIsQuiet) {

@@ -1,6 +1,7 @@
 #include "armature/controller/armature_reader.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -33,7 +34,11 @@ bool Contains(const std::vector<int>& list, int value) {
 
 class ArmatureReader::Port final : public ByteLine {
  public:
-  void Open(const PortOptions& options) { port_.Open(options.device, options.baud); }
+  /// @return whether the board begins again by that
+  bool Open(const PortOptions& options) {
+    port_.Open(options.device, options.baud);
+    return port_.has_raised_dtr();
+  }
   void Write(std::string_view bytes) override { port_.Write(bytes); }
   std::string Read(double timeout_s) override { return port_.Read(timeout_s); }
 
@@ -48,7 +53,7 @@ ArmatureReader::ArmatureReader(const Armature& armature, const PortOptions& port
       tracker_(armature, calibration.sensors),
       boot_(calibration.boot) {
   try {
-    Connect();
+    while (!Connect()) ::usleep(10000);
   } catch (const PortFault& fault) {
     throw ToolError(
         fmt::format("armature: {}; {}", fault.what(), AdviceFor(fault.error, port.device)));
@@ -58,6 +63,7 @@ ArmatureReader::ArmatureReader(const Armature& armature, const PortOptions& port
                     "than {} baud?",
                     fault.what(), port.device, port.baud));
   }
+  reading_.values = tracker_.values();  // also if its first reading fails
   Poll();
 }
 
@@ -70,23 +76,31 @@ void ArmatureReader::Say(const std::string& code, const std::string& words,
 
 std::vector<ReaderEvent> ArmatureReader::TakeEvents() { return std::exchange(events_, {}); }
 
-void ArmatureReader::Connect() {
-  if (link_) {
-    repeats_ += link_->repeats();
-    damaged_ += link_->damaged();
+/// @return false: its port is open, but the board is still starting
+bool ArmatureReader::Connect() {
+  if (!opened_) {
+    if (link_) {
+      repeats_ += link_->repeats();
+      damaged_ += link_->damaged();
+    }
+    link_.reset();
+    port_ = std::make_unique<Port>();
+    const bool starts = port_->Open(options_);
+    opened_ = true;
+    greet_s_ = SteadySeconds() + (starts ? options_.start_s : 0);
   }
-  link_.reset();
-  port_ = std::make_unique<Port>();
-  port_->Open(options_);
+  if (SteadySeconds() < greet_s_) return false;
   link_ = std::make_unique<BoxLink>(*port_, options_.link);
   Begin();
   away_ = false;
+  return true;
 }
 
 void ArmatureReader::Begin() {
   const BoxInfo& box = link_->Greet();
   const bool same = box.boot == boot_;
   tracker_.Begin(box, same);
+  if (!same && boot_ >= 0) ForgetLostPower();
   if (!same && boot_ >= 0)
     Say("power-lost",
         "the controller was without power: its counters began anew, and what was moved meanwhile "
@@ -100,10 +114,44 @@ void ArmatureReader::Begin() {
   next_flags_s_ = 0;
 }
 
+/// A counter keeps the flag of the power that it lost until it is set. Once all are said to have
+/// lost theirs, a flag shall mean that one of them has lost its own since.
+void ArmatureReader::ForgetLostPower() {
+  if (!link_->Update()) throw BoxFault("the controller starts again and again");
+  if (!link_->alarm()) return;
+  const std::vector<unsigned> flags = link_->ReadFlags();
+  std::vector<std::pair<int, std::int32_t>> counts;
+  for (std::size_t s = 0; s < flags.size(); ++s)
+    if (flags[s] & kFlagLostCount) counts.emplace_back(static_cast<int>(s), link_->counts()[s]);
+  link_->Preload(counts);
+}
+
+bool ArmatureReader::HasLostCount(int joint) const {
+  const int node = armature_.joints[static_cast<std::size_t>(joint)];
+  const auto sensor =
+      static_cast<std::size_t>(armature_.nodes[static_cast<std::size_t>(node)].sensor);
+  return sensor < told_flags_.size() && (told_flags_[sensor] & kFlagLostCount) != 0;
+}
+
+/// Sets the counter to what it shows, which ends its flag. Where that fails, the flag is told
+/// again.
+void ArmatureReader::EndLostCount(std::size_t joint) {
+  if (away_) return;
+  const int node = armature_.joints[joint];
+  const int sensor = armature_.nodes[static_cast<std::size_t>(node)].sensor;
+  try {
+    link_->Preload({{sensor, link_->counts()[static_cast<std::size_t>(sensor)]}});
+    told_flags_[static_cast<std::size_t>(sensor)] &= ~kFlagLostCount;
+  } catch (const BoxFault&) {
+  } catch (const PortFault&) {
+  }
+}
+
 void ArmatureReader::Lose(const std::string& code, const std::string& words,
                           const std::string& what_to_do) {
   if (!away_) Say(code, words, what_to_do);
   away_ = true;
+  opened_ = false;
   next_try_s_ = SteadySeconds() + options_.retry_s;
 }
 
@@ -115,7 +163,7 @@ const Reading& ArmatureReader::Poll() {
     if (away_) {
       if (reading_.time_s < next_try_s_) return reading_;
       const auto told = static_cast<std::ptrdiff_t>(events_.size());
-      Connect();
+      if (!Connect()) return reading_;
       // What it has lost meanwhile is told after that: a page shows the last word.
       events_.insert(events_.begin() + told,
                      {"cable-back", "the controller answers again", "", -1});
@@ -137,8 +185,7 @@ const Reading& ArmatureReader::Poll() {
   reading_.fresh = true;
   reading_.held = tracker_.held();
   for (std::size_t j = 0; j < armature_.joints.size(); ++j)
-    if (reading_.values.empty() || reading_.values[j] != tracker_.values()[j])
-      reading_.changed.push_back(static_cast<int>(j));
+    if (reading_.values[j] != tracker_.values()[j]) reading_.changed.push_back(static_cast<int>(j));
   reading_.values = tracker_.values();
   TellHeld();
   TellFlags();
@@ -155,8 +202,9 @@ void ArmatureReader::TellHeld() {
                       node.sensor, node.name),
           "look after its plug and cable if it does not come back", joint);
     }
+  // One that lost its count is not as it was, though its counter goes on.
   for (const int joint : told_held_)
-    if (!Contains(reading_.held, joint))
+    if (!Contains(reading_.held, joint) && !HasLostCount(joint))
       Say("sensor-back",
           fmt::format("{} is read again",
                       armature_.nodes[static_cast<std::size_t>(armature_.joints[joint])].name),
@@ -169,7 +217,8 @@ void ArmatureReader::TellFlags() {
     std::fill(told_flags_.begin(), told_flags_.end(), 0u);
     return;
   }
-  if (reading_.time_s < next_flags_s_) return;
+  // A counter that jumps may just have lost its count.
+  if (reading_.time_s < next_flags_s_ && reading_.held.empty()) return;
   next_flags_s_ = reading_.time_s + kFlagsEvery_s;
   std::vector<unsigned> flags;
   try {
@@ -183,11 +232,13 @@ void ArmatureReader::TellFlags() {
     const ArmatureNode& node = armature_.nodes[static_cast<std::size_t>(armature_.joints[j])];
     const auto sensor = static_cast<std::size_t>(node.sensor);
     const unsigned fresh = flags[sensor] & ~told_flags_[sensor];
-    if (fresh & kFlagLostCount)
+    if (fresh & kFlagLostCount) {
+      if (Contains(reading_.held, static_cast<int>(j))) tracker_.CountsFromZero(j);
       Say("sensor-lost-count",
           fmt::format("the counter of sensor {} ({}) lost power and its count", node.sensor,
                       node.name),
           "look after its card; then set this joint to a known angle", static_cast<int>(j));
+    }
     if (fresh & kFlagNoSignal)
       Say("sensor-no-signal", fmt::format("sensor {} ({}) gives no signal", node.sensor, node.name),
           "look after its plug and cable; then set this joint to a known angle",
@@ -201,13 +252,14 @@ Calibration ArmatureReader::calibration() const { return {boot_, tracker_.states
 const BoxInfo& ArmatureReader::box() const { return link_->info(); }
 
 void ArmatureReader::SetValue(std::size_t joint, double value) {
+  if (HasLostCount(static_cast<int>(joint))) EndLostCount(joint);
   tracker_.SetValue(joint, value);
-  if (!reading_.values.empty()) reading_.values[joint] = tracker_.values()[joint];
+  reading_.values[joint] = tracker_.values()[joint];
 }
 
 void ArmatureReader::SetGear(std::size_t joint, double gear) {
   tracker_.SetGear(joint, gear);
-  if (!reading_.values.empty()) reading_.values[joint] = tracker_.values()[joint];
+  reading_.values[joint] = tracker_.values()[joint];
 }
 
 void ArmatureReader::ResetCounters() {

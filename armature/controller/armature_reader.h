@@ -33,6 +33,9 @@ struct PortOptions {
   std::string device;    ///< such as /dev/ttyACM0
   int baud = 1000000;    ///< as core/io/serial_port.h takes it
   double retry_s = 0.3;  ///< between attempts to reach a controller that is away
+  /// A board that begins again when its port is opened is not spoken to for so long [s]: its boot
+  /// loader would take what it hears for a new program.
+  double start_s = 2.5;
   LinkOptions link;
 };
 
@@ -68,8 +71,11 @@ class ArmatureReader {
 
  private:
   class Port;
-  void Connect();
+  bool Connect();
   void Begin();
+  void ForgetLostPower();
+  bool HasLostCount(int joint) const;
+  void EndLostCount(std::size_t joint);
   void Lose(const std::string& code, const std::string& words, const std::string& what_to_do);
   void TellHeld();
   void TellFlags();
@@ -82,8 +88,8 @@ class ArmatureReader {
   std::unique_ptr<BoxLink> link_;
   JointTracker tracker_;
   int boot_;
-  bool away_ = true;
-  double next_try_s_ = 0, next_flags_s_ = 0;
+  bool away_ = true, opened_ = false;
+  double next_try_s_ = 0, next_flags_s_ = 0, greet_s_ = 0;
   Reading reading_;
   std::vector<int> told_held_;
   std::vector<unsigned> told_flags_;

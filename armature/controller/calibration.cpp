@@ -45,8 +45,8 @@ std::string CalibrationText(const Armature& armature, const Calibration& calibra
   return whole.dump(1) + "\n";
 }
 
-Calibration ParseCalibration(const std::string& text, const std::string& file,
-                             const Armature& armature) {
+Calibration FittingCalibration(const std::string& text, const std::string& file,
+                               const Armature& armature, std::vector<std::string>* fresh) {
   RequireShallowJson(text, file);
   Calibration calibration;
   try {
@@ -55,12 +55,9 @@ Calibration ParseCalibration(const std::string& text, const std::string& file,
     const json& joints = whole.at("joints");
     for (std::size_t j = 0; j < armature.joints.size(); ++j) {
       const ArmatureNode& node = NodeOf(armature, j);
-      if (!joints.contains(node.name) || joints[node.name].at("sensor") != node.sensor)
-        throw InputError(
-            fmt::format("it has no joint '{}' with sensor {}; it was made for another "
-                        "description: calibrate again",
-                        node.name, node.sensor));
-      calibration.sensors.push_back(StateOf(joints[node.name]));
+      const bool fits = joints.contains(node.name) && joints[node.name].at("sensor") == node.sensor;
+      calibration.sensors.push_back(fits ? StateOf(joints[node.name]) : SensorState{});
+      if (!fits) fresh->push_back(node.name);
     }
   } catch (const json::exception& error) {
     throw InputError(fmt::format("{}: it is not a calibration of `keypose armature calibrate`: {}",
@@ -69,6 +66,18 @@ Calibration ParseCalibration(const std::string& text, const std::string& file,
     throw InputError(fmt::format("{}: {}", file, error.what()));
   }
   return calibration;
+}
+
+Calibration ParseCalibration(const std::string& text, const std::string& file,
+                             const Armature& armature) {
+  std::vector<std::string> fresh;
+  const Calibration calibration = FittingCalibration(text, file, armature, &fresh);
+  if (fresh.empty()) return calibration;
+  const ArmatureNode& node = armature.nodes[static_cast<std::size_t>(armature.Find(fresh[0]))];
+  throw InputError(
+      fmt::format("{}: it has no joint '{}' with sensor {}; it was made for another description: "
+                  "calibrate again",
+                  file, node.name, node.sensor));
 }
 
 }  // namespace keypose::armature

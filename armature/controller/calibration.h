@@ -21,4 +21,11 @@ std::string CalibrationText(const Armature& armature, const Calibration& calibra
 Calibration ParseCalibration(const std::string& text, const std::string& file,
                              const Armature& armature);
 
+/// What still fits of one that was made for another description: for a joint that has another
+/// sensor now, or is new, a fresh state.
+/// @param fresh  gets the names of these joints
+/// @throws InputError  malformed
+Calibration FittingCalibration(const std::string& text, const std::string& file,
+                               const Armature& armature, std::vector<std::string>* fresh);
+
 }  // namespace keypose::armature

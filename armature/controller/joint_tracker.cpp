@@ -26,7 +26,6 @@ std::int32_t WrappedChange(std::int32_t from, std::int32_t to) {
 std::int32_t AnalogueFilter::Take(std::int32_t reading) {
   if (last_.size() < 5) {
     last_.push_back(reading);
-    if (last_.size() == 1) kept_ = reading;
   } else {
     last_[next_] = reading;
     next_ = (next_ + 1) % last_.size();
@@ -57,6 +56,8 @@ void JointTracker::Begin(const BoxInfo& box, bool same_boot) {
           node.sensor, node.name, node.line, box.sensors));
     sensors_[j] = {};
     sensors_[j].analogue = kinds[static_cast<std::size_t>(node.sensor)] == CardKind::kAnalogue;
+    // Noise around the place where it was left is no move.
+    if (sensors_[j].analogue) sensors_[j].filter = AnalogueFilter(states_[j].raw);
     // An analogue input knows where it is after a power-up, a counter begins at 0.
     if (!same_boot && !sensors_[j].analogue) states_[j].raw = 0;
     Revalue(j);

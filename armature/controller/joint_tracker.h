@@ -32,6 +32,9 @@ struct TrackerTuning {
 /// An analogue input's readings, quiet while nothing moves.
 class AnalogueFilter {
  public:
+  AnalogueFilter() = default;
+  /// @param kept  the reading at which the joint was left
+  explicit AnalogueFilter(std::int32_t kept) : kept_(kept) {}
   /// @return the last reading that was more than noise
   std::int32_t Take(std::int32_t reading);
 
@@ -66,6 +69,8 @@ class JointTracker {
   /// Declares that the joint stands at this value now.
   void SetValue(std::size_t joint, double value);
   void SetGear(std::size_t joint, double gear);
+  /// Its counter lost its power and began at 0; the joint is taken to stand as it did.
+  void CountsFromZero(std::size_t joint) { states_[joint].raw = 0; }
   /// What one count means: [rad] of the joint, or [m] of a slide.
   double StepOf(std::size_t joint) const;
 

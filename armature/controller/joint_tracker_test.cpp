@@ -133,6 +133,17 @@ TEST(JointTracker, AnalogueInputIsQuietAndKnowsItsPlace) {
   EXPECT_NEAR(tracker.values()[0], 2 * kPi * -5000 / (65536 * 25), 1e-12);
 }
 
+TEST(JointTracker, NoiseOfAnAnalogueInputIsNoMoveAfterItWasSetToZero) {
+  const Armature arm = Arm();
+  JointTracker tracker(arm);
+  tracker.Begin(Box(1, 2, CardKind::kAnalogue), false);
+  TakeAt(tracker, {0, 30000}, 0);
+  tracker.SetValue(0, 0);
+  tracker.Begin(Box(1, 2, CardKind::kAnalogue), false);  // as after a reset of the counters
+  TakeAt(tracker, {0, 30064}, 0.1);                      // one step of a converter of ten bits
+  EXPECT_EQ(tracker.states()[0].counts, 0);
+}
+
 TEST(JointTracker, SensorBeyondTheBoxIsAFault) {
   const Armature arm = Arm();
   JointTracker tracker(arm);
@@ -185,6 +196,13 @@ TEST(Calibration, OfAnotherDescriptionIsAFault) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("c.json: it has no joint 'b' with sensor 0"));
   }
+  std::vector<std::string> fresh;
+  Calibration made{9, {{500, 400, 1.004}, {3, 2, 1.01}}};
+  made = FittingCalibration(CalibrationText(other, made), "c.json", arm, &fresh);
+  EXPECT_THAT(fresh, ElementsAre("b"));
+  EXPECT_EQ(made.boot, 9);
+  EXPECT_EQ(made.sensors[0].gear, 1.004);
+  EXPECT_EQ(made.sensors[1].gear, 1);
   EXPECT_THROW(ParseCalibration("{}", "c.json", arm), InputError);
   EXPECT_THROW(ParseCalibration("[1", "c.json", arm), InputError);
   EXPECT_THROW(ParseCalibration(std::string(100000, '['), "c.json", arm), InputError);

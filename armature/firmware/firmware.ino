@@ -39,11 +39,19 @@ class Bench final : public Sensors {
     }
     SPI.begin();
     SPI.beginTransaction(SPISettings(4000000, MSBFIRST, SPI_MODE0));
-    for (uint16_t s = 0; Find(s); ++s) {
-      if (kCards[card_].kind != kEncoders) continue;
-      Command(kWriteMode0, kAllEdges);
-      Command(kWriteMode1, kThreeBytes);
-    }
+    for (uint16_t s = 0; Find(s); ++s)
+      if (kCards[card_].kind == kEncoders) SetModes();
+  }
+
+  // Whether some counter has lost its power since it was last set.
+  bool LostPower() {
+    for (uint16_t s = 0; Find(s); ++s)
+      if (Flags(s) & kLostCount) return true;
+    return false;
+  }
+
+  void SetAllToZero() {
+    for (uint16_t s = 0; Find(s); ++s) SetCount(s, 0);
   }
 
   // Commands of one byte, a few microseconds each: 74 counters are latched within half a
@@ -67,6 +75,7 @@ class Bench final : public Sensors {
 
   void SetCount(uint16_t sensor, int32_t count) override {
     if (!Find(sensor) || kCards[card_].kind == kAnalogue) return;
+    SetModes();  // a chip that was without power has lost them
     Select();
     SPI.transfer(kWriteData);
     for (int8_t shift = 16; shift >= 0; shift -= 8) SPI.transfer((count >> shift) & 0xFF);
@@ -121,6 +130,10 @@ class Bench final : public Sensors {
     SPI.transfer(data);
     Release();
   }
+  void SetModes() {
+    Command(kWriteMode0, kAllEdges);
+    Command(kWriteMode1, kThreeBytes);
+  }
 
   uint8_t card_ = 0, encoder_card_ = 0, input_ = 0, analogue_ = 0;
 };
@@ -135,18 +148,23 @@ SerialLine serial_line;
 Box* box = nullptr;
 unsigned long last_byte_ms = 0;
 
-// One more with each power-up, in the first two bytes of the EEPROM.
-uint16_t NextBoot() {
-  const uint16_t boot = (EEPROM.read(0) | (EEPROM.read(1) << 8)) + 1;
+// In the first two bytes of the EEPROM: one more whenever counters have lost their power; all of
+// them then begin at 0, as a host expects of a new number. When only this board began again, as it
+// does when a program opens its port, the counters have run on, and the number stays.
+uint16_t BootNumber() {
+  const uint16_t last = EEPROM.read(0) | (EEPROM.read(1) << 8);
+  if (!bench.LostPower()) return last;
+  const uint16_t boot = last + 1;
   EEPROM.update(0, boot & 0xFF);
   EEPROM.update(1, boot >> 8);
+  bench.SetAllToZero();
   return boot;
 }
 
 void setup() {
   Serial.begin(kBaud);
   bench.Begin();
-  static Box the_box(bench, serial_line, kCards, kCardCount, NextBoot());
+  static Box the_box(bench, serial_line, kCards, kCardCount, BootNumber());
   box = &the_box;
 }
 

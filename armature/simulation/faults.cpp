@@ -14,13 +14,15 @@ namespace {
 
 const std::map<std::string, FaultKind>& Kinds() {
   static const std::map<std::string, FaultKind> kinds = {
-      {"drop", FaultKind::kDrop},  {"noise", FaultKind::kNoise}, {"glitch", FaultKind::kGlitch},
-      {"wrap", FaultKind::kWrap},  {"stuck", FaultKind::kStuck}, {"unplug", FaultKind::kUnplug},
-      {"power", FaultKind::kPower}};
+      {"drop", FaultKind::kDrop},   {"noise", FaultKind::kNoise}, {"glitch", FaultKind::kGlitch},
+      {"wrap", FaultKind::kWrap},   {"stuck", FaultKind::kStuck}, {"unplug", FaultKind::kUnplug},
+      {"power", FaultKind::kPower}, {"lost", FaultKind::kLost}};
   return kinds;
 }
 
-bool NeedsJoint(FaultKind kind) { return kind == FaultKind::kGlitch || kind == FaultKind::kStuck; }
+bool NeedsJoint(FaultKind kind) {
+  return kind == FaultKind::kGlitch || kind == FaultKind::kStuck || kind == FaultKind::kLost;
+}
 
 int SensorOf(const std::string& joint, const std::string& word, const Armature& armature) {
   std::vector<std::string> names;

@@ -14,13 +14,14 @@ enum class FaultKind {
   kGlitch,  ///< for 0.3 s a counter shows another number
   kWrap,    ///< from the start all counters stand near an end of their range, and wrap soon
   kStuck,   ///< an encoder counts no more until it is mended
+  kLost,    ///< a counter alone loses power: it begins at 0
   kUnplug,  ///< the cable is out for half a second
   kPower    ///< the box loses power: all counters begin at 0
 };
 
 struct PlannedFault {
   FaultKind kind = FaultKind::kDrop;
-  int sensor = -1;  ///< of kGlitch and kStuck; -1 of the others
+  int sensor = -1;  ///< of kGlitch, kStuck and kLost; -1 of the others
   int frame = 0;    ///< at which it is made, from 0
 };
 

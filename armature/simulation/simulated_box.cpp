@@ -121,6 +121,9 @@ void SimulatedBox::Make(const PlannedFault& fault) {
     case FaultKind::kStuck:
       sensors_.SetStuck(fault.sensor, true);
       break;
+    case FaultKind::kLost:
+      sensors_.LosePower(fault.sensor);
+      break;
     case FaultKind::kUnplug:
       out_until_ = now + Seconds(options_.unplugged_s);
       break;

@@ -25,10 +25,13 @@ void SimulatedSensors::SetValues(const std::vector<double>& values) {
 }
 
 void SimulatedSensors::LosePower() {
-  for (Shaft& shaft : shafts_) {
-    shaft.counter = 0;
-    shaft.lost = true;
-  }
+  for (int sensor = 0; sensor < sensor_count(); ++sensor) LosePower(sensor);
+}
+
+void SimulatedSensors::LosePower(int sensor) {
+  Shaft& shaft = shafts_[static_cast<std::size_t>(sensor)];
+  shaft.counter = 0;
+  shaft.lost = true;
 }
 
 void SimulatedSensors::SetStuck(int sensor, bool stuck) {

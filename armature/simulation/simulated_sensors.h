@@ -21,6 +21,8 @@ class SimulatedSensors final : public keypose_box::Sensors {
   void SetValues(const std::vector<double>& values);
   /// As after the box's power-up: all counters are 0, and know that they lost their counts.
   void LosePower();
+  /// The same of one counter alone.
+  void LosePower(int sensor);
   void SetStuck(int sensor, bool stuck);
   /// What is shown in place of the counter; 0 bits change nothing.
   void SetGlitch(int sensor, std::int32_t changed_bits);

@@ -30,9 +30,12 @@ const std::map<int, speed_t>& Speeds() {
   return speeds;
 }
 
-bool SetUp(int fd, speed_t speed) {
+/// @param hung_up  whether DTR fell when the port was closed last: a port keeps its settings while
+///                 nobody has it open, and this one is set in a new port
+bool SetUp(int fd, speed_t speed, bool* hung_up) {
   termios settings = {};
   if (tcgetattr(fd, &settings) != 0) return false;
+  *hung_up = (settings.c_cflag & HUPCL) != 0;
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL | CSTOPB | CRTSCTS);
@@ -91,7 +94,7 @@ void SerialPort::Open(const fs::path& device, int baud) {
         "the port " + device.string() + " has no speed of " + std::to_string(baud) + " baud",
         EINVAL);
   fd_ = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ >= 0 && SetUp(fd_, speed->second) && Claim(fd_)) return;
+  if (fd_ >= 0 && SetUp(fd_, speed->second, &has_raised_dtr_) && Claim(fd_)) return;
   const int reason = errno;
   Close();
   throw PortFault("the port " + device.string() + " cannot be opened: " + std::strerror(reason),

@@ -31,6 +31,9 @@ class SerialPort {
   void Open(const std::filesystem::path& device, int baud);
   void Close();
   bool is_open() const { return fd_ >= 0; }
+  /// Opening it has raised DTR, by which an Arduino begins again: the port was new, or whoever had
+  /// it last let DTR fall.
+  bool has_raised_dtr() const { return has_raised_dtr_; }
   const std::filesystem::path& device() const { return device_; }
 
   /// @throws PortFault  the cable is out, or the device takes nothing for a second
@@ -45,6 +48,7 @@ class SerialPort {
   [[noreturn]] void Gone();
   std::filesystem::path device_;
   int fd_ = -1;
+  bool has_raised_dtr_ = false;
 };
 
 /// Whether SerialPort::Open takes this speed.
