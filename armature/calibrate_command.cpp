@@ -11,7 +11,7 @@
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
 #include "armature/puppet.h"
-#include "core/angles.h"
+#include "armature/recording/curve_edits.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 
@@ -36,6 +36,7 @@ class Calibrator {
 
   /// Sets all joints and counters to zero.
   void SetZero() {
+    TellFresh();
     Ask("put the puppet into its zero position: spine and legs straight, against their blocks");
     RequireRest();
     if (flags_.keeps_counters)
@@ -50,6 +51,8 @@ class Calibrator {
                         "does not obey: begin again",
                         Name(j), Counts(j)));
     fmt::print("{} joints are at zero\n", Values().size());
+    if (!puppet_.KeepCalibration())
+      fmt::print("{} stays as it is: it may be that of a real puppet\n", flags_.puppet.calibration);
   }
 
   /// @throws QualityError  a joint has drifted
@@ -60,11 +63,11 @@ class Calibrator {
     int off = 0;
     for (std::size_t j = 0; j < Values().size(); ++j) {
       const bool turns = Turns(j);
-      const double error = Values()[j] / (turns ? kDegree : 1);
+      const EditUnit unit = Unit(j);
+      const double error = Values()[j] / unit.size;
       if (Counts(j) == 0) continue;
       ++off;
-      fmt::print("  {:20} {:+d} counts, {:+.3f}{}\n", Name(j), Counts(j), error,
-                 turns ? " deg" : "");
+      fmt::print("  {:20} {:+d} counts, {:+.3f} {}\n", Name(j), Counts(j), error, unit.name);
       // A slide's tolerance is that many counts which a joint's tolerance is.
       if (turns ? std::abs(error) > flags_.tolerance_deg : std::abs(Counts(j)) > kWiggleCounts)
         drifted += (drifted.empty() ? "" : ", ") + Name(j);
@@ -107,8 +110,8 @@ class Calibrator {
     for (const auto& [joint, values] : KnownAngles()) {
       std::vector<KnownAngle> known = {{0, 0}};
       for (const double value : values) {
-        const double shown = value / (Turns(joint) ? kDegree : 1);
-        Ask(fmt::format("put {} to {:g}{}", Name(joint), shown, Turns(joint) ? " degrees" : ""));
+        Ask(fmt::format("put {} to {:g} {}", Name(joint), value / Unit(joint).size,
+                        Unit(joint).name));
         RequireRest();
         known.push_back({value, Values()[joint] * puppet_.reader().tracker().states()[joint].gear});
       }
@@ -119,9 +122,8 @@ class Calibrator {
         throw InputError(fmt::format("{}: {}", Name(joint), error.what()));
       }
       puppet_.reader().SetGear(joint, fit.gear);
-      const double unit = Turns(joint) ? kDegree : 1;
-      fmt::print("  {:20} gear {:.5f} of the description's, {:.3g}{} left\n", Name(joint), fit.gear,
-                 fit.residual / unit, Turns(joint) ? " deg" : "");
+      fmt::print("  {:20} gear {:.5f} of the description's, {:.3g} {} left\n", Name(joint),
+                 fit.gear, fit.residual / Unit(joint).size, Unit(joint).name);
     }
     if (!flags_.written.empty()) WriteDescription();
   }
@@ -132,6 +134,7 @@ class Calibrator {
     return puppet_.armature().nodes[static_cast<std::size_t>(puppet_.armature().joints[j])].kind ==
            NodeKind::kJoint;
   }
+  EditUnit Unit(std::size_t j) { return EditUnitOf(puppet_.armature(), static_cast<int>(j)); }
   const std::string& Name(std::size_t j) { return puppet_.JointName(static_cast<int>(j)); }
   std::int64_t Counts(std::size_t j) { return puppet_.reader().tracker().states()[j].counts; }
   std::vector<std::int64_t> AllCounts() {
@@ -139,6 +142,15 @@ class Calibrator {
     for (const SensorState& state : puppet_.reader().tracker().states())
       counts.push_back(state.counts);
     return counts;
+  }
+
+  /// Parts of an old calibration that are for another description.
+  void TellFresh() {
+    std::string names;
+    for (const std::string& name : puppet_.fresh_joints())
+      names += (names.empty() ? "" : ", ") + name;
+    if (!names.empty())
+      fmt::print("new in the description, or on another sensor than before: {}\n", names);
   }
 
   void Poll() {
@@ -198,7 +210,7 @@ class Calibrator {
       }
       known.push_back({joint, {}});
       while (!reader.AtEnd() && reader.Peek().line == word.line)
-        known.back().second.push_back(reader.Number("an angle") * (Turns(joint) ? kDegree : 1));
+        known.back().second.push_back(reader.Number("an angle") * Unit(joint).size);
       if (known.back().second.empty()) reader.Fail(word, Quoted(name) + " has no angle behind it");
     }
     return known;
@@ -225,7 +237,10 @@ class Calibrator {
 };
 
 int Calibrate(const CalibrateFlags& flags) {
-  Puppet puppet(flags.puppet, flags.verify || flags.wiggle || !flags.known.empty());
+  const bool keeps = flags.verify || !flags.known.empty();
+  Puppet puppet(flags.puppet, flags.wiggle ? CalibrationUse::kNotNeeded
+                              : keeps      ? CalibrationUse::kKept
+                                           : CalibrationUse::kMade);
   Calibrator calibrator(flags, puppet);
   if (flags.verify)
     calibrator.Verify();

@@ -6,10 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
-#include "core/angles.h"
+#include "armature/recording/curve_edits.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/serial_port.h"
@@ -22,15 +23,22 @@ using nlohmann::json;
 namespace {
 
 constexpr double kRest_s = 0.1, kSaveEvery_s = 1;
+/// A puppet that has not come to rest for so long, while a frame waits for it, is told of.
+constexpr double kPatience_s = 3;
 
-Calibration LoadCalibration(const PuppetFlags& flags, const Armature& armature, bool needed) {
-  if (flags.calibration.empty() || (!needed && !fs::exists(flags.calibration))) return {};
-  if (!fs::exists(flags.calibration))
+Calibration LoadCalibration(const PuppetFlags& flags, const Armature& armature, CalibrationUse use,
+                            std::vector<std::string>* fresh) {
+  if (use == CalibrationUse::kNotNeeded) return {};
+  const bool makes = use == CalibrationUse::kMade, there = fs::exists(flags.calibration);
+  if (!there && makes) return {};
+  if (!there)
     throw DiskError(
         fmt::format("there is no calibration {}; make it with `keypose armature "
                     "calibrate --description {} --port {} --calibration {}`",
                     flags.calibration, flags.description, flags.port, flags.calibration));
-  return ParseCalibration(ReadFile(flags.calibration), PrintableName(flags.calibration), armature);
+  const std::string text = ReadFile(flags.calibration), name = PrintableName(flags.calibration);
+  return makes ? FittingCalibration(text, name, armature, fresh)
+               : ParseCalibration(text, name, armature);
 }
 
 }  // namespace
@@ -65,13 +73,15 @@ int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int
   return run();
 }
 
-Puppet::Puppet(const PuppetFlags& flags, bool needs_calibration)
-    : flags_(flags), armature_(LoadArmature(flags.description)) {
+Puppet::Puppet(const PuppetFlags& flags, CalibrationUse use)
+    : flags_(flags),
+      armature_(LoadArmature(flags.description)),
+      keeps_(use == CalibrationUse::kKept && flags.port != "simulated") {
   const bool simulates = flags.port == "simulated";
   if (!IsBaudRate(flags.baud))
     throw UsageError(fmt::format("--baud {}: no serial port has this speed", flags.baud));
   if (!simulates && !flags.faults.empty()) throw UsageError("--faults needs --port simulated");
-  if (!simulates && flags.calibration.empty())
+  if (!simulates && flags.calibration.empty() && use != CalibrationUse::kNotNeeded)
     throw UsageError("--calibration is missing: the file that `keypose armature calibrate` makes");
   PortOptions port;
   port.device = flags.port;
@@ -82,9 +92,9 @@ Puppet::Puppet(const PuppetFlags& flags, bool needs_calibration)
     port.device = fs::temp_directory_path() / fmt::format("keypose-puppet-{}", ::getpid());
     simulated_ = std::make_unique<SimulatedBox>(armature_, port.device, options);
   }
-  // A simulated puppet begins anew in its zero position.
+  // A simulated puppet begins anew in its zero position; the file is a real one's.
   const Calibration kept =
-      simulates ? Calibration{} : LoadCalibration(flags, armature_, needs_calibration);
+      simulates ? Calibration{} : LoadCalibration(flags, armature_, use, &fresh_);
   reader_ = std::make_unique<ArmatureReader>(armature_, port, kept);
   if (simulates)
     for (std::size_t j = 0; j < armature_.joints.size(); ++j) reader_->SetValue(j, 0);
@@ -107,9 +117,11 @@ void Puppet::NoteRest(const Reading& reading) {
     return;
   }
   bool moved = rest_values_.empty();
-  for (std::size_t j = 0; !moved && j < rest_values_.size(); ++j)
+  for (std::size_t j = 0; !moved && j < rest_values_.size(); ++j) {
     moved = std::abs(reading.values[j] - rest_values_[j]) >
             1.5 * std::abs(reader_->tracker().StepOf(j));
+    if (moved) moved_last_ = j;
+  }
   if (!moved) return;
   rest_values_ = reading.values;
   rest_since_s_ = now_s_;
@@ -133,25 +145,34 @@ std::size_t Puppet::JointNamed(const std::string& name) const {
       fmt::format("the armature has no joint {}{}", Quoted(name), DidYouMean(name, names)));
 }
 
-std::string Puppet::Obstacle(const Reading& reading, bool moving_too) const {
+std::string Puppet::Obstacle(const Reading& reading, bool moving_too) {
+  if (now_s_ - std::exchange(waited_s_, now_s_) > 0.5) waits_since_s_ = now_s_;
   if (!reading.fresh) return "the controller does not answer";
   if (!reading.held.empty())
     return "the sensor of " + JointName(reading.held.front()) + " is not read rightly";
   const bool turning = simulated_ && !simulated_->at_rest();
-  return !moving_too && (turning || !at_rest()) ? kPuppetMoves : "";
+  if (moving_too || (!turning && at_rest())) {
+    waited_s_ = -1;  // the next frame waits anew
+    return "";
+  }
+  if (turning || now_s_ - waits_since_s_ < kPatience_s) return kPuppetMoves;
+  return JointName(static_cast<int>(moved_last_)) + " does not come to rest";
 }
 
 void Puppet::SetJoint(const std::string& name, double number) {
   const std::size_t joint = JointNamed(name);
-  const auto node = static_cast<std::size_t>(armature_.joints[joint]);
-  const bool turns = armature_.nodes[node].kind == NodeKind::kJoint;
-  reader_->SetValue(joint, turns ? number * kDegree : number);
+  reader_->SetValue(joint, number * EditUnitOf(armature_, static_cast<int>(joint)).size);
   SaveCalibration();
+}
+
+bool Puppet::KeepCalibration() {
+  keeps_ = !simulated_ || !fs::exists(flags_.calibration);
+  return keeps_;
 }
 
 void Puppet::SaveCalibration() {
   saved_s_ = now_s_;
-  if (flags_.calibration.empty()) return;
+  if (!keeps_ || flags_.calibration.empty()) return;
   const std::string text = CalibrationText(armature_, reader_->calibration());
   if (text == saved_) return;
   WriteFileAtomically(flags_.calibration, text);
@@ -165,7 +186,7 @@ void Teller::Tell(const std::string& event, const std::string& words, const std:
     json line = fields.empty() ? json::object() : json::parse(fields);
     line["event"] = event;
     line["words"] = words;
-    fmt::print("{}\n", line.dump());
+    fmt::print("{}\n", line.dump(-1, ' ', false, json::error_handler_t::replace));
   }
   std::fflush(stdout);
 }

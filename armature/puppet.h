@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "armature/controller/armature_reader.h"
 #include "armature/controller/calibration.h"
@@ -36,17 +37,29 @@ Armature LoadArmature(const std::filesystem::path& description);
 /// Parses, answers --help, runs. Errors of the command line become UsageError.
 int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
 
-/// The obstacle that goes by itself.
+/// The obstacle that mostly goes by itself.
 inline constexpr const char* kPuppetMoves = "the puppet moves";
 
+/// What a program does with the calibration file.
+enum class CalibrationUse {
+  kKept,      ///< it must be there and fit the description; it is kept up to date
+  kMade,      ///< it is made anew; gear ratios of one that is there stay
+  kNotNeeded  ///< it is neither read nor written
+};
+
 /// A puppet that is read, or one that is simulated in this program. Its calibration file is kept up
-/// to date: at most once a second, and at the end.
+/// to date: at most once a second, and at the end. A simulated one's is not.
 class Puppet {
  public:
-  /// @param needs_calibration  a calibration file that is not there is an error
   /// @throws UsageError, InputError, DiskError, ToolError
-  explicit Puppet(const PuppetFlags& flags, bool needs_calibration = true);
+  explicit Puppet(const PuppetFlags& flags, CalibrationUse use = CalibrationUse::kKept);
   ~Puppet();
+
+  /// The zero position is set: from now on the file is written.
+  /// @return false: it is not, as the puppet is simulated, and the file may be a real one's
+  bool KeepCalibration();
+  /// Joints whose part of the calibration was for another description. Of kMade.
+  const std::vector<std::string>& fresh_joints() const { return fresh_; }
 
   const Armature& armature() const { return armature_; }
   ArmatureReader& reader() { return *reader_; }
@@ -60,11 +73,12 @@ class Puppet {
   /// @throws UsageError  there is none; names the nearest
   std::size_t JointNamed(const std::string& name) const;
   const std::string& JointName(int joint) const;
-  /// Why no frame can be taken now, in words; "" when one can.
+  /// Why no frame can be taken now, in words; "" when one can. Asked again and again, until one
+  /// can.
   /// @param moving_too  it is taken while the puppet moves
-  std::string Obstacle(const Reading& reading, bool moving_too) const;
+  std::string Obstacle(const Reading& reading, bool moving_too);
   /// A person has put this joint where it is known to stand.
-  /// @param number  degrees, or metres of a slide @throws UsageError, DiskError
+  /// @param number  degrees; of a slide in the description's unit @throws UsageError, DiskError
   void SetJoint(const std::string& name, double number);
   /// @throws DiskError
   void SaveCalibration();
@@ -77,7 +91,11 @@ class Puppet {
   std::unique_ptr<ArmatureReader> reader_;
   std::vector<double> rest_values_;
   double rest_since_s_ = 0, now_s_ = 0, saved_s_ = 0;
+  std::size_t moved_last_ = 0;  ///< a joint
+  double waits_since_s_ = -1, waited_s_ = -1;
   std::string saved_;
+  bool keeps_;
+  std::vector<std::string> fresh_;
 };
 
 /// Tells a person a sentence, or a program a JSON line.

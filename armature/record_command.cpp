@@ -10,6 +10,7 @@
 #include "armature/commands.h"
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
+#include "armature/recording/curve_edits.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
 #include "core/errors.h"
@@ -103,8 +104,11 @@ class Recorder {
   /// A person has put this joint where it is known to stand.
   bool Set(const std::string& name, double number) {
     puppet_.SetJoint(name, number);
-    told_still_.erase(static_cast<int>(puppet_.JointNamed(name)));
-    teller_.Tell("set", fmt::format("{} stands at {} now", name, number));
+    const int joint = static_cast<int>(puppet_.JointNamed(name));
+    told_still_.erase(joint);
+    const char* const unit = EditUnitOf(puppet_.armature(), joint).name;
+    teller_.Tell("set",
+                 fmt::format("{} stands at {}{}{} now", name, number, *unit ? " " : "", unit));
     return true;
   }
 

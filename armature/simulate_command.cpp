@@ -11,9 +11,9 @@
 #include "armature/controller/steady_clock.h"
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
+#include "armature/recording/curve_edits.h"
 #include "armature/recording/curves.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/angles.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 
@@ -93,12 +93,11 @@ class Stage {
     box_.BeginFrame(frame);
     return Move(motion_.At(frame));
   }
-  /// One joint to a number of degrees, or of metres for a slide.
+  /// One joint to a number of degrees; a slide's is in the description's unit.
   bool Put(const std::string& name, double number) {
     const int joint = Joint(name);
     if (joint < 0) return true;
-    const bool turns = Node(joint).kind == NodeKind::kJoint;
-    values_[static_cast<std::size_t>(joint)] = turns ? number * kDegree : number;
+    values_[static_cast<std::size_t>(joint)] = number * EditUnitOf(armature_, joint).size;
     return Move(values_);
   }
   bool Play(double frames_a_second) {
@@ -175,7 +174,7 @@ int SimulateCommand(int argc, char** argv) {
       ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--faults", flags.faults,
                  "such as drop@5,stuck:leftKneeBend@20; kinds: drop noise glitch:JOINT wrap "
-                 "stuck:JOINT unplug power");
+                 "stuck:JOINT lost:JOINT unplug power");
   app.add_option("--gear-error", flags.gear_error,
                  "true gear ratios differ from the description's by up to this share")
       ->check(CLI::Range(0.0, 0.4));

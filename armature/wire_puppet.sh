@@ -9,8 +9,8 @@ frames=${2:-24}
 keypose=${KEYPOSE:-$(dirname "$0")/../build/release/bin/keypose}
 files=$out/armature/example
 take=$out/armature/take
-puppet="--description $files/theropod.txt --chains $files/theropod_chains.txt
-  --skeleton $files/theropod.bvh --mesh $files/theropod.ply"
+set -- --description "$files/theropod.txt" --chains "$files/theropod_chains.txt" \
+  --skeleton "$files/theropod.bvh" --mesh "$files/theropod.ply"
 
 echo "== the puppet's files"
 "$keypose" armature example --folder "$files"
@@ -22,17 +22,14 @@ echo "== recorded on twos; at frame 5 the line drops bytes"
   --session "$take" --step 2 --frames "$frames" --faults drop@5 </dev/null
 
 echo "== live over the plate, the recorded frames behind it"
-# shellcheck disable=SC2086
-echo "plate 0" | "$keypose" armature live $puppet --port simulated --seconds 4 --quiet \
+echo "plate 0" | "$keypose" armature live "$@" --port simulated --seconds 4 --quiet \
   --plate "$files/plate.png" --shot "$files/shot.json" --set "$files/set.ply" \
   --session "$take" --step 2 --onion 2 --pictures "$out/live" | tail -1
 
 echo "== baked: hard stops on twos, and smooth between the same frames as keys"
-# shellcheck disable=SC2086
-"$keypose" armature bake $puppet --curves "$take/curves.json" --frames "$take/frames" \
+"$keypose" armature bake "$@" --curves "$take/curves.json" --frames "$take/frames" \
   --motion "$take/motion.bvh" --rest "$take/rest.ply" --overwrite
-# shellcheck disable=SC2086
-"$keypose" armature bake $puppet --curves "$take/curves.json" --between smooth \
+"$keypose" armature bake "$@" --curves "$take/curves.json" --between smooth \
   --frames "$out/smooth" --overwrite
 
 echo "== over the plate, lit by a lamp from the left"

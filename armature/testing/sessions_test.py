@@ -312,6 +312,65 @@ class Sessions(unittest.TestCase):
         wiggle.until(lambda line: 'these sensors have not moved: jaw;' in line)
         self.assertEqual(wiggle.end(), 6)
 
+    def test_a_wiggle_comes_before_the_first_zero_and_leaves_no_calibration(self):
+        folder = self.folder('first')
+        puppet = self.keep(Puppet(folder))
+        common = ('--description', folder / 'theropod.txt', '--port', puppet.port, '--calibration', folder / 'zero.json')
+        wiggle = self.keep(Talker('calibrate', *common, '--wiggle'))
+        wiggle.until(lambda line: 'press Enter' in line)
+        puppet.move('frame 1')
+        puppet.move('frame 6')
+        self.assertEqual(wiggle.process.wait(PATIENCE_S), 0)
+        self.assertFalse((folder / 'zero.json').exists())
+        # A calibration that was begun and not ended is none.
+        asking = self.keep(Talker('calibrate', *common))
+        asking.until(lambda line: 'press Enter' in line)
+        time.sleep(1.3)
+        self.assertEqual(asking.end(signal.SIGINT), 130)
+        self.assertFalse((folder / 'zero.json').exists())
+
+    def test_calibrated_again_it_fits_a_description_with_another_sensor(self):
+        folder = self.folder('moved')
+        puppet = self.keep(Puppet(folder))
+        self.calibrate(folder, puppet)
+        text = (folder / 'theropod.txt').read_text()
+        for one, other in (('sensor 3\n', 'sensor X\n'), ('sensor 4\n', 'sensor 3\n'), ('sensor X\n', 'sensor 4\n')):
+            self.assertEqual(text.count(one), 1)
+            text = text.replace(one, other)
+        (folder / 'theropod.txt').write_text(text)
+        record = ('record', '--description', folder / 'theropod.txt', '--port', puppet.port, '--calibration', folder / 'zero.json',
+                  '--session', folder / 'take')
+        code, said = run(*record, typed='end\n')
+        self.assertEqual(code, 3, said)
+        self.assertIn('calibrate again', said)
+        self.assertIn('new in the description, or on another sensor than before: ', self.calibrate(folder, puppet))
+        code, said = run(*record, typed='end\n')
+        self.assertEqual(code, 0, said)
+
+    def test_a_simulated_puppet_leaves_the_calibration_of_a_real_one_alone(self):
+        folder = self.folder('simulated')
+        puppet = self.keep(Puppet(folder))
+        self.calibrate(folder, puppet)
+        before = (folder / 'zero.json').read_bytes()
+        code, said = run('record', '--description', folder / 'theropod.txt', '--port', 'simulated', '--calibration',
+                         folder / 'zero.json', '--session', folder / 'take', '--frames', 2)
+        self.assertEqual(code, 0, said)
+        code, said = run('calibrate', '--description', folder / 'theropod.txt', '--port', 'simulated', '--calibration',
+                         folder / 'zero.json', '--yes')
+        self.assertEqual(code, 0, said)
+        self.assertIn('stays as it is', said)
+        self.assertEqual((folder / 'zero.json').read_bytes(), before)
+
+    def test_a_puppet_that_does_not_come_to_rest_is_told_of(self):
+        folder = self.folder('restless')
+        puppet = self.keep(Puppet(folder))
+        self.calibrate(folder, puppet)
+        puppet.move('frame 0')
+        recorder = self.keep(Recorder(folder, puppet.port))
+        puppet.say('play 12')
+        recorder.say('record')
+        self.assertIn(' does not come to rest; the frame is taken when that is over', recorder.event('waiting')['words'])
+
     def test_it_records_by_itself_without_hardware(self):
         folder = self.folder('alone')
         code, said = run('record', '--description', folder / 'theropod.txt', '--port', 'simulated', '--session', folder / 'take',
