@@ -92,6 +92,25 @@ TEST(DescriptionFile, IsWrittenBackToTheByte) {
     EXPECT_EQ(DescriptionFile::Parse(text, "leg.txt").Text(), text);
 }
 
+TEST(DescriptionFile, IsUtf8WithOrWithoutAByteOrderMark) {
+  const std::string text =
+      "\xEF\xBB\xBFnode { name H\xC3\xBC"
+      "fte }";
+  EXPECT_EQ(Parse(text).nodes[0].name,
+            "H\xC3\xBC"
+            "fte");
+  EXPECT_EQ(DescriptionFile::Parse(text, "leg.txt").Text(), text);
+  EXPECT_THAT(Fault("node { name H\xFC"
+                    "fte }"),
+              HasSubstr("leg.txt:1:13: "));
+  EXPECT_THAT(Fault("node { name H\xFC"
+                    "fte }"),
+              HasSubstr("is not written in UTF-8"));
+  Parse(
+      "# H\xFC"
+      "fte, in a comment\nnode { name hips }");
+}
+
 TEST(DescriptionFile, ScaleCanBeTakenByThePapersWord) {
   const Armature inverse =
       Parse("scale_is joint_per_encoder node { name a axis 1 0 0 sensor 0 scale -0.04 }");

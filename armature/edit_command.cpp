@@ -20,7 +20,7 @@ struct EditOptions {
 StageSpec EditSpec() {
   StageSpec spec;
   spec.name = "armature edit";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Changes a recorded take frame by frame, and writes it as a new one.";
   spec.inputs = {
       {"description", "file", "the armature's description file", "", false, false},

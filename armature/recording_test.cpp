@@ -57,6 +57,23 @@ TEST(Curves, BvhStandsWhereTheArmatureStands) {
   }
 }
 
+/// How often a word stands in a text.
+std::size_t CountOf(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+TEST(Curves, BvhIsOneThatOtherProgramsRead) {
+  Armature theropod = MakeTheropod();
+  theropod.nodes[0].name = "armature";
+  const std::string text = BvhText(CurvesClip(theropod, Walk(theropod, 1, 1)));
+  // Blender and three.js expect channels of each joint; names are their own.
+  EXPECT_EQ(CountOf(text, "CHANNELS"), theropod.nodes.size() + 1);
+  EXPECT_EQ(CountOf(text, "CHANNELS 0"), 0u);
+  EXPECT_EQ(CountOf(text, "JOINT armature\n") + CountOf(text, "ROOT armature\n"), 1u);
+}
+
 TEST(Curves, OfAnotherArmatureOrDamagedAreAFault) {
   const Armature theropod = MakeTheropod();
   Armature other = theropod;
@@ -70,7 +87,8 @@ TEST(Curves, OfAnotherArmatureOrDamagedAreAFault) {
     }
     return "no fault";
   };
-  EXPECT_THAT(fault(text), HasSubstr("c.json: it has no joint 'else'"));
+  const std::string old = theropod.nodes[static_cast<std::size_t>(theropod.joints[5])].name;
+  EXPECT_THAT(fault(text), HasSubstr("c.json: it has no joint 'else', but '" + old + "', which"));
   EXPECT_THAT(fault(text.substr(0, 100)), HasSubstr("c.json: these are no curves"));
   EXPECT_THAT(fault("[]"), HasSubstr("c.json: these are no curves"));
   EXPECT_THAT(fault(R"({"fps":0,"step":1})"), HasSubstr("must be positive"));
@@ -132,7 +150,11 @@ TEST_F(Session, GoesOnWhereItWas) {
     session.GoTo(1);
     session.Record(frames[3]);
   }
+  const std::filesystem::path curves = folder_ / "curves.json";
+  last_write_time(curves, last_write_time(curves) - std::chrono::hours(1));
+  const auto written = last_write_time(curves);
   RecordingSession session(theropod_, folder_, {});
+  EXPECT_EQ(last_write_time(curves), written);  // what was baked of it is not out of date
   EXPECT_EQ(session.frame_count(), 4);
   EXPECT_EQ(session.at(), 2);
   EXPECT_EQ(session.frames()[1], frames[3]);
@@ -188,7 +210,13 @@ TEST_F(Session, OfAnotherRateOrArmatureOrDamagedIsAFault) {
   EXPECT_THROW(RecordingSession(theropod_, folder_, {25, 1}), InputError);
   Armature other = theropod_;
   other.nodes[static_cast<std::size_t>(other.joints[5])].name = "else";
-  EXPECT_THROW(RecordingSession(other, folder_, {}), InputError);
+  try {
+    RecordingSession session(other, folder_, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the session has no joint 'else', but '"));
+    EXPECT_THAT(error.what(), HasSubstr("if that was renamed"));
+  }
   WriteFile(folder_ / "journal.jsonl", Journal() + "{\"record\":5,\"values\":[]}\n");
   try {
     RecordingSession session(theropod_, folder_, {});

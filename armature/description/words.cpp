@@ -17,6 +17,9 @@ constexpr std::size_t kLongestShown = 40;
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool IsBrace(char c) { return c == '{' || c == '}'; }
 
+/// What some editors put before a text in UTF-8.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 /// Walks over a text and counts lines and columns.
 class Walker {
  public:
@@ -47,11 +50,15 @@ class Walker {
       while (!AtEnd() && !IsSpace(Here()) && !IsBrace(Here()) && Here() != '#') StepOverLetter();
     }
     word.text = text_.substr(start, at_ - start);
+    // Names go into JSON, which has no other letters.
+    if (!IsValidUtf8(word.text))
+      FailAt(file_, word, Quoted(word.text) + " is not written in UTF-8; save the file in it");
     return word;
   }
 
  private:
   void SkipGap() {
+    if (at_ == 0 && text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     while (!AtEnd() && (IsSpace(Here()) || Here() == '#')) {
       if (Here() == '#')
         while (!AtEnd() && Here() != '\n') Step();

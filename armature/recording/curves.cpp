@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,14 @@ const ArmatureNode& NodeOf(const Armature& armature, std::size_t joint) {
 std::string UnitOf(const Armature& armature, const ArmatureNode& node) {
   if (node.kind == NodeKind::kJoint) return "rad";
   return armature.metres_per_unit > 0 ? "m" : "";
+}
+
+/// The first of `names` that `others` have not, or "".
+std::string FirstBeyond(const std::vector<std::string>& names,
+                        const std::vector<std::string>& others) {
+  for (const std::string& name : names)
+    if (std::find(others.begin(), others.end(), name) == others.end()) return name;
+  return "";
 }
 
 void ReadJoint(const json& entry, const Armature& armature, std::size_t j, JointCurves* curves) {
@@ -44,11 +53,13 @@ void ReadJoint(const json& entry, const Armature& armature, std::size_t j, Joint
 
 /// Channels of a node, and what they hold in one frame.
 void AppendChannels(const ArmatureNode& node, double value, std::vector<double>* row) {
-  if (node.kind == NodeKind::kSlide)
+  if (node.kind == NodeKind::kSlide) {
     for (int i = 0; i < 3; ++i) row->push_back(value * node.axis[i]);
-  if (node.kind != NodeKind::kJoint) return;
+    return;
+  }
+  const double angle = node.kind == NodeKind::kJoint ? value : 0;
   const Eigen::Vector3d zyx =
-      EulerZyx(Eigen::AngleAxisd(value, node.axis).toRotationMatrix()) / kDegree;
+      EulerZyx(Eigen::AngleAxisd(angle, node.axis).toRotationMatrix()) / kDegree;
   row->insert(row->end(), {zyx[0], zyx[1], zyx[2]});
 }
 
@@ -59,7 +70,7 @@ ClipJoint ClipJointOf(const ArmatureNode& node) {
   if (node.kind == NodeKind::kRod) joint.offset = node.length * node.axis;
   if (node.kind == NodeKind::kSlide)
     joint.channels = {BvhChannel::kXposition, BvhChannel::kYposition, BvhChannel::kZposition};
-  if (node.kind == NodeKind::kJoint)
+  else  // also of rods, which stand still: many programs expect that each joint turns
     joint.channels = {BvhChannel::kZrotation, BvhChannel::kYrotation, BvhChannel::kXrotation};
   return joint;
 }
@@ -82,6 +93,24 @@ std::string CurvesJson(const Armature& armature, const JointCurves& curves) {
   return whole.dump() + "\n";
 }
 
+std::string MisfitOf(const std::vector<std::string>& joints, const Armature& armature) {
+  std::vector<std::string> wanted;
+  for (std::size_t j = 0; j < armature.joints.size(); ++j)
+    wanted.push_back(NodeOf(armature, j).name);
+  if (joints == wanted) return "";
+  const std::string lacks = FirstBeyond(wanted, joints), beyond = FirstBeyond(joints, wanted);
+  if (!lacks.empty() && !beyond.empty())
+    return fmt::format(
+        "has no joint '{}', but '{}', which the description has not; if that was renamed, give it "
+        "its old name in the description again",
+        lacks, beyond);
+  if (!lacks.empty())
+    return fmt::format("has no joint '{}'; it was recorded with another armature", lacks);
+  if (!beyond.empty())
+    return fmt::format("has a joint '{}', which the description has not", beyond);
+  return "has its joints in another order than the description";
+}
+
 JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
                             const Armature& armature) {
   RequireShallowJson(text, file);
@@ -93,11 +122,11 @@ JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
     if (!(curves.fps > 0 && curves.fps <= 1000) || curves.step < 1 || curves.step > 1000)
       throw InputError("fps and step must be positive, and at most 1000");
     const json& joints = whole.at("joints");
+    std::vector<std::string> names;
+    for (const auto& [name, joint] : joints.items()) names.push_back(name);
     for (std::size_t j = 0; j < armature.joints.size(); ++j) {
       const std::string& name = NodeOf(armature, j).name;
-      if (!joints.contains(name))
-        throw InputError(
-            fmt::format("it has no joint '{}'; it was recorded with another armature", name));
+      if (!joints.contains(name)) throw InputError("it " + MisfitOf(names, armature));
       curves.joints.push_back(name);
       ReadJoint(joints[name], armature, j, &curves);
     }
@@ -135,6 +164,7 @@ MotionClip CurvesClip(const Armature& armature, const JointCurves& curves) {
   clip.frame_time_s = 1 / curves.fps;
   ClipJoint root;
   root.name = "armature";
+  while (armature.Find(root.name) >= 0) root.name += "_root";
   root.channels = {BvhChannel::kXposition, BvhChannel::kYposition, BvhChannel::kZposition,
                    BvhChannel::kZrotation, BvhChannel::kYrotation, BvhChannel::kXrotation};
   clip.joints.push_back(root);

@@ -29,12 +29,17 @@ std::string CurvesJson(const Armature& armature, const JointCurves& curves);
 JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
                             const Armature& armature);
 
+/// How a take's joints differ from the armature's, in words that follow on "the take"; "" if they
+/// are the same in the same order.
+std::string MisfitOf(const std::vector<std::string>& joints, const Armature& armature);
+
 /// A line a frame: its number, its time, a column for each joint in degrees, slides in the unit of
 /// lengths.
 std::string CurvesCsv(const Armature& armature, const JointCurves& curves);
 
 /// The armature as a skeleton that moves, a frame for each frame of the film; rods are offsets,
-/// each joint turns by Euler angles. Its root "armature" stands still.
+/// each node turns by Euler angles, rods and groups by none. Its root "armature" (or another name
+/// that no node has) stands still.
 MotionClip CurvesClip(const Armature& armature, const JointCurves& curves);
 
 }  // namespace keypose::armature

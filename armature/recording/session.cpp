@@ -92,10 +92,14 @@ void RecordingSession::Apply(const std::string& line, int number) {
     const json entry = json::parse(line);
     if (number == 1) {
       if (entry == Header(armature_, options_)) return;
-      throw InputError(
-          fmt::format("{}: the session was begun with {} frames a second, step {}, or "
-                      "with another armature; begin another one with --session",
-                      where, entry.at("fps").dump(), entry.at("step").dump()));
+      const auto joints = entry.at("joints").get<std::vector<std::string>>();
+      if (const std::string misfit = MisfitOf(joints, armature_); !misfit.empty())
+        throw InputError(
+            fmt::format("{}: the session {}; else begin another session", where, misfit));
+      throw InputError(fmt::format(
+          "{}: the session was begun with {} frames a second, step {}; go on with these "
+          "(--fps, --step), or begin another session",
+          where, entry.at("fps").dump(), entry.at("step").dump()));
     }
     if (entry.contains("record")) {
       const auto frame = entry.at("record").get<std::size_t>();
@@ -159,11 +163,16 @@ JointCurves RecordingSession::Curves() const {
 
 void RecordingSession::WriteCurves() const {
   const JointCurves curves = Curves();
-  WriteFileAtomically(folder_ / "curves.json", CurvesJson(armature_, curves));
-  WriteFileAtomically(folder_ / "curves.csv", CurvesCsv(armature_, curves));
-  WriteFileAtomically(folder_ / "curves.bvh", BvhText(CurvesClip(armature_, curves)));
-  WriteFileAtomically(folder_ / "flipbook.json", FlipbookJson(armature_, curves));
-  WriteFileAtomically(folder_ / "flipbook.svg", FlipbookSvg(armature_, curves));
+  const auto write = [&](const char* name, const std::string& text) {
+    // A session that is taken up changes nothing: what was baked of it is as new as it was.
+    const fs::path path = folder_ / name;
+    if (!fs::is_regular_file(path) || ReadFile(path) != text) WriteFileAtomically(path, text);
+  };
+  write("curves.json", CurvesJson(armature_, curves));
+  write("curves.csv", CurvesCsv(armature_, curves));
+  write("curves.bvh", BvhText(CurvesClip(armature_, curves)));
+  write("flipbook.json", FlipbookJson(armature_, curves));
+  write("flipbook.svg", FlipbookSvg(armature_, curves));
 }
 
 }  // namespace keypose::armature
