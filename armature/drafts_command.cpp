@@ -28,6 +28,7 @@ constexpr int kMostFilmFrames = 100000;
 
 struct DraftFlags {
   std::string description, chains, skeleton, curves;
+  PuppetChoices choices;
 };
 
 /// Null stands for a limit that there is not.
@@ -91,7 +92,8 @@ class Drafter {
  public:
   explicit Drafter(const DraftFlags& flags)
       : curves_(flags.curves),
-        parts_(LoadPuppet({flags.description, flags.chains, flags.skeleton, {}, {}}, {}).parts) {}
+        parts_(LoadPuppet({flags.description, flags.chains, flags.skeleton, {}, {}}, flags.choices)
+                   .parts) {}
 
   json Answer(const std::string& line) const {
     try {
@@ -150,6 +152,10 @@ int DraftsCommand(int argc, char** argv) {
   app.add_option("--description", flags.description, "the armature's description file")->required();
   app.add_option("--chains", flags.chains, "the file of anchors and chains")->required();
   app.add_option("--skeleton", flags.skeleton, "the computer skeleton (.bvh)");
+  app.add_option("--armature_up", flags.choices.armature_up, "y or z, in the description")
+      ->check(CLI::IsMember({"y", "z"}));
+  app.add_option("--skeleton_up", flags.choices.skeleton_up, "y or z, in the skeleton's file")
+      ->check(CLI::IsMember({"y", "z"}));
   app.add_option("--curves", flags.curves, "recorded curves (curves.json of a session)")
       ->required();
   app.footer(

@@ -226,7 +226,10 @@ class LiveSession {
     if (which != "next" && std::sscanf(which.c_str(), "%d", &plate) != 1)
       return Refuse("plate '" + which + "' is not a number");
     if (plate < 0 || plate >= plates_.count())
-      return Refuse(fmt::format("there is no plate {}; the shot has {}", plate, plates_.count()));
+      return Refuse(
+          fmt::format("there is no plate {}; the shot had {} when the session began: begin "
+                      "it again to see later ones",
+                      plate, plates_.count()));
     plate_ = plate;
     wants_picture_ = true;
     Say(json{{"event", "plate"}, {"plate", plate_}});
@@ -389,7 +392,10 @@ int Live(const LiveFlags& flags) {
   // One core is left to the stream: pictures are drawn by their own thread alone.
   SetThreadCount(1);
   Puppet reader(flags.puppet);
+  const std::string misplaced = loaded.misplaced;
   LiveSession live(flags, std::move(loaded), reader);
+  if (!flags.page.empty() && !misplaced.empty())
+    fmt::print("{}\n", json{{"event", "warning"}, {"words", misplaced}}.dump());
   RunLive(flags, live);
   reader.SaveCalibration();
   live.Finish();

@@ -15,7 +15,7 @@ struct ShowOptions {
 StageSpec ShowSpec() {
   StageSpec spec;
   spec.name = "armature show";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Writes what a page needs to show a character: its weights, its plates' cameras.";
   spec.inputs = PuppetPorts();
   spec.inputs.push_back({"plate", "path", "a plate, or a folder of them", "", true, false});
@@ -31,6 +31,7 @@ void RunShow(StageContext& stage, const ShowOptions& options) {
   const LoadedPuppet loaded = LoadPuppet(PuppetPathsIn(stage), options.puppet);
   const PuppetParts& parts = loaded.parts;
   for (const std::string& note : loaded.notes) stage.Note(note);
+  for (const std::string& warning : loaded.warnings) stage.Warn(warning);
   const PlateFiles plates(stage.Input("plate"), stage.Input("shot"), parts.mesh.points);
   const PageStream written(parts, plates, stage.Has("mesh"), stage.Output("page"));
   stage.Report("bones", parts.skeleton.size());

@@ -76,10 +76,17 @@ json ViewJson(const PlateView& view) {
           {"scale", placed.scale}};
 }
 
-/// Degrees of joints that turn, millimetres of those that slide.
-bool Turns(const Armature& armature, int joint) {
+struct ShownUnit {
+  double size;
+  const char* name;
+};
+
+/// Degrees of joints that turn, millimetres of those that slide, if the description has a unit.
+ShownUnit ShownUnitOf(const Armature& armature, int joint) {
   const int node = armature.joints[static_cast<std::size_t>(joint)];
-  return armature.nodes[static_cast<std::size_t>(node)].kind == NodeKind::kJoint;
+  if (armature.nodes[static_cast<std::size_t>(node)].kind == NodeKind::kJoint)
+    return {kDegree, "°"};
+  return armature.metres_per_unit > 0 ? ShownUnit{1e-3, "mm"} : ShownUnit{1, ""};
 }
 
 }  // namespace
@@ -112,7 +119,7 @@ std::string PageStream::ViewText(const PlateFiles& plates) const {
   for (int j = 0; j < SizeOf(armature.joints); ++j) {
     const int node = armature.joints[static_cast<std::size_t>(j)];
     sensors.push_back({{"name", armature.nodes[static_cast<std::size_t>(node)].name},
-                       {"unit", Turns(armature, j) ? "°" : "mm"}});
+                       {"unit", ShownUnitOf(armature, j).name}});
   }
   for (const Chain& chain : parts_.plan.chains)
     chains.push_back({{"name", chain.name}, {"exact", chain.mode == ChainMode::kExact}});
@@ -161,7 +168,7 @@ std::string PageStream::Line(const PuppetMatcher& matcher, const PageLine& line)
     for (int j = 0; j < SizeOf(line.values); ++j)
       fmt::format_to(
           std::back_inserter(text), "{:.2f},",
-          line.values[static_cast<std::size_t>(j)] / (Turns(parts_.armature, j) ? kDegree : 1e-3));
+          line.values[static_cast<std::size_t>(j)] / ShownUnitOf(parts_.armature, j).size);
   });
   const auto add_numbers = [&](const char* name, const std::vector<int>& numbers) {
     add_list(name, [&] {

@@ -44,8 +44,9 @@ class PageStream {
   void Record(int frame, const SkeletonPose& pose);
 
   /// {"pose": number of the line, "time", "fresh", "bones": [7 numbers each], "values": [degrees or
-  /// millimetres], "held": [...], "wraps": [...], "repeats", "damaged", "chains": [[near gap, far
-  /// gap, mean distance from the curve, each over the chain's length], ...]}
+  /// millimetres, or the description's own unit], "held": [...], "wraps": [...], "repeats",
+  /// "damaged", "chains": [[near gap, far gap, mean distance from the curve, each over the chain's
+  /// length], ...]}
   std::string Line(const PuppetMatcher& matcher, const PageLine& line);
 
  private:

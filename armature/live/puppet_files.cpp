@@ -1,6 +1,7 @@
 #include "armature/live/puppet_files.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
@@ -86,15 +87,35 @@ void LoadSkeleton(const fs::path& path, const PuppetChoices& choices, PuppetPart
   parts.skeleton = SkeletonOfArmature(parts.armature, parts.plan, frames);
 }
 
-void WarnOfSizes(LoadedPuppet& puppet) {
+/// Bones lie inside of what they move, or near it.
+void CheckPlaces(const PointsX3& joints, LoadedPuppet& puppet) {
+  const PointsX3& points = puppet.parts.mesh.points;
+  const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
+  const double margin = 0.1 * (high - low).norm();
+  int inside = 0;
+  for (int j = 0; j < joints.rows(); ++j)
+    inside += ((joints.row(j) - low).array() > -margin).all() &&
+              ((high - joints.row(j)).array() > -margin).all();
+  if (2 * inside < joints.rows())
+    puppet.misplaced =
+        std::to_string(joints.rows() - inside) + " of the skeleton's " +
+        std::to_string(joints.rows()) +
+        " joints lie outside of the mesh; both must be in one place, with one way up: of a "
+        "skeleton whose file has y up say so (--skeleton_up y)";
+}
+
+void WarnOfPlace(LoadedPuppet& puppet) {
   PointsX3 joints(puppet.parts.skeleton.size(), 3);
   for (int j = 0; j < joints.rows(); ++j) joints.row(j) = puppet.parts.skeleton.joints[j].rest;
   const double ratio =
       BoundingDiagonal(puppet.parts.mesh.points) / std::max(BoundingDiagonal(joints), 1e-300);
   if (ratio > 3 || ratio < 1.0 / 3)
-    puppet.warnings.push_back(
+    puppet.misplaced =
         "the mesh is " + std::to_string(ratio) +
-        " times as large as the skeleton; both must be in one unit, and in one place");
+        " times as large as the skeleton; both must be in one unit, and in one place";
+  else
+    CheckPlaces(joints, puppet);
+  if (!puppet.misplaced.empty()) puppet.warnings.push_back(puppet.misplaced);
 }
 
 void LoadWeights(const PuppetPaths& paths, LoadedPuppet& puppet) {
@@ -138,14 +159,14 @@ LoadedPuppet LoadPuppet(const PuppetPaths& paths, const PuppetChoices& choices) 
   }
   parts.mesh = ReadMesh(paths.mesh);
   RequireUsable(parts.mesh, "armature: " + PrintableName(paths.mesh.filename()));
-  WarnOfSizes(puppet);
+  WarnOfPlace(puppet);
   LoadWeights(paths, puppet);
   return puppet;
 }
 
 namespace {
 
-constexpr int kPlainWidth = 960, kPlainHeight = 540;
+constexpr int kPlainWidth = 960, kPlainHeight = 540, kMostViews = 100000;
 
 /// A view of the whole puppet, with room for its motion.
 PlateView PlainView(const PointsX3& rest, int width, int height) {
@@ -158,20 +179,46 @@ PlateView PlainView(const PointsX3& rest, int width, int height) {
   return plain;
 }
 
+/// The located frame that is nearest to a frame of the film; of two the earlier.
+const ShotFrame& LocatedNear(const FilmedShot& shot, int frame) {
+  return *std::min_element(shot.frames.begin(), shot.frames.end(),
+                           [&](const ShotFrame& a, const ShotFrame& b) {
+                             return std::abs(a.frame - frame) < std::abs(b.frame - frame);
+                           });
+}
+
+/// The frames of the film for which there are views: one does for a shot that was located once.
+std::vector<int> ViewedFrames(const FilmedShot& shot, const std::vector<FilmPicture>& plates) {
+  if (shot.frames.size() == 1) return {0};
+  std::vector<int> numbers;
+  if (plates.size() > 1)
+    for (const FilmPicture& plate : plates) numbers.push_back(plate.frame);
+  const int last = std::min(shot.frames.back().frame, kMostViews);
+  for (int n = numbers.empty() ? 0 : numbers.back() + 1; n <= last; ++n) numbers.push_back(n);
+  return numbers;
+}
+
+std::vector<PlateView> ShotViews(const FilmedShot& shot, const std::vector<FilmPicture>& plates) {
+  std::vector<PlateView> views;
+  for (const int number : ViewedFrames(shot, plates)) {
+    const ShotFrame& frame = LocatedNear(shot, number);
+    PlateView view;
+    view.view.camera = shot.camera;
+    view.view.camera_from_world = frame.camera_from_world;
+    view.world_from_character = frame.world_from_character;
+    views.push_back(view);
+  }
+  return views;
+}
+
 }  // namespace
 
 PlateFiles::PlateFiles(const fs::path& plate, const fs::path& shot, const PointsX3& rest) {
-  if (!plate.empty())
-    for (const FilmPicture& picture : FilmPictures(plate)) plates_.push_back(picture.path);
+  std::vector<FilmPicture> pictures;
+  if (!plate.empty()) pictures = FilmPictures(plate);
+  for (const FilmPicture& picture : pictures) plates_.push_back(picture.path);
   if (!shot.empty()) {
-    const FilmedShot filmed = ReadShot(shot);
-    for (const ShotFrame& frame : filmed.frames) {
-      PlateView view;
-      view.view.camera = filmed.camera;
-      view.view.camera_from_world = frame.camera_from_world;
-      view.world_from_character = frame.world_from_character;
-      views_.push_back(view);
-    }
+    views_ = ShotViews(ReadShot(shot), pictures);
   } else {
     const ImageInfo info = plates_.empty() ? ImageInfo{} : ReadImageInfo(plates_.front());
     views_.push_back(PlainView(rest, plates_.empty() ? kPlainWidth : info.width,

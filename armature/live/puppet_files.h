@@ -35,6 +35,9 @@ struct PuppetChoices {
 struct LoadedPuppet {
   PuppetParts parts;
   std::vector<std::string> notes, warnings;
+  /// That the mesh is not where the skeleton is, or not of its size, in words; "" if it is. Also
+  /// among the warnings.
+  std::string misplaced;
 };
 
 /// @throws InputError  malformed files, parts that do not fit each other; names them
@@ -52,14 +55,15 @@ class PlateFiles {
              const PointsX3& rest);
   int count() const { return count_; }
   const std::vector<std::filesystem::path>& pictures() const { return plates_; }
-  /// Without pictures; one for all plates, or one for each.
+  /// Without pictures; one for all plates, or one for each: that of the located frame which is
+  /// nearest to the plate by its number.
   const std::vector<PlateView>& views() const { return views_; }
   /// @param index  beyond the last: the last
   PlateView Read(int index) const;
 
  private:
   std::vector<std::filesystem::path> plates_;
-  std::vector<PlateView> views_;  ///< without pictures; one, or one for each frame of the shot
+  std::vector<PlateView> views_;
   int count_ = 1;
 };
 

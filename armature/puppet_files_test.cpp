@@ -1,0 +1,109 @@
+// A puppet's files and its plates: what belongs to what, and what is said where they do not fit.
+#include "armature/live/puppet_files.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "armature/description/chain_file.h"
+#include "armature/description/description_file.h"
+#include "armature/example/theropod.h"
+#include "armature/example/theropod_body.h"
+#include "armature/live/page_stream.h"
+#include "armature/live/posed_puppet.h"
+#include "core/geometry.h"
+#include "core/io/bvh_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/shot_io.h"
+#include "core/io/testing_folder.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::armature {
+namespace {
+
+FilmedShot MovingShot(const std::vector<int>& located) {
+  FilmedShot shot;
+  shot.camera.width = shot.camera.height = 8;
+  shot.camera.fx = shot.camera.fy = 8;
+  shot.camera.cx = shot.camera.cy = 4;
+  shot.still = false;
+  for (const int number : located) {
+    ShotFrame frame;
+    frame.frame = number;
+    frame.picture = "p.png";
+    frame.method = "features";
+    frame.camera_from_world.translation = Eigen::Vector3d(number, 0, 5);
+    shot.frames.push_back(frame);
+  }
+  return shot;
+}
+
+TEST(PlateFiles, APlateHasTheCameraOfTheFrameThatWasLocatedNearestToIt) {
+  const TestingFolder folder;
+  const auto shot = folder.Put("shot.json", ShotText(MovingShot({0, 1, 4})));  // 2, 3: left out
+  const auto plates = folder.path() / "plates";
+  std::filesystem::create_directories(plates);
+  for (const char* name : {"0100.png", "0101.png", "0102.png", "0103.png", "0104.png"})
+    WriteImage(plates / name, Image8(8, 8, 3));
+  const PointsX3 rest = MakeIcosphere(1).points;
+  for (const auto& given : {plates, std::filesystem::path()}) {
+    const PlateFiles files(given, shot, rest);
+    ASSERT_EQ(files.count(), 5);
+    std::vector<double> at;
+    for (const PlateView& view : files.views())
+      at.push_back(view.view.camera_from_world.translation.x());
+    EXPECT_EQ(at, (std::vector<double>{0, 1, 1, 4, 4}));
+  }
+}
+
+TEST(LoadPuppet, AMeshThatIsNotWhereItsSkeletonIsIsToldOf) {
+  const TestingFolder folder;
+  const Armature theropod = MakeTheropod();
+  PuppetPaths paths;
+  paths.description = folder.Put("t.txt", DescriptionText(theropod));
+  paths.chains = folder.Put("c.txt", ChainsText(theropod, MakeTheropodChains(theropod)));
+  paths.skeleton = folder.path() / "t.bvh";
+  paths.mesh = folder.path() / "t.ply";
+  WriteBvh(paths.skeleton, MakeTheropodSkeleton());
+  Mesh body = MakeTheropodBody(1000);
+  WriteMesh(paths.mesh, body);
+  EXPECT_EQ(LoadPuppet(paths, {}).misplaced, "");
+  const PointsX3 right = body.points;
+  body.points.col(1).array() += 2 * BoundingDiagonal(right);
+  WriteMesh(paths.mesh, body);
+  EXPECT_NE(LoadPuppet(paths, {}).misplaced.find("lie outside of the mesh"), std::string::npos);
+  body.points = 1000 * right;
+  WriteMesh(paths.mesh, body);
+  EXPECT_NE(LoadPuppet(paths, {}).misplaced.find("times as large"), std::string::npos);
+}
+
+TEST(PageStream, ASlideIsShownInMillimetresOnlyIfTheDescriptionHasAUnit) {
+  for (const std::string units : {"units cm ", ""}) {
+    const TestingFolder folder;
+    PuppetPaths paths;
+    paths.description = folder.Put(
+        "d.txt", units +
+                     "node { name lift slide 0 0 1 sensor 0 node { name hip node { name upper "
+                     "length 1 node { name knee axis 1 0 0 sensor 1 node { name lower length 1 } "
+                     "} } } }");
+    paths.chains = folder.Put("c.txt",
+                              "anchor a physical hip computer hip anchor b physical lower computer "
+                              "lower chain leg from a to b");
+    const LoadedPuppet puppet = LoadPuppet(paths, {});
+    PageStream page(puppet.parts, PlateFiles({}, {}, puppet.parts.mesh.points), true,
+                    folder.path() / "page");
+    PosedPuppet posed(puppet.parts);
+    PageLine line;
+    line.values = {0.12, 0};
+    posed.Update(line.values);
+    const auto shown = nlohmann::json::parse(page.Line(posed.matcher(), line));
+    const auto view = nlohmann::json::parse(ReadFile(folder.path() / "page/view.json"));
+    EXPECT_EQ(shown["values"][0], units.empty() ? 0.12 : 120);
+    EXPECT_EQ(view["sensors"][0]["unit"], units.empty() ? "" : "mm");
+  }
+}
+
+}  // namespace
+}  // namespace keypose::armature
