@@ -158,6 +158,28 @@ TEST_F(Programs, MeshThatFacesTheOtherWayMovesRightOrIsRefused) {
   EXPECT_TRUE(Says("opposite ways")) << log_;
 }
 
+TEST_F(Programs, MarksOfAnotherPoseOfTheTemplateHoldByTheirTriangles) {
+  WriteBars();
+  const fs::path template_folder = folder_ / "template";
+  const Mesh straight = ReadMesh(template_folder / "frame_0000.ply");
+  std::vector<LandmarkPair> pairs = ReadLandmarkPairs({folder_ / "marks.json"}, straight, target_);
+  WriteMesh(folder_ / "reference.ply", straight);
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--reference reference.ply"), 0) << log_;
+  EXPECT_FALSE(Says("another pose")) << log_;
+  // Suggestions on the straight bar, and a template that begins bent.
+  for (LandmarkPair& pair : pairs) pair.confirmed = false;
+  WriteLandmarkPairs(folder_ / "marks.json", straight, target_, pairs);
+  fs::rename(template_folder / "frame_0003.ply", template_folder / "frame_0000.ply");
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--report report.json"), 0) << log_;
+  EXPECT_TRUE(Says("another pose than its first frame") && Says("as --reference")) << log_;
+  const auto report = nlohmann::json::parse(ReadFile(folder_ / "report.json"));
+  EXPECT_EQ(report["measurements"]["marks"], 12);
+  // Suggestions on another mesh are lost, and the message does not say that there were none.
+  WriteLandmarkPairs(folder_ / "marks.json", MakeIcosphere(3), target_, pairs);
+  EXPECT_EQ(Run("transfer", kTransfer), 3);
+  EXPECT_TRUE(Says("12 unconfirmed suggestions could not follow")) << log_;
+}
+
 TEST_F(Programs, TransferWarnsOfATargetThatLiesAndOfAnotherRate) {
   WriteBars();
   ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;

@@ -1,5 +1,6 @@
 // keypose-transfer: the motion of a template on another mesh.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_binding.h"
 #include "core/mesh_checks.h"
 #include "core/same_faces.h"
 #include "core/size_of.h"
@@ -28,6 +30,7 @@ namespace fs = std::filesystem;
 constexpr double kPoorWeight = -1e-3;
 constexpr double kSurelyMirrored = 0.5;    // of the residual of the marks as they are
 constexpr double kLeaning = 30 * kDegree;  // between the two meshes' uprights
+constexpr double kOtherPose = 0.1;         // of the diagonal, that a mark moves
 constexpr double kOtherRate = 0.01;        // of the rate
 constexpr int kFewMarks = 8;
 constexpr double kUsualRate = 24;  // frames per second
@@ -111,12 +114,62 @@ TransferOptions OptionsOf(const TransferStageOptions& given) {
   return options;
 }
 
+/// Largest way of a mark on the template from where it was picked, over the diagonal; 0 where the
+/// file does not say.
+double LargestWay(const nlohmann::json& root, const Mesh& mesh) {
+  double way = 0;
+  try {
+    for (const nlohmann::json& entry : root.at("pairs")) {
+      const nlohmann::json& pick = entry.at("source");
+      const auto face = pick.at("face").get<std::int64_t>();
+      const auto at = pick.at("position").get<std::array<double, 3>>();
+      if (face < 0 || face >= mesh.face_count()) continue;
+      const Eigen::RowVector3d corner = mesh.points.row(mesh.faces(face, 0));
+      way = std::max(way, (corner - Eigen::RowVector3d(at[0], at[1], at[2])).norm());
+    }
+  } catch (const nlohmann::json::exception&) {
+    return 0;  // who reads the marks says what is wrong with them
+  }
+  return way / BoundingDiagonal(mesh.points);
+}
+
+/// The marks' file for this pose of the template. Frames of one template share their faces, so
+/// marks that were picked in another pose hold by the numbers of their triangles; their places in
+/// space, which the file has too, are not those of this pose.
+std::vector<fs::path> MarksForPose(StageContext& stage, const Mesh& reference) {
+  const std::vector<fs::path> given = stage.Inputs("marks");
+  if (given.size() != 1) return given;
+  const std::string text = ReadFile(given[0]);
+  nlohmann::json root =
+      IsShallowJson(text) ? nlohmann::json::parse(text, nullptr, false) : nlohmann::json();
+  if (!root.is_object() || !root.contains("source") || !root["source"].is_object()) return given;
+  nlohmann::json& binding = root["source"];
+  const std::string geometry = GeometryHash(reference);
+  if (binding.value("faces_sha256", nlohmann::json()) != NumberingHash(reference) ||
+      binding.value("sha256", nlohmann::json()) == geometry)
+    return given;
+  binding["sha256"] = geometry;
+  const fs::path carried = stage.Scratch() / given[0].filename();
+  WriteFile(carried, root.dump());
+  const std::string fact = given[0].filename().string() +
+                           " was picked on the template in another pose than " +
+                           (stage.Has("reference") ? "that of --reference" : "its first frame") +
+                           ", and its triangles are taken by their numbers";
+  if (LargestWay(root, reference) > kOtherPose)
+    stage.Warn(fact +
+               "; pass the pose that it was picked in as --reference, else the target's "
+               "limbs are wrong by the difference");
+  else
+    stage.Note(fact);
+  return {carried};
+}
+
 std::vector<Mark> LoadMarks(StageContext& stage, const Mesh& reference, const Mesh& target) {
   CarryLog log;
   int suggested = 0;
   std::vector<Mark> marks;
   for (const LandmarkPair& pair :
-       ReadLandmarkPairs(stage.Inputs("marks"), reference, target, &log)) {
+       ReadLandmarkPairs(MarksForPose(stage, reference), reference, target, &log)) {
     suggested += !pair.confirmed;
     marks.push_back({pair.name,
                      {pair.source.face, pair.source.barycentric},

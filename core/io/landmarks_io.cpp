@@ -170,10 +170,10 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
   }
   on_source.Finish(log);
   on_target.Finish(log);
-  if (dropped > 0 && log)
-    log->warnings.push_back(fmt::format(
-        "{}: {} unconfirmed suggestions could not follow to the rebuilt mesh and are left out",
-        path.string(), dropped));
+  const std::string fact = path.string() + ": " + std::to_string(dropped) +
+                           " unconfirmed suggestions could not follow to the rebuilt mesh";
+  if (dropped > 0 && pairs.empty()) throw InputError(fact + "; make them anew on that mesh");
+  if (dropped > 0 && log) log->warnings.push_back(fact + " and are left out");
   return pairs;
 }
 
