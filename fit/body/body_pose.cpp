@@ -70,21 +70,26 @@ BodyPose BodyPose::Recharted() const {
   return pose;
 }
 
-PosedBody Posed(const BodyPose& pose, const BodyShape& shape) {
-  PosedBody body;
-  for (int j = 0; j < kJoints; ++j) {
+void Repose(const BodyPose& pose, const BodyShape& shape, int first, int last, PosedBody* body) {
+  for (int j = first; j <= last; ++j) {
     const JointModel& joint = Joints()[j];
+    body->turns[j].clear();
     if (joint.parent < 0) {
       // The chart comes first: the root's numbers turn it in the world.
-      const Matrix3d turn = TurnJoint(joint, pose.q, Matrix3d::Identity(), &body.turns[j]);
-      body.rotation[j] = turn * pose.root_chart.toRotationMatrix();
-      body.position[j] = pose.q.head<3>();
+      const Matrix3d turn = TurnJoint(joint, pose.q, Matrix3d::Identity(), &body->turns[j]);
+      body->rotation[j] = turn * pose.root_chart.toRotationMatrix();
+      body->position[j] = pose.q.head<3>();
       continue;
     }
-    const Matrix3d& parent = body.rotation[joint.parent];
-    body.rotation[j] = parent * TurnJoint(joint, pose.q, parent, &body.turns[j]);
-    body.position[j] = body.position[joint.parent] + parent * OffsetOf(joint, shape);
+    const Matrix3d& parent = body->rotation[joint.parent];
+    body->rotation[j] = parent * TurnJoint(joint, pose.q, parent, &body->turns[j]);
+    body->position[j] = body->position[joint.parent] + parent * OffsetOf(joint, shape);
   }
+}
+
+PosedBody Posed(const BodyPose& pose, const BodyShape& shape) {
+  PosedBody body;
+  Repose(pose, shape, 0, kJoints - 1, &body);
   return body;
 }
 

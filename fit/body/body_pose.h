@@ -49,5 +49,7 @@ struct PosedBody {
   void AddLengthRow(int joint, const Eigen::Vector3d& w, double* row) const;
 };
 PosedBody Posed(const BodyPose& pose, const BodyShape& shape);
+/// Poses the joints from `first` to `last` anew; their parents outside of these stay as they are.
+void Repose(const BodyPose& pose, const BodyShape& shape, int first, int last, PosedBody* body);
 
 }  // namespace keypose::fit

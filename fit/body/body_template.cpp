@@ -1,6 +1,7 @@
 #include "fit/body/body_template.h"
 
 #include <cmath>
+#include <set>
 
 namespace keypose::fit {
 namespace {
@@ -226,6 +227,23 @@ const std::vector<int>& ChainOf(int joint) {
     return all;
   }();
   return chains[joint];
+}
+
+const std::vector<int>& DofsThatMove(int joint) {
+  static const std::array<std::vector<int>, kJoints> dofs = [] {
+    std::array<std::vector<int>, kJoints> all;
+    for (int j = 0; j < kJoints; ++j) {
+      std::set<int> moving{0, 1, 2};
+      for (const int above : ChainOf(j)) {
+        const JointModel& turning = Joints()[above];
+        const int count = turning.ball ? 3 : static_cast<int>(turning.hinges.size());
+        for (int k = 0; k < count; ++k) moving.insert(turning.first_dof + k);
+      }
+      all[j].assign(moving.begin(), moving.end());
+    }
+    return all;
+  }();
+  return dofs[joint];
 }
 
 int SegmentOn(int joint) {

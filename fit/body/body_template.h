@@ -100,6 +100,8 @@ const std::array<SegmentModel, kSegments>& Segments();
 const std::array<DofModel, kDofs>& Dofs();
 /// The joint and all before it up to the root, root first.
 const std::vector<int>& ChainOf(int joint);
+/// Numbers of the pose that move what is fixed to the joint, in rising order.
+const std::vector<int>& DofsThatMove(int joint);
 /// The segment on a joint, or -1.
 int SegmentOn(int joint);
 

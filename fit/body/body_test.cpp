@@ -138,6 +138,23 @@ TEST(PosedBody, ShapeDerivativesMatchCentralDifferences) {
   }
 }
 
+TEST(PosedBody, ALimbThatIsPosedAnewIsWhereTheWholeBodyHasIt) {
+  const BodyShape shape = AverageShape();
+  const BodyPose before = SomePose(1);
+  BodyPose after = before;
+  after.q.segment<6>(Joints()[kShoulderR].first_dof) << 0.4, -0.3, 0.9, 1.1, 0.2, -0.1;
+  PosedBody body = Posed(before, shape);
+  Repose(after, shape, kShoulderR, kWristR, &body);
+  const PosedBody whole = Posed(after, shape);
+  for (int j = 0; j < kJoints; ++j) {
+    EXPECT_EQ(body.rotation[j], whole.rotation[j]);
+    EXPECT_EQ(body.position[j], whole.position[j]);
+    ASSERT_EQ(body.turns[j].size(), whole.turns[j].size());
+    for (std::size_t k = 0; k < body.turns[j].size(); ++k)
+      EXPECT_EQ(body.turns[j][k].axis, whole.turns[j][k].axis);
+  }
+}
+
 TEST(BodyPose, RechartedPoseIsTheSame) {
   const BodyPose pose = SomePose(3);
   const PosedBody a = Posed(pose, AverageShape()), b = Posed(pose.Recharted(), AverageShape());

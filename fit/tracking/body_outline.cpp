@@ -8,25 +8,55 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Drawn rings: a silhouette's error between two of them is below a cell.
-constexpr int kRingStep = 2;
 // Beyond a contour point, so many cells outwards, no other segment may be seen.
 constexpr double kOutward = 1.3;
 
-std::vector<std::array<int, 3>> MakeDrawnTriangles() {
+std::vector<std::array<int, 3>> DrawnTriangles(int ring_step, int around_step) {
   std::vector<std::array<int, 3>> triangles;
   const int first = kSegmentVertices - 2, last = kSegmentVertices - 1;
-  for (int a = 0; a < kAround; ++a) {
-    triangles.push_back({first, RingVertex(0, a + 1), RingVertex(0, a)});
-    for (int r = 0; r < kRings - 1; r += kRingStep) {
-      const int next = std::min(r + kRingStep, kRings - 1);
-      triangles.push_back({RingVertex(r, a), RingVertex(r, a + 1), RingVertex(next, a + 1)});
-      triangles.push_back({RingVertex(r, a), RingVertex(next, a + 1), RingVertex(next, a)});
+  for (int a = 0; a < kAround; a += around_step) {
+    const int b = a + around_step;
+    triangles.push_back({first, RingVertex(0, b), RingVertex(0, a)});
+    for (int r = 0; r < kRings - 1; r += ring_step) {
+      const int next = std::min(r + ring_step, kRings - 1);
+      triangles.push_back({RingVertex(r, a), RingVertex(r, b), RingVertex(next, b)});
+      triangles.push_back({RingVertex(r, a), RingVertex(next, b), RingVertex(next, a)});
     }
-    triangles.push_back({last, RingVertex(kRings - 1, a), RingVertex(kRings - 1, a + 1)});
+    triangles.push_back({last, RingVertex(kRings - 1, a), RingVertex(kRings - 1, b)});
   }
   return triangles;
 }
+
+internal::DrawnSurface MakeDrawn(int ring_step, int around_step) {
+  internal::DrawnSurface drawn{DrawnTriangles(ring_step, around_step), {}};
+  std::array<bool, kSegmentVertices> used = {};
+  for (const std::array<int, 3>& triangle : drawn.triangles)
+    for (const int v : triangle) used[v] = true;
+  for (int v = 0; v < kSegmentVertices; ++v)
+    if (used[v]) drawn.vertices.push_back(v);
+  return drawn;
+}
+
+/// Moves points of one segment into a silhouette's pixels.
+class SegmentProjector {
+ public:
+  SegmentProjector(const Silhouette& silhouette, const PosedBody& body, int joint)
+      : k_(silhouette.pinhole),
+        rotation_(silhouette.camera_from_world.rotation.toRotationMatrix() * body.rotation[joint]),
+        offset_(silhouette.camera_from_world * body.position[joint]) {}
+
+  void operator()(const PointsX3& points, int v, int row, ProjectedBody* projected) const {
+    const Vector3d x = rotation_ * points.row(v).transpose() + offset_;
+    if (x.z() < 0.05) projected->before_camera = false;
+    const double inverse = 1 / std::max(x.z(), 0.05);
+    projected->pixels.row(row) << k_.fx * x.x() * inverse + k_.cx, k_.fy * x.y() * inverse + k_.cy;
+  }
+
+ private:
+  const Pinhole& k_;
+  Eigen::Matrix3d rotation_;
+  Vector3d offset_;
+};
 
 /// Looks for contour points of one segment.
 class ContourFinder {
@@ -113,9 +143,9 @@ class ContourFinder {
 }  // namespace
 
 namespace internal {
-const std::vector<std::array<int, 3>>& DrawnTriangles() {
-  static const std::vector<std::array<int, 3>> triangles = MakeDrawnTriangles();
-  return triangles;
+const DrawnSurface& Drawn(Detail detail) {
+  static const DrawnSurface fine = MakeDrawn(2, 1), coarse = MakeDrawn(4, 2);
+  return detail == Detail::kFine ? fine : coarse;
 }
 }  // namespace internal
 
@@ -131,22 +161,20 @@ ProjectedBody Project(const Silhouette& silhouette, const LocalSurface& surface,
                       const PosedBody& body, std::uint32_t segments) {
   ProjectedBody projected;
   projected.pixels.resize(kBodyVertices, 2);
-  const Pinhole& k = silhouette.pinhole;
-  const Eigen::Matrix3d turn = silhouette.camera_from_world.rotation.toRotationMatrix();
   for (int s = 0; s < kSegments; ++s) {
     if (!(segments >> s & 1)) continue;
-    const int joint = Segments()[s].joint;
-    const Eigen::Matrix3d rotation = turn * body.rotation[joint];
-    const Vector3d offset = silhouette.camera_from_world * body.position[joint];
-    for (int v = 0; v < kSegmentVertices; ++v) {
-      const Vector3d x = rotation * surface.points[s].row(v).transpose() + offset;
-      if (x.z() < 0.05) projected.before_camera = false;
-      const double inverse = 1 / std::max(x.z(), 0.05);
-      projected.pixels.row(s * kSegmentVertices + v) << k.fx * x.x() * inverse + k.cx,
-          k.fy * x.y() * inverse + k.cy;
-    }
+    const SegmentProjector project(silhouette, body, Segments()[s].joint);
+    for (int v = 0; v < kSegmentVertices; ++v)
+      project(surface.points[s], v, s * kSegmentVertices + v, &projected);
   }
   return projected;
+}
+
+void ProjectDrawn(const Silhouette& silhouette, const LocalSurface& surface, const PosedBody& body,
+                  int segment, Detail detail, ProjectedBody* projected) {
+  const SegmentProjector project(silhouette, body, Segments()[segment].joint);
+  for (const int v : internal::Drawn(detail).vertices)
+    project(surface.points[segment], v, segment * kSegmentVertices + v, projected);
 }
 
 SegmentRaster MakeRaster(const Silhouette& silhouette) {
@@ -161,7 +189,7 @@ void Draw(const ProjectedBody& projected, std::uint32_t segments, SegmentRaster*
   for (int s = 0; s < kSegments; ++s) {
     if (!(segments >> s & 1)) continue;
     const auto bit = static_cast<std::uint16_t>(1u << s);
-    VisitCells(*raster, projected, s, [&](int cell) { raster->bits[cell] |= bit; });
+    VisitCells(*raster, projected, s, Detail::kFine, [&](int cell) { raster->bits[cell] |= bit; });
   }
 }
 

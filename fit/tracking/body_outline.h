@@ -34,6 +34,15 @@ struct ProjectedBody {
 /// @param segments  bit s: segment s is projected; rows of others are not written
 ProjectedBody Project(const Silhouette& silhouette, const LocalSurface& surface,
                       const PosedBody& body, std::uint32_t segments = 0xffff);
+/// How finely a segment is drawn.
+enum class Detail {
+  kFine,   ///< every second ring, sixteen angles: a silhouette's error is far below a cell
+  kCoarse  ///< every fourth ring, eight angles: below a cell; for comparing many poses
+};
+/// The same of one segment, only for the vertices that VisitCells draws.
+/// @param projected  pixels of kBodyVertices x 2; other rows stay
+void ProjectDrawn(const Silhouette& silhouette, const LocalSurface& surface, const PosedBody& body,
+                  int segment, Detail detail, ProjectedBody* projected);
 
 /// An empty raster for the silhouette.
 SegmentRaster MakeRaster(const Silhouette& silhouette);
@@ -41,7 +50,7 @@ SegmentRaster MakeRaster(const Silhouette& silhouette);
 /// come several times.
 template <class Set>
 void VisitCells(const SegmentRaster& raster, const ProjectedBody& projected, int segment,
-                Set&& set);
+                Detail detail, Set&& set);
 /// Sets the bits of the segments.
 void Draw(const ProjectedBody& projected, std::uint32_t segments, SegmentRaster* raster);
 /// 1 in cells whose centre lies in the mask.

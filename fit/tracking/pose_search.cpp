@@ -41,23 +41,6 @@ std::vector<LimbCanvas> CanvasesWithout(const std::vector<Silhouette>& silhouett
   return canvases;
 }
 
-/// Cells in which the body with this limb and the mask differ.
-double DifferenceWith(const Silhouette& silhouette, const LocalSurface& surface,
-                      const PosedBody& body, std::uint32_t limb, int candidate,
-                      LimbCanvas& canvas) {
-  if (silhouette.empty()) return 0;
-  const ProjectedBody projected = Project(silhouette, surface, body, limb);
-  double difference = canvas.base;
-  for (int s = 0; s < kSegments; ++s)
-    if (limb >> s & 1)
-      VisitCells(canvas.raster, projected, s, [&](int cell) {
-        if (canvas.raster.bits[cell] || canvas.stamp[cell] == candidate) return;
-        canvas.stamp[cell] = candidate;
-        difference += canvas.mask[cell] ? -1 : 1;
-      });
-  return difference;
-}
-
 int FirstDof(Limb limb) {
   switch (limb) {
     case Limb::kLeftArm:
@@ -87,6 +70,12 @@ std::vector<Vector3d> Directions(int count) {
 /// Numbers of a limb: three of its ball joint, one of its hinge, two of its end.
 using LimbNumbers = Eigen::Matrix<double, 6, 1>;
 
+/// A pose of a limb. Where `upper` is the same, the first three numbers are.
+struct LimbCandidate {
+  LimbNumbers numbers;
+  int upper = 0;
+};
+
 bool Possible(const LimbNumbers& numbers, int first_dof) {
   constexpr double kSlack = 0.25;
   for (int i = 0; i < 4; ++i) {
@@ -103,7 +92,7 @@ Vector3d AxisOf(Limb limb) {
 }
 
 /// A regular set of poses of a limb within its joints' limits.
-std::vector<LimbNumbers> Candidates(Limb limb) {
+std::vector<LimbCandidate> Candidates(Limb limb) {
   const bool arm = IsArm(limb);
   const int first = FirstDof(limb);
   const Vector3d rest = AxisOf(limb);
@@ -111,17 +100,20 @@ std::vector<LimbNumbers> Candidates(Limb limb) {
       arm ? std::vector<double>{0.1, 0.7, 1.4, 2.1} : std::vector<double>{0.1, 0.7, 1.4};
   const std::vector<double> twists =
       arm ? std::vector<double>{-1.5, -0.75, 0, 0.75, 1.5} : std::vector<double>{-0.5, 0, 0.5};
-  std::vector<LimbNumbers> all;
+  std::vector<LimbCandidate> all;
+  int upper = 0;
   for (const Vector3d& direction : Directions(arm ? 110 : 130)) {
     const Eigen::Quaterniond swing = Eigen::Quaterniond::FromTwoVectors(rest, direction);
-    for (const double bend : bends)
-      for (const double twist : twists) {
+    for (const double twist : twists) {
+      LimbNumbers numbers = LimbNumbers::Zero();
+      numbers.head<3>() = LogOf(Eigen::Quaterniond(swing * Eigen::AngleAxisd(twist, rest)));
+      for (const double bend : bends) {
         if (bend < 0.2 && twist != 0) continue;  // the twist of a straight limb is not seen
-        LimbNumbers numbers = LimbNumbers::Zero();
-        numbers.head<3>() = LogOf(Eigen::Quaterniond(swing * Eigen::AngleAxisd(twist, rest)));
         numbers[3] = bend;
-        if (Possible(numbers, first)) all.push_back(numbers);
+        if (Possible(numbers, first)) all.push_back({numbers, upper});
       }
+      ++upper;
+    }
   }
   return all;
 }
@@ -131,6 +123,65 @@ BodyPose WithLimb(const BodyPose& pose, Limb limb, const LimbNumbers& numbers) {
   with.q.segment<6>(FirstDof(limb)) = numbers;
   return with;
 }
+
+/// Compares poses of one limb with the mask of one view, in cells.
+class LimbComparison {
+ public:
+  LimbComparison(const Silhouette& silhouette, const LocalSurface& surface, const BodyShape& shape,
+                 Limb limb, LimbCanvas* canvas)
+      : silhouette_(silhouette), surface_(surface), shape_(shape), canvas_(*canvas) {
+    for (int s = 0; s < kSegments; ++s)
+      if (SegmentsOf(limb) >> s & 1) segments_.push_back(s);
+    first_joint_ = Segments()[segments_.front()].joint;
+    last_joint_ = Segments()[segments_.back()].joint;
+    projected_.pixels.resize(kBodyVertices, 2);
+  }
+
+  /// Cells in which the body and the mask differ, for each candidate. The upper segment is drawn
+  /// once where candidates that come one after the other share it.
+  std::vector<double> Differences(const BodyPose& pose, Limb limb,
+                                  const std::vector<LimbCandidate>& candidates) {
+    std::vector<double> differences;
+    if (silhouette_.empty()) return std::vector<double>(candidates.size(), 0.0);
+    PosedBody body = Posed(pose, shape_);
+    int drawn = -1;
+    double with_upper = 0;
+    for (int c = 0; c < SizeOf(candidates); ++c) {
+      Repose(WithLimb(pose, limb, candidates[c].numbers), shape_, first_joint_, last_joint_, &body);
+      const int upper_mark = -2 - candidates[c].upper;
+      if (candidates[c].upper != drawn)
+        with_upper = canvas_.base + Cover(body, segments_.front(), upper_mark, upper_mark);
+      drawn = candidates[c].upper;
+      double difference = with_upper;
+      for (std::size_t s = 1; s < segments_.size(); ++s)
+        difference += Cover(body, segments_[s], c, upper_mark);
+      differences.push_back(difference);
+    }
+    return differences;
+  }
+
+ private:
+  /// What a segment changes where neither mark stands yet; leaves its own mark.
+  double Cover(const PosedBody& body, int segment, int mark, int other_mark) {
+    double change = 0;
+    ProjectDrawn(silhouette_, surface_, body, segment, Detail::kCoarse, &projected_);
+    VisitCells(canvas_.raster, projected_, segment, Detail::kCoarse, [&](int cell) {
+      int& stamp = canvas_.stamp[cell];
+      if (canvas_.raster.bits[cell] || stamp == mark || stamp == other_mark) return;
+      stamp = mark;
+      change += canvas_.mask[cell] ? -1 : 1;
+    });
+    return change;
+  }
+
+  const Silhouette& silhouette_;
+  const LocalSurface& surface_;
+  const BodyShape& shape_;
+  LimbCanvas& canvas_;
+  std::vector<int> segments_;  // from the trunk outwards
+  int first_joint_ = 0, last_joint_ = 0;
+  ProjectedBody projected_;
+};
 
 struct Scored {
   double difference = 0;
@@ -175,14 +226,12 @@ std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, con
   const std::uint32_t segments = SegmentsOf(limb);
   std::vector<LimbCanvas> canvases =
       CanvasesWithout(silhouettes, surface, Posed(pose, shape), segments);
-  std::vector<LimbNumbers> candidates = Candidates(limb);
-  candidates.push_back(pose.q.segment<6>(FirstDof(limb)));
+  std::vector<LimbCandidate> candidates = Candidates(limb);
+  candidates.push_back({pose.q.segment<6>(FirstDof(limb)), candidates.back().upper + 1});
   std::vector<std::vector<double>> differences(silhouettes.size());
   ParallelFor(SizeOf(silhouettes), [&](std::int64_t v) {
-    for (int c = 0; c < SizeOf(candidates); ++c)
-      differences[v].push_back(DifferenceWith(silhouettes[v], surface,
-                                              Posed(WithLimb(pose, limb, candidates[c]), shape),
-                                              segments, c, canvases[v]));
+    differences[v] = LimbComparison(silhouettes[v], surface, shape, limb, &canvases[v])
+                         .Differences(pose, limb, candidates);
   });
   std::vector<Scored> scored;
   for (int c = 0; c < SizeOf(candidates); ++c) {
@@ -193,7 +242,7 @@ std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, con
                    [](const Scored& a, const Scored& b) { return a.difference < b.difference; });
   std::vector<BodyPose> best;
   for (const Scored& s : scored) {
-    const LimbNumbers& numbers = candidates[s.index];
+    const LimbNumbers& numbers = candidates[s.index].numbers;
     const bool known = std::any_of(best.begin(), best.end(), [&](const BodyPose& other) {
       return (other.q.segment<4>(FirstDof(limb)) - numbers.head<4>()).norm() < 0.5;
     });

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/angles.h"
@@ -18,28 +19,47 @@ struct ViewSystem {
   double measured = 0;
 };
 
+/// Rows of residuals of what is fixed to one joint, without the columns that are always zero.
+class JointRows {
+ public:
+  void Add(const DofVector& row, double value, const std::vector<int>& dofs) {
+    for (const int dof : dofs) rows_.push_back(row[dof]);
+    values_.push_back(value);
+  }
+  void AddTo(const std::vector<int>& dofs, PoseSystem* system) const {
+    if (values_.empty()) return;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Index count = SizeOf(values_), columns = SizeOf(dofs);
+    const Eigen::Map<const Rows> rows(rows_.data(), count, columns);
+    const Eigen::Map<const Eigen::VectorXd> values(values_.data(), count);
+    const Eigen::MatrixXd matrix = rows.transpose() * rows;
+    const Eigen::VectorXd gradient = rows.transpose() * values;
+    for (Eigen::Index i = 0; i < columns; ++i) {
+      for (Eigen::Index j = 0; j < columns; ++j) system->matrix(dofs[i], dofs[j]) += matrix(i, j);
+      system->gradient[dofs[i]] += gradient[i];
+    }
+  }
+
+ private:
+  std::vector<double> rows_, values_;
+};
+
 ViewSystem SystemOfView(const Silhouette& silhouette, const ViewMatches& matches,
                         const PosedBody& body, double reach) {
   ViewSystem view;
-  const std::size_t most = matches.samples.size() + matches.pulls.size();
-  Eigen::Matrix<double, Eigen::Dynamic, kDofs, Eigen::RowMajor> rows(
-      static_cast<Eigen::Index>(most), kDofs);
-  Eigen::VectorXd values(static_cast<Eigen::Index>(most));
-  Eigen::Index count = 0;
+  std::array<JointRows, kJoints> rows;
   VisitResiduals(silhouette, matches, body, [&](const OutlineResidual& r) {
     view.measured += r.stands_for;
     view.system.cost += r.stands_for * 2 * TukeyLoss(r.value, reach);
     const double weight = r.stands_for * TukeyWeight(r.value, reach);
     if (weight <= 0) return;
     const double root = std::sqrt(weight);
-    rows.row(count).setZero();
-    body.AddPoseRow(Segments()[r.sample->segment].joint, r.x, root * r.pull,
-                    rows.row(count).data());
-    values[count++] = root * r.value;
+    const int joint = Segments()[r.sample->segment].joint;
+    DofVector row = DofVector::Zero();
+    body.AddPoseRow(joint, r.x, root * r.pull, row.data());
+    rows[joint].Add(row, root * r.value, DofsThatMove(joint));
   });
-  const auto used = rows.topRows(count);
-  view.system.matrix.noalias() = used.transpose() * used;
-  view.system.gradient.noalias() = used.transpose() * values.head(count);
+  for (int j = 0; j < kJoints; ++j) rows[j].AddTo(DofsThatMove(j), &view.system);
   return view;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/errors.h"
 #include "core/size_of.h"
@@ -33,6 +34,29 @@ Box MaskBox(const Image8& mask, std::int64_t* pixels) {
   }
   return {std::max(0, box.x0 - kMargin), std::max(0, box.y0 - kMargin),
           std::min(mask.width, box.x1 + kMargin), std::min(mask.height, box.y1 + kMargin)};
+}
+
+/// Around the pixels of a mask above 127, to eight columns.
+Box LitBox(const Image8& mask) {
+  constexpr std::uint64_t kHighBits = 0x8080808080808080;
+  std::vector<std::uint64_t> columns(static_cast<std::size_t>(mask.width + 7) / 8, 0);
+  Box box{mask.width, mask.height, 0, 0};
+  for (int y = 0; y < mask.height; ++y) {
+    std::uint64_t row = 0;
+    for (int x = 0; x < mask.width; x += 8) {
+      std::uint64_t eight = 0;
+      if (x + 8 <= mask.width)
+        std::memcpy(&eight, mask.at(x, y), 8);  // of known size: one instruction
+      else
+        std::memcpy(&eight, mask.at(x, y), mask.width - x);
+      columns[x / 8] |= eight, row |= eight;
+    }
+    if (row & kHighBits) box.y0 = std::min(box.y0, y), box.y1 = y + 1;
+  }
+  for (int i = 0; i < SizeOf(columns); ++i)
+    if (columns[i] & kHighBits)
+      box.x0 = std::min(box.x0, 8 * i), box.x1 = std::min(mask.width, 8 * i + 8);
+  return box;
 }
 
 // The mask field of views/hull works on prepared views; this one has nothing but its mask.
@@ -75,6 +99,7 @@ SilhouetteCamera::SilhouetteCamera(const View& view, double scale) : view_(view)
                sy = static_cast<double>(pinhole_.height) / camera.height;
   pinhole_.fx = camera.fx * sx, pinhole_.fy = camera.fy * sy;
   pinhole_.cx = camera.cx * sx - 0.5, pinhole_.cy = camera.cy * sy - 0.5;
+  rows_.resize(pinhole_.height), columns_.resize(pinhole_.width);
   source_.reserve(static_cast<std::size_t>(pinhole_.width) * pinhole_.height * 4);
   for (int y = 0; y < pinhole_.height; ++y)
     for (int x = 0; x < pinhole_.width; ++x)
@@ -82,8 +107,12 @@ SilhouetteCamera::SilhouetteCamera(const View& view, double scale) : view_(view)
         const Vector2d p = camera.Project(pinhole_.Ray(x + dx, y + dy));
         const bool inside =
             p.x() >= 0 && p.y() >= 0 && p.x() < camera.width && p.y() < camera.height;
-        source_.push_back(inside ? static_cast<int>(p.y()) * camera.width + static_cast<int>(p.x())
-                                 : -1);
+        const int px = static_cast<int>(p.x()), py = static_cast<int>(p.y());
+        source_.push_back(inside ? py * camera.width + px : -1);
+        if (!inside) continue;
+        rows_[y].low = std::min(rows_[y].low, py), rows_[y].high = std::max(rows_[y].high, py);
+        columns_[x].low = std::min(columns_[x].low, px);
+        columns_[x].high = std::max(columns_[x].high, px);
       }
 }
 
@@ -95,11 +124,19 @@ Image8 SilhouetteCamera::Reduced(const Image8& mask) const {
                      " x " + std::to_string(view_.camera.height) +
                      "; calibrate it at the size that it films with");
   Image8 reduced(pinhole_.width, pinhole_.height, 1);
-  const int* source = source_.data();
-  for (std::uint8_t& pixel : reduced.data) {
-    int inside = 0;
-    for (int k = 0; k < 4; ++k, ++source) inside += *source >= 0 && mask.data[*source] > 127;
-    pixel = inside >= 2;
+  const Box lit = LitBox(mask);
+  const auto meets = [](const Range& range, int low, int end) {
+    return range.low < end && range.high >= low;
+  };
+  for (int y = 0; y < reduced.height; ++y) {
+    if (!meets(rows_[y], lit.y0, lit.y1)) continue;
+    const int* source = source_.data() + static_cast<std::size_t>(y) * reduced.width * 4;
+    for (int x = 0; x < reduced.width; ++x, source += 4) {
+      if (!meets(columns_[x], lit.x0, lit.x1)) continue;
+      int inside = 0;
+      for (int k = 0; k < 4; ++k) inside += source[k] >= 0 && mask.data[source[k]] > 127;
+      *reduced.at(x, y) = inside >= 2;
+    }
   }
   return reduced;
 }

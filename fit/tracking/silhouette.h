@@ -27,8 +27,12 @@ class SilhouetteCamera {
  private:
   View view_;
   Pinhole pinhole_;
-  std::vector<int>
-      source_;  ///< pixels of the mask that a reduced pixel looks at, four each; -1: none
+  /// Pixels of the mask that a reduced pixel looks at, four each; -1: none.
+  std::vector<int> source_;
+  struct Range {
+    int low = 1 << 30, high = -1;
+  };
+  std::vector<Range> rows_, columns_;  ///< of the mask, that a reduced row or column looks at
 };
 
 /// One frame of one camera. Pixels are those of a crop of the reduced picture.

@@ -1,6 +1,7 @@
 #include "fit/tracking/tracker.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/size_of.h"
 
@@ -8,6 +9,7 @@ namespace keypose::fit {
 namespace {
 
 constexpr int kSearchPause = 3;              // frames between searches for the same limb
+constexpr int kVainPause = 12;               // the same where nothing changes
 constexpr double kFall = 0.3, kRise = 0.02;  // of the usual difference, a frame
 constexpr int kCandidates = 2;               // that are solved of a search
 
@@ -57,14 +59,22 @@ std::vector<QuadraticPrior> Tracker::Priors(const Eigen::Quaterniond& chart) con
   return priors;
 }
 
+bool Tracker::WorthSearching(Limb limb, double difference) const {
+  const auto l = static_cast<std::size_t>(limb);
+  const int since = frame_ - searched_[l];
+  // An arm that lies on the body looks lost for as long as it lies there.
+  const bool changed = std::abs(difference - in_vain_[l]) > TrackerTuning::kChanged * usual_;
+  return since >= (changed ? kSearchPause : kVainPause);
+}
+
 std::vector<Limb> Tracker::Suspects(const Coverage& coverage) const {
-  const bool worse =
-      usual_ > 0 && RelativeDifference(coverage) > TrackerTuning::kLostChange * usual_;
+  const double difference = RelativeDifference(coverage);
+  const bool worse = usual_ > 0 && difference > TrackerTuning::kLostChange * usual_;
   std::vector<Limb> suspects;
   for (std::size_t l = 0; l < kLimbs.size(); ++l) {
     const double outside = coverage.limb_outside[l] / std::max(1.0, coverage.limb[l]);
-    const bool rested = frame_ - searched_[l] >= kSearchPause;
-    if (rested && (worse || outside > TrackerTuning::kLostOutside)) suspects.push_back(kLimbs[l]);
+    if ((worse || outside > TrackerTuning::kLostOutside) && WorthSearching(kLimbs[l], difference))
+      suspects.push_back(kLimbs[l]);
   }
   return suspects;
 }
@@ -72,7 +82,8 @@ std::vector<Limb> Tracker::Suspects(const Coverage& coverage) const {
 void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
                        PoseFit* fit, TrackedFrame* frame) {
   for (const Limb limb : Suspects(frame->coverage)) {
-    searched_[static_cast<std::size_t>(limb)] = frame_;
+    const auto l = static_cast<std::size_t>(limb);
+    searched_[l] = frame_, in_vain_[l] = RelativeDifference(frame->coverage);
     // What was, is no guide to a limb that was lost.
     PoseOptions free = options;
     free.priors = {RestPrior()}, free.first_reach = 2 * OutlineTuning::kReach;
@@ -81,7 +92,7 @@ void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOpt
       const PoseFit solved = SolvePose(silhouettes, shape_, surface_, candidate, free);
       const Coverage coverage = CoverageOf(silhouettes, surface_, Posed(solved.pose, shape_));
       if (coverage.Difference() > TrackerTuning::kFound * frame->coverage.Difference()) continue;
-      *fit = solved, frame->coverage = coverage;
+      *fit = solved, frame->coverage = coverage, in_vain_[l] = 0;
       if (frame->found.empty() || frame->found.back() != limb) frame->found.push_back(limb);
     }
   }

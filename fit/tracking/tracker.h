@@ -14,6 +14,7 @@ struct TrackerTuning {
   KEYPOSE_TUNED(double, kSpeed, 0.8);        ///< share of the last frame's motion that goes on
   KEYPOSE_TUNED(double, kLostOutside, 0.3);  ///< share of a limb outside of the masks
   KEYPOSE_TUNED(double, kLostChange, 1.2);   ///< factor on the usual difference to the masks
+  KEYPOSE_TUNED(double, kChanged, 0.06);     ///< of the usual difference: worth another search
   KEYPOSE_TUNED(double, kFound, 0.98);       ///< least gain of a search: factor on the difference
   KEYPOSE_TUNED(double, kBackwards, 0.15);   ///< [rad] of an elbow or knee: surely the wrong way
   KEYPOSE_TUNED(double, kAsGood, 1.03);      ///< factor on the difference of a limb turned around
@@ -46,6 +47,8 @@ class Tracker {
   BodyPose Predicted() const;
   std::vector<QuadraticPrior> Priors(const Eigen::Quaterniond& chart) const;
   std::vector<Limb> Suspects(const Coverage& coverage) const;
+  /// Whether a search may find what the limb's last one did not.
+  bool WorthSearching(Limb limb, double difference) const;
   void FindLost(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
                 PoseFit* fit, TrackedFrame* frame);
   void TurnBentBackwards(const std::vector<Silhouette>& silhouettes, const PoseOptions& options,
@@ -57,6 +60,7 @@ class Tracker {
   std::vector<BodyPose> before_;  ///< the last two, newest last
   double usual_ = 0;              ///< difference to the masks over both; falls fast, rises slowly
   std::array<int, 4> searched_ = {-100, -100, -100, -100};  ///< frame of each limb's last search
+  std::array<double, 4> in_vain_ = {};  ///< relative difference when it found nothing, else 0
   int frame_ = 0;
 };
 
