@@ -29,6 +29,8 @@ std::vector<std::string> LiveWords(const ArmatureSetup& setup, const fs::path& p
   AddWord("description", setup.description, &words);
   AddWord("chains", setup.chains, &words);
   AddWord("skeleton", setup.skeleton, &words);
+  AddWord("armature_up", setup.armature_up, &words);
+  AddWord("skeleton_up", setup.skeleton_up, &words);
   AddWord("mesh", setup.mesh, &words);
   AddWord("weights", setup.weights, &words);
   AddWord("plate", setup.plate, &words);
@@ -92,6 +94,8 @@ void AddPuppetFiles(const ArmatureSetup& setup, bool with_mesh, std::vector<std:
   AddFlag("description", setup.description, words);
   AddFlag("chains", setup.chains, words);
   AddFlag("skeleton", setup.skeleton, words);
+  AddFlag("armature_up", setup.armature_up, words);
+  AddFlag("skeleton_up", setup.skeleton_up, words);
   if (!with_mesh) return;
   AddFlag("mesh", setup.mesh, words);
   AddFlag("weights", setup.weights, words);
@@ -114,6 +118,15 @@ ArmatureControl::~ArmatureControl() {
 /// Who waits for a pose learns that the session has ended.
 SessionListener ArmatureControl::Followed(const SessionListener& listener) {
   SessionListener followed = listener;
+  followed.event = [this, event = listener.event](std::uint64_t number, const std::string& line) {
+    if (SubjectOf(line) == "session") {
+      std::unique_lock<std::mutex> lock(mutex_);
+      const ArmatureSetup setup = setup_;
+      lock.unlock();
+      listener_.began(setup);
+    }
+    event(number, line);
+  };
   followed.ended = [this, ended = listener.ended](std::uint64_t number, int code,
                                                   const std::string& message) {
     {
@@ -131,9 +144,13 @@ fs::path ArmatureControl::TakeFolder(const std::string& take) const {
 }
 
 void ArmatureControl::Start(const ArmatureSetup& setup) {
-  relay_.Start(
-      LiveWords(setup, PageFolder(), TakeFolder(setup.take)), project_, PageFolder() / "live.txt",
-      [&] { fs::create_directories(project_ / "armature"); }, "");
+  const auto prepare = [&] {
+    fs::create_directories(project_ / "armature");
+    const std::lock_guard<std::mutex> lock(mutex_);
+    setup_ = setup;
+  };
+  relay_.Start(LiveWords(setup, PageFolder(), TakeFolder(setup.take)), project_,
+               PageFolder() / "live.txt", prepare, "");
 }
 
 ArmatureStory ArmatureControl::Story() const {

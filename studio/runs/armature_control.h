@@ -23,6 +23,7 @@ struct ArmatureSetup {
   std::string take;  ///< name of the recording
   std::string port;  ///< a device, or "simulated"
   std::string description, chains, skeleton, mesh, weights, texture, plate, shot, set, calibration;
+  std::string armature_up = "z", skeleton_up = "z";  ///< "y" or "z", in their files
   double fps = 24;
   int step = 2;
 };
@@ -34,7 +35,8 @@ struct ArmatureStory : SessionStory {
 std::filesystem::path ArmatureProgram();
 /// Adds flag and value as two words, as a stage takes them; nothing for an empty value.
 void AddFlag(const char* name, const std::string& value, std::vector<std::string>* words);
-/// Adds the flags of the puppet's files. @param with_mesh  also of its mesh and the weights
+/// Adds the flags of the puppet's files, and of how they are read. @param with_mesh  also of its
+/// mesh and the weights
 void AddPuppetFiles(const ArmatureSetup& setup, bool with_mesh, std::vector<std::string>* words);
 
 class ArmatureControl {
@@ -42,6 +44,8 @@ class ArmatureControl {
   /// Called from the control's own threads.
   struct Listener : SessionListener {
     std::function<void(int exit_code, const std::string& message)> baked;
+    /// The program has its puppet, and the take is of that puppet.
+    std::function<void(const ArmatureSetup& setup)> began;
   };
 
   ArmatureControl(std::filesystem::path project, Listener listener);
@@ -75,7 +79,7 @@ class ArmatureControl {
 
   const std::filesystem::path project_;
   const Listener listener_;
-  mutable std::mutex mutex_;  ///< of the pose and the bake
+  mutable std::mutex mutex_;  ///< of the pose, the bake and the set-up
   std::condition_variable posed_;
   std::unique_ptr<TalkingChild> baker_;
   std::thread bake_;
@@ -83,7 +87,8 @@ class ArmatureControl {
   bool baking_ = false;
   std::string pose_;
   std::uint64_t pose_number_ = 0;
-  SessionRelay relay_;  ///< last: its thread uses what is above
+  ArmatureSetup setup_;  ///< of the session
+  SessionRelay relay_;   ///< last: its thread uses what is above
 };
 
 }  // namespace keypose::studio

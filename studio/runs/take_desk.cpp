@@ -44,7 +44,7 @@ void Without(const std::string& piece, std::string* text) {
 /// Differs when a file that the character is made of does, or the project was moved: view.json
 /// names plates by where they are.
 std::string StampOf(const fs::path& project, const ArmatureSetup& setup) {
-  std::string stamp = project.string() + "\n";
+  std::string stamp = project.string() + "\n" + setup.armature_up + setup.skeleton_up + "\n";
   for (const std::string& name : {setup.description, setup.chains, setup.skeleton, setup.mesh,
                                   setup.weights, setup.plate, setup.shot}) {
     std::error_code error;

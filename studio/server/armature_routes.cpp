@@ -42,6 +42,8 @@ json ExampleSetup() {
           {"mesh", folder + "theropod.ply"},
           {"weights", ""},
           {"texture", ""},
+          {"armature_up", "z"},
+          {"skeleton_up", "z"},
           {"plate", folder + "plate.png"},
           {"shot", folder + "shot.json"},
           {"set", folder + "set.ply"}};
@@ -101,6 +103,13 @@ void Routes::FollowArmature() {
   listener.baked = [this](int code, const std::string& message) {
     hub_.Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
   };
+  // Not before: a take that is there keeps its own puppet if the session was begun with another.
+  listener.began = [this](const ArmatureSetup& setup) {
+    try {
+      KeepSetupOfTake(folder_, setup);
+    } catch (const std::exception&) {  // then its puppet is looked for when it is opened
+    }
+  };
   armature_ = std::make_unique<ArmatureControl>(folder_, listener);
 }
 
@@ -137,7 +146,6 @@ void Routes::AddArmature() {
                       setup.take));
     armature_->Start(setup);
     WriteFileAtomically(last, ArmatureSetupJson(setup).dump());
-    KeepSetupOfTake(folder_, setup);
     return JsonAnswer({{"started", true}});
   });
   Add("POST", "/api/armature/command", [this](const Question& question) {

@@ -84,6 +84,34 @@ TEST_F(ArmatureRoutes, SessionIsStartedFollowedAndEnded) {
   EXPECT_NE(told.find("one pose"), std::string::npos) << told;
 }
 
+TEST_F(ArmatureRoutes, ATakeKeepsItsPuppetWhenASessionWasBegunWithAnother) {
+  json setup = Example();
+  setup["mesh"] = setup["set"] = "";
+  ASSERT_EQ(Post("start", setup).status, 200);
+  ASSERT_TRUE(Until([&] { return Get("/pose").bytes != "null"; })) << Story();
+  ASSERT_EQ(Post("command", {{"command", "record"}}).status, 200);
+  ASSERT_TRUE(Until([&] { return Frames() > 0; })) << Story();
+  ASSERT_EQ(Post("command", {{"command", "end"}}).status, 200);
+  ASSERT_TRUE(Until([&] { return !Story()["running"]; }));
+  WriteFile(folder_ / "armature/arm.txt",
+            "node { name hip node { name upper length 1 node { name "
+            "knee axis 1 0 0 sensor 0 node { name lower length 1 } } } }");
+  WriteFile(folder_ / "armature/arm_chains.txt",
+            "anchor a physical hip computer hip\n"
+            "anchor b physical lower computer lower\nchain c from a to b\n");
+  json other = setup;
+  other["description"] = "armature/arm.txt";
+  other["chains"] = "armature/arm_chains.txt";
+  other["skeleton"] = other["plate"] = other["shot"] = "";
+  ASSERT_EQ(Post("start", other).status, 200);
+  ASSERT_TRUE(Until([&] { return !Story()["running"]; }));
+  EXPECT_NE(Story()["message"].get<std::string>().find("the session has no joint 'knee'"),
+            std::string::npos)
+      << Story();
+  const json kept = json::parse(Get("/take/setup", {{"take", "take1"}}).bytes);
+  EXPECT_EQ(kept["description"], setup["description"]);
+}
+
 TEST_F(ArmatureRoutes, AStoryKeepsTheLastWordOnEachSubject) {
   json setup = Example();
   setup["mesh"] = setup["set"] = "";
@@ -133,6 +161,7 @@ TEST_F(ArmatureRoutes, WhatLeadsOutOfTheProjectIsRefused) {
     EXPECT_EQ(status("take", take), 400) << take;
   for (const char* port : {"", "file", "/etc/passwd", "/dev/../etc/passwd"})
     EXPECT_EQ(status("port", port), 400) << port;
+  EXPECT_EQ(status("skeleton_up", "x"), 400);
   EXPECT_EQ(status("fps", 0), 400);
   EXPECT_EQ(status("fps", "many"), 400);
   EXPECT_EQ(status("step", 1e9), 400);

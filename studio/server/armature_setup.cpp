@@ -39,6 +39,12 @@ constexpr std::array<SetupFile, 9> kSetupFiles = {{
     {"set", &ArmatureSetup::set},
 }};
 
+std::string UpFrom(const json& body, const char* name) {
+  const std::string up = body.value(name, std::string("z"));
+  if (up != "y" && up != "z") throw UsageError(fmt::format("{} is y or z, not '{}'", name, up));
+  return up;
+}
+
 std::string PortFrom(const json& body, const std::string& calibration) {
   const std::string port = body.at("port");
   const bool device = port.starts_with("/dev/") && port.find("..") == std::string::npos;
@@ -95,6 +101,8 @@ ArmatureSetup ArmatureSetupFrom(const json& body, const fs::path& project) {
     if (!name.empty()) FileOfProject(project, name, file.may_be_folder);
     setup.*file.value = name;
   }
+  setup.armature_up = UpFrom(body, "armature_up");
+  setup.skeleton_up = UpFrom(body, "skeleton_up");
   setup.calibration = body.value("calibration", std::string());
   setup.port = PortFrom(body, setup.calibration);
   if (setup.port == "simulated") setup.calibration.clear();
@@ -113,6 +121,8 @@ json ArmatureSetupJson(const ArmatureSetup& setup) {
   json all = {{"take", setup.take},
               {"port", setup.port},
               {"calibration", setup.calibration},
+              {"armature_up", setup.armature_up},
+              {"skeleton_up", setup.skeleton_up},
               {"fps", setup.fps},
               {"step", setup.step}};
   for (const SetupFile& file : kSetupFiles) all[file.name] = setup.*file.value;

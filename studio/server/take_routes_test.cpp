@@ -143,6 +143,10 @@ TEST_F(TakeRoutes, ATakeOfTheCommandLineFindsItsPuppetByItself) {
   ASSERT_EQ(Post("take/open", {{"take", "walk"}, {"setup", sticks}}).status, 200);
   ASSERT_EQ(Save("walk_2", {"step 1"}).status, 200);
   EXPECT_EQ(json::parse(Get("/take/setup", {{"take", "walk_2"}}).bytes)["mesh"], "");
+  const std::string upright = Draft(json::array()).bytes;
+  sticks["skeleton_up"] = "y";
+  ASSERT_EQ(Post("take/open", {{"take", "walk"}, {"setup", sticks}}).status, 200);
+  EXPECT_NE(Draft(json::array()).bytes, upright) << "its skeleton has another way up";
 }
 
 TEST_F(TakeRoutes, FilesOfTheLastSessionComeFirstIfTheyFit) {

@@ -49,6 +49,8 @@ test('what is wrong is told until it is mended', () => {
   const refused = told(session, { event: 'refused', words: 'no joint' })
   assert.equal(refused.refused, 'no joint')
   assert.equal(afterEvent(refused, { event: 'at', at: 0, frames: 3 }).refused, '')
+  const odd = told(session, { event: 'warning', words: 'the mesh is too large' })
+  assert.equal(afterEvent(odd, { event: 'at', at: 0, frames: 3 }).warning, 'the mesh is too large')
 })
 
 test('a story is told as its events were, and a failure only when it is over', () => {

@@ -14,6 +14,7 @@ import { SetupFields } from './armature/setup_form'
 import type { Sitting } from './armature/sitting'
 import { useSitting } from './armature/use_sitting'
 import { TakeList, TakePage } from './take'
+import { nextName } from './take/take_model'
 
 /** The take that the address names, or '' for the puppet itself. */
 function useTakeOfAddress(): string {
@@ -64,8 +65,14 @@ function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Prom
       await armatureApi.start(now)
       return load()
     })
-  const example = () => doing(async () => setSetup(await armatureApi.example()))
   const known = story.takes.includes(setup.take)
+  // Frames of a simulated puppet do not go on behind those of a real one.
+  const simulated = (): ArmatureSetup => {
+    const names = [...story.takes, ...story.edited]
+    const take = known ? nextName(setup.take, names) : setup.take
+    return { ...setup, port: kSimulated, take }
+  }
+  const example = () => doing(async () => setSetup(await armatureApi.example()))
   return (
     <main class="page shoot-page begin">
       <h1 class="hidden">Armature</h1>
@@ -97,12 +104,13 @@ function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Prom
                   <button
                     disabled={busy}
                     onClick={() => {
-                      set({ port: kSimulated })
-                      void begin({ ...setup, port: kSimulated })
+                      setSetup(simulated())
+                      void begin(simulated())
                     }}
                   >
                     Try it with a simulated puppet
                   </button>
+                  {known && <span class="small soft">as {simulated().take}</span>}
                 </div>
               )}
             </div>

@@ -16,6 +16,9 @@ export interface ArmatureSetup {
   plate: string
   shot: string
   set: string
+  /** 'y' or 'z': which way is up in the description, and in the skeleton's file */
+  armature_up: string
+  skeleton_up: string
   fps: number
   /** frames of the film for each recorded one */
   step: number

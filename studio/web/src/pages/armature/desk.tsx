@@ -291,10 +291,13 @@ function Words(props: { sitting: Sitting; reading: ArmaturePose | null; simulate
       </div>
     )
   return (
-    <p class="soft">
-      {props.simulated
-        ? 'The simulated puppet takes its pose for each frame. Space records it.'
-        : 'Pose the puppet. Space records it as soon as it rests.'}
-    </p>
+    <>
+      {sitting.warning && <p class="warn">{sentence(sitting.warning)}</p>}
+      <p class="soft">
+        {props.simulated
+          ? 'The simulated puppet takes its pose for each frame. Space records it.'
+          : 'Pose the puppet. Space records it as soon as it rests.'}
+      </p>
+    </>
   )
 }

@@ -16,6 +16,8 @@ export const kFirstSetup: ArmatureSetup = {
   plate: '',
   shot: '',
   set: '',
+  armature_up: 'z',
+  skeleton_up: 'z',
   fps: 24,
   step: 2,
 }

@@ -89,6 +89,30 @@ export function FileFields(props: FormProps & { fields: FileField[] }) {
   )
 }
 
+/** Most skeletons of other programs have y up. */
+export function UpFields({ setup, set }: Pick<FormProps, 'setup' | 'set'>) {
+  const fields = [
+    { name: 'armature_up', label: 'Up in the description' },
+    { name: 'skeleton_up', label: 'Up in the skeleton' },
+  ] as const
+  return (
+    <div class="shoot-two">
+      {fields.map(({ name, label }) => (
+        <Field key={name} id={`armature-${name}`} label={label}>
+          <select
+            id={`armature-${name}`}
+            value={setup[name]}
+            onChange={(event) => set({ [name]: event.currentTarget.value })}
+          >
+            <option value="z">z</option>
+            <option value="y">y</option>
+          </select>
+        </Field>
+      ))}
+    </div>
+  )
+}
+
 export function ControllerFields(props: FormProps) {
   const { setup, set, story } = props
   const simulated = setup.port === kSimulated
@@ -181,6 +205,7 @@ export function SetupFields(props: FormProps) {
         <summary>Character, plate and set</summary>
         <div class="stack">
           <FileFields {...props} fields={kOptional} />
+          <UpFields {...props} />
         </div>
       </details>
     </>

@@ -27,6 +27,8 @@ export interface Sitting {
   waiting: string
   /** why the last command was not obeyed */
   refused: string
+  /** what may be wrong with the puppet's files */
+  warning: string
   /** what the session said when it failed */
   failure: string
 }
@@ -44,6 +46,7 @@ export const kNoSitting: Sitting = {
   sensors: {},
   waiting: '',
   refused: '',
+  warning: '',
   failure: '',
 }
 
@@ -99,6 +102,8 @@ export function afterEvent(before: Sitting, event: ArmatureEvent): Sitting {
       return { ...old, waiting: textOf(event.words) }
     case 'refused':
       return { ...old, refused: textOf(event.words) }
+    case 'warning':
+      return { ...old, warning: textOf(event.words) }
     case 'cable-back':
       return { ...old, box: null }
     case 'cable-out':

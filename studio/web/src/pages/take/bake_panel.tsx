@@ -51,7 +51,7 @@ export function BakePanel({ desk }: { desk: TakeDesk }) {
           Keypose’s own in-betweens:{' '}
           <span class="mono">
             keypose interpolate $(printf -- '--keys %s ' {folder}/keys/frame_*.ply) --timeline{' '}
-            {folder}/timeline.json --frames {folder}/frames
+            {folder}/timeline.json --frames {folder}/frames --overwrite
           </span>
         </p>
       )}

@@ -7,7 +7,7 @@ import { useStudio } from '../../state'
 import { armatureApi } from '../armature/armature_api'
 import type { ArmatureSetup, ArmatureStory } from '../armature/armature_api'
 import { kFirstSetup, kNeeded, kOptional, problemsOf } from '../armature/setup'
-import { FileFields } from '../armature/setup_form'
+import { FileFields, UpFields } from '../armature/setup_form'
 import { takeApi } from './take_api'
 
 /** What is known of it already; what is not stays empty. Null: there is no such take. */
@@ -61,6 +61,7 @@ export function PuppetForm(props: { take: string; opened: () => void; close?: ()
     >
       <FileFields {...fields} fields={kNeeded} />
       <FileFields {...fields} fields={kOptional} />
+      <UpFields {...fields} />
       <div class="row">
         <button class="main" disabled={busy}>
           {busy ? 'Opens …' : 'Open the take'}
