@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
+#include "core/io/files.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
@@ -107,6 +108,13 @@ keypose::Mesh ReadSurface(StageContext& stage) {
   return surface;
 }
 
+void WarnOfLostLayout(StageContext& stage, const keypose::Mesh& surface) {
+  if (!surface.has_uvs()) return;
+  stage.Warn("the texture coordinates of " + keypose::PrintableName(stage.Input("surface")) +
+             " are lost, because cleanup makes new faces; a template that shall keep its texture "
+             "is not cleaned, but given to unwrap with --keep true");
+}
+
 void WarnOfHandles(StageContext& stage, const CleanupOptions& options,
                    const CleanupResult& result) {
   WarnOfCutHandles(stage, options, result);
@@ -154,7 +162,9 @@ void ReportShape(StageContext& stage, const keypose::Mesh& surface, const Cleanu
 }
 
 void Run(StageContext& stage, const CleanupOptions& options) {
+  keypose::RequireMeshName(stage.Output("clean"));
   const keypose::Mesh surface = ReadSurface(stage);
+  WarnOfLostLayout(stage, surface);
   const keypose::Sight sight = SightOf(stage);
   const std::optional<double> ground = Ground(stage, options, surface, sight);
   const CleanupResult result = Cleaned(stage, options, surface, sight, ground);

@@ -1,5 +1,6 @@
 // keypose-export: writes the animation in the formats of other programs.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -30,7 +31,8 @@ struct ExportOptions {
   std::string formats = "glb,video,obj,ply";
   double fps = 0;
   keypose::exporting::PlaybackOptions playback;
-  std::string up = "z";  // axis that points up in the frames
+  std::string up = "z";    // axis that points up in the frames
+  std::string unit = "m";  // of the frames
   std::string poses;
   FormatOptions format;
 
@@ -50,6 +52,10 @@ struct ExportOptions {
           {.help = "axis that points up in the frames; each format gets its own",
            .unit = "",
            .choices = {"z", "y"}});
+    visit("unit", unit,
+          {.help = "unit of the frames; what is exported is in metres",
+           .unit = "",
+           .choices = {"m", "cm", "mm"}});
     visit("poses", poses,
           {"names of the keys' poses in order, separated by commas, one per texture in `textures`",
            ""});
@@ -239,11 +245,24 @@ double RateOf(const fs::path& frames, const ExportOptions& options) {
   return own >= kLeastRate && own <= kMostRate ? own : kUsualRate;
 }
 
+double MetresOf(const std::string& unit) { return unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1; }
+
+/// Meshes that were made elsewhere are often in millimetres.
+void WarnOfSize(keypose::StageContext& stage, const Scene& scene) {
+  constexpr double kLargest = 20;  // no puppet and no actor is larger [m]
+  const double diagonal = SceneDiagonal(scene);
+  if (diagonal > kLargest)
+    stage.Warn("the figure is " + std::to_string(std::lround(diagonal)) +
+               " metres large for other programs, because a unit of the frames counts as a metre; "
+               "if it is a millimetre, give the option unit: mm");
+}
+
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   keypose::exporting::PlaybackOptions playback = options.playback;
   playback.fps = RateOf(stage.Input("frames"), options);
-  const Scene scene = keypose::exporting::ReadScene(stage, playback, options.up == "z",
-                                                    keypose::NamesIn(options.poses));
+  const Scene scene = keypose::exporting::ReadScene(
+      stage, playback, options.up == "z", MetresOf(options.unit), keypose::NamesIn(options.poses));
+  WarnOfSize(stage, scene);
   const fs::path out = stage.Output("animation");
   const bool per_frame = !scene.frame_texture_names.empty();
   const auto texture_names =
@@ -260,7 +279,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "9";
+  spec.version = "10";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},

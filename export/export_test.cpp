@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -109,6 +110,24 @@ TEST(MakeAnimatedMesh, EqualCoordinatesInDifferentRowsAreNotSplit) {
   Mesh box = UnwrappedBox();
   box.uvs.setConstant(0.5);
   EXPECT_EQ(MakeAnimatedMesh({box}, Names(1)).uvs.rows(), box.vertex_count());
+}
+
+TEST(MakeAnimatedMesh, VerticesThatCameDoubledAtASeamShareOneNormal) {
+  // Two sides of a roof, whose ridge is doubled, as in a PLY with texture coordinates.
+  Mesh roof;
+  roof.points.resize(6, 3);
+  roof.points << -1, 0, 0, 0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1;
+  roof.faces.resize(2, 3);
+  roof.faces << 0, 1, 2, 3, 4, 5;
+  const AnimatedMesh mesh = MakeAnimatedMesh({roof}, Names(1));
+  const auto normal = [&](int vertex) {
+    const auto at = std::find(mesh.source_vertex.begin(), mesh.source_vertex.end(), vertex);
+    return Eigen::RowVector3d(mesh.normals[0].row(at - mesh.source_vertex.begin()));
+  };
+  EXPECT_EQ(normal(1), normal(3));
+  EXPECT_EQ(normal(2), normal(5));
+  EXPECT_GT(std::abs(normal(1).dot(normal(0))), 0.1);
+  EXPECT_NE(normal(1), normal(0)) << "the ridge is not shaded as one side";
 }
 
 TEST(MakeAnimatedMesh, SeamCopiesShareOneNormal) {

@@ -186,7 +186,7 @@ std::vector<KeyMark> MarkKeys(const FrameNotes& notes, const std::vector<std::st
 
 }  // namespace
 
-Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
+Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up, double metres,
                 const std::vector<std::string>& poses) {
   const fs::path folder = stage.Input("frames");
   SubProgress reading(stage.progress(), 0, kReadingShare);
@@ -194,6 +194,8 @@ Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
   scene.playback = playback;
   scene.z_up = z_up;
   ReadFrames(folder, scene, &reading);
+  if (metres != 1)
+    for (Mesh& frame : scene.frames) frame.points *= metres;
   if (stage.Has("layout")) TakeLayout(stage.Input("layout"), scene);
   const FrameNotes notes = ReadNotes(folder, SizeOf(scene.frames));
   const std::vector<fs::path> given = stage.Inputs("textures");

@@ -15,12 +15,13 @@ inline constexpr double kReadingShare = 0.1;
 /// Reads the stage's inputs `frames` and `textures`. Warns if textures cannot be blended because
 /// they do not belong to the frames' keys.
 ///
+/// @param metres    of a unit of the frames
 /// @param poses     names of the keys' poses, one per texture; may be empty
 /// A folder as the only texture has one for each frame.
 /// @throws UsageError  the number of names is not that of the textures
 /// @throws InputError  no frames, a missing number of a frame or of a texture, frames of different
 /// connectivity, an unreadable texture or distortion.json
-Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
+Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up, double metres,
                 const std::vector<std::string>& poses);
 
 }  // namespace keypose::exporting

@@ -8,12 +8,14 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/mesh_look.h"
 #include "core/io/regions_io.h"
 #include "core/io/timeline.h"
 #include "core/mesh_checks.h"
 #include "core/same_faces.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
+#include "interpolate/closed_seams.h"
 #include "interpolate/distortion.h"
 #include "interpolate/sequence.h"
 #include "interpolate/timing/rules.h"
@@ -58,7 +60,7 @@ struct InterpolateOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
@@ -87,6 +89,24 @@ std::vector<Mesh> LoadKeys(StageContext& stage) {
   if (keys.size() < 2)
     throw UsageError("interpolate: needs at least two keys; pass --keys once for each");
   return keys;
+}
+
+std::string Rounded(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", number);
+  return text;
+}
+
+/// A pose in millimetres beside one in metres would grow a thousandfold.
+void WarnOfUnits(StageContext& stage, const std::vector<PointsX3>& keys, const FacesX3& faces) {
+  constexpr double kOtherUnit = 3;  // poses of one figure differ by some per cent
+  const std::vector<double> sizes = RelativeSizes(keys, faces);
+  const std::vector<std::filesystem::path> files = stage.Inputs("keys");
+  for (std::size_t k = 1; k < keys.size(); ++k)
+    if (sizes[k] > kOtherUnit || sizes[k] < 1 / kOtherUnit)
+      stage.Warn("key '" + PrintableName(files[k]) + "' is " + Rounded(sizes[k]) +
+                 " times as large as the first one; if it only has another unit, give "
+                 "--same_size true");
 }
 
 AlignKeys AlignOf(const std::string& name) {
@@ -185,25 +205,33 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   std::vector<PointsX3> keys;
   for (Mesh& mesh : meshes) keys.push_back(std::move(mesh.points));
   meshes.clear();
-  if (options.same_size) keys = SameSized(keys, first.faces);
+  for (const std::string& warning : LookWarnings(stage.Input("keys"), first)) stage.Warn(warning);
+  const ClosedSeams seams(keys, first.faces);
+  if (options.same_size)
+    keys = SameSized(keys, first.faces);
+  else
+    WarnOfUnits(stage, keys, first.faces);
   keys = AlignedKeys(keys, AlignOf(options.align));
-  const Plan plan = MakePlan(stage, options, keys, first);
+  Plan plan = MakePlan(stage, options, keys, first);
+  plan.rules = seams.Closed(std::move(plan.rules));
+  keys = seams.Closed(std::move(keys));
   const std::unique_ptr<FrameSource> source =
-      MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);
+      MakeFrameSource(keys, seams.faces(), plan.schedule, MethodOf(options.method), plan.rules);
 
   const std::filesystem::path folder = stage.Output("frames");
   PlyFrames writer(first);
-  DistortionMeter meter(keys, first.faces, plan.schedule);
+  DistortionMeter meter(keys, seams.faces(), plan.schedule);
   const auto take = [&](const FrameView& frame) {
     char name[32];
     std::snprintf(name, sizeof name, "frame_%04d.ply", frame.index);
-    writer.Write(folder / name, frame.points);
+    writer.Write(folder / name, seams.Opened(frame.points));
     meter.Add(frame);
   };
   StreamFrames(keys, plan.schedule, *source, take, stage.progress());
   const DistortionReport report = meter.Finish();
   stage.Report("frames", std::ssize(report.frames));
   stage.Report("keys", std::ssize(keys));
+  stage.Report("seam_vertices", seams.joined());
   ReportSource(stage, source->report(), options.method);
   ReportDistortion(stage, report, options.method);
   WriteFile(folder / "distortion.json",

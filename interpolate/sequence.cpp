@@ -235,10 +235,10 @@ std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys a
   return aligned;
 }
 
-std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces) {
-  std::vector<PointsX3> sized = keys;
+std::vector<double> RelativeSizes(const std::vector<PointsX3>& keys, const FacesX3& faces) {
+  std::vector<double> sizes(keys.size(), 1);
   const auto edges = UndirectedEdges(faces);
-  for (std::size_t k = 1; k < keys.size() && !edges.empty(); ++k) {
+  for (std::size_t k = 1; k < keys.size(); ++k) {
     std::vector<double> ratios;
     for (const auto& [i, j] : edges)
       if (const double length = (keys[0].row(i) - keys[0].row(j)).norm(); length > 0)
@@ -246,8 +246,15 @@ std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3
     if (ratios.empty()) continue;
     const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
     std::nth_element(ratios.begin(), middle, ratios.end());
-    if (*middle > 0) sized[k] = keys[k] / *middle;
+    if (*middle > 0) sizes[k] = *middle;
   }
+  return sizes;
+}
+
+std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces) {
+  std::vector<PointsX3> sized = keys;
+  const std::vector<double> sizes = RelativeSizes(keys, faces);
+  for (std::size_t k = 1; k < keys.size(); ++k) sized[k] = keys[k] / sizes[k];
   return sized;
 }
 

@@ -21,11 +21,14 @@ enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 /// repeated pose gets the same bits each time.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 
+/// For each key its size over that of the first: the median of the edges' length ratios, which
+/// bending a limb does not change.
+/// @param faces  of all keys
+std::vector<double> RelativeSizes(const std::vector<PointsX3>& keys, const FacesX3& faces);
+
 /// Later keys scaled to the first key's size, about the origin, which is on the ground. Cameras do
 /// not give a scale without a printed calibration board, so poses of one figure differ in size by
-/// some per cent. The scale is the median of the edges' length ratios: bending a limb does not
-/// change it.
-/// @param faces  of all keys
+/// some per cent.
 std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces);
 
 enum class Method { kArap, kPaper, kLinear, kVolumetric };

@@ -11,13 +11,14 @@
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/mesh_look.h"
 #include "core/io/png_io.h"
 #include "core/io/stiffness_io.h"
 #include "core/mesh_checks.h"
+#include "core/seams.h"
 #include "core/stage/stage.h"
 #include "register/auto/auto_registration.h"
 #include "register/auto/topology.h"
-#include "register/auto/welding.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/correspondence.h"
 #include "register/nricp/nricp.h"
@@ -412,12 +413,15 @@ void WriteResults(StageContext& stage, const Mesh& source, const Mesh& target, c
 }
 
 void Run(StageContext& stage, const RegisterOptions& options) {
+  RequireMeshName(stage.Output("registered"));
   const Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(source, stage.Input("source").string());
   RequireUsable(target, stage.Input("target").string());
   RequireArea(source, stage.Input("source").string());
   RequireArea(target, stage.Input("target").string());
+  for (const std::string& warning : LookWarnings(stage.Input("source"), source))
+    stage.Warn(warning);
   bool unbound = false;
   CheckedLandmarks landmarks = LoadLandmarks(stage, source, target, &unbound);
   const Mesh whole = WithoutSeams(source, landmarks.goals);

@@ -14,11 +14,11 @@
 
 #include "core/camera.h"
 #include "core/geometry.h"
+#include "core/seams.h"
 #include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "deform/arap/rigid_pieces.h"
 #include "register/auto/auto_registration.h"
-#include "register/auto/welding.h"
 #include "register/quality/quality.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"

@@ -1,8 +1,10 @@
 // keypose-unwrap: texture coordinates for a closed mesh.
 #include <filesystem>
+#include <string>
 
 #include "core/io/frame_folder.h"
 #include "core/io/mesh_io.h"
+#include "core/io/mesh_look.h"
 #include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "texture/unwrap/unwrap.h"
@@ -24,12 +26,17 @@ struct UnwrapStageOptions : UnwrapOptions {
 };
 
 void Run(StageContext& stage, const UnwrapStageOptions& options) {
+  keypose::RequireMeshName(stage.Output("unwrapped"));
   std::filesystem::path path = stage.Input("clean");
   if (std::filesystem::is_directory(path)) path = keypose::NumberedFrames(path, "unwrap").front();
   const keypose::Mesh clean = keypose::ReadMesh(path);
   keypose::RequireUsable(clean, path.string());
   stage.Report("kept", options.keep && clean.has_uvs());
-  if (options.keep && clean.has_uvs()) return keypose::WriteMesh(stage.Output("unwrapped"), clean);
+  if (options.keep && clean.has_uvs()) {
+    for (const std::string& warning : keypose::LookWarnings(path, clean)) stage.Warn(warning);
+    return keypose::WriteMesh(stage.Output("unwrapped"), clean);
+  }
+  if (options.keep) stage.Note("the mesh has no texture coordinates, so it gets new ones");
   const UnwrapResult result = keypose::texture::Unwrapped(clean, options, stage.progress());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("charts", result.charts);
@@ -51,7 +58,7 @@ void Run(StageContext& stage, const UnwrapStageOptions& options) {
 
 const StageSpec kSpec = {
     .name = "unwrap",
-    .version = "3",
+    .version = "4",
     .summary =
         "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
     .inputs = {{.name = "clean",

@@ -16,14 +16,15 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <map>
+#include <limits>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/io/files.h"
-#include "core/io/ply_io.h"
-#include "core/size_of.h"
+#include "core/io/ply_mesh.h"
+#include "core/io/polygon_fan.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -31,127 +32,10 @@ using Point = CGAL::Simple_cartesian<double>::Point_3;
 
 namespace {
 
-/// Splits polygons into fans of triangles. Polygons with fewer than three corners are dropped.
-class Fan {
- public:
-  explicit Fan(const fs::path& path, std::int64_t vertex_count)
-      : path_(path), vertex_count_(vertex_count) {}
-  template <class Corner>
-  void Add(const Corner* corners, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) Check(corners[k]);
-    for (std::size_t k = 1; k + 1 < count; ++k)
-      triangles_.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k]),
-                            static_cast<int>(corners[k + 1])});
-    ++polygons_;
-  }
-  FacesX3 Take() const {
-    FacesX3 faces(std::ssize(triangles_), 3);
-    for (std::size_t f = 0; f < triangles_.size(); ++f)
-      for (int k = 0; k < 3; ++k) faces(static_cast<Eigen::Index>(f), k) = triangles_[f][k];
-    return faces;
-  }
-
- private:
-  template <class Corner>
-  void Check(Corner v) const {
-    // PLY may hold fractions, NaN and infinity
-    const auto number = static_cast<double>(v);
-    if (!(number >= 0 && number < static_cast<double>(vertex_count_)))
-      throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}",
-                                   path_.string(), polygons_, v, vertex_count_));
-  }
-  const fs::path& path_;
-  std::int64_t vertex_count_;
-  std::size_t polygons_ = 0;
-  std::vector<std::array<int, 3>> triangles_;
-};
-
-PointsX3 ColumnsToPoints(const PlyElement& element, const std::array<const char*, 3>& names) {
-  PointsX3 points(static_cast<Eigen::Index>(element.count), 3);
-  for (int k = 0; k < 3; ++k) {
-    const auto& column = element.scalars.at(names[k]);
-    for (std::size_t i = 0; i < column.size(); ++i)
-      points(static_cast<Eigen::Index>(i), k) = column[i];
-  }
-  return points;
-}
-
-ColorsX3 ColumnsToColors(const PlyElement& element) {
-  const std::array<const char*, 3> names{"red", "green", "blue"};
-  ColorsX3 colors(static_cast<Eigen::Index>(element.count), 3);
-  for (int k = 0; k < 3; ++k) {
-    const auto& column = element.scalars.at(names[k]);
-    for (std::size_t i = 0; i < column.size(); ++i)
-      colors(static_cast<Eigen::Index>(i), k) = static_cast<std::uint8_t>(
-          std::lround(std::isfinite(column[i]) ? std::clamp(column[i], 0.0, 255.0) : 0.0));
-  }
-  return colors;
-}
-
-const PlyElement& VertexElement(const PlyTable& table, const fs::path& path) {
-  const auto it = table.find("vertex");
-  if (it == table.end() || !it->second.Has("x") || !it->second.Has("y") || !it->second.Has("z"))
-    throw InputError(path.string() + ": the PLY file has no vertices with x, y and z");
-  return it->second;
-}
-
-template <class Target>
-void ReadVertexExtras(const PlyElement& vertex, Target& target) {
-  if (vertex.Has("nx") && vertex.Has("ny") && vertex.Has("nz"))
-    target.normals = ColumnsToPoints(vertex, {"nx", "ny", "nz"});
-  if (vertex.Has("red") && vertex.Has("green") && vertex.Has("blue"))
-    target.colors = ColumnsToColors(vertex);
-}
-
-/// Texture coordinates for each face (MeshLab's `texcoord` list). Equal pairs become one entry.
-/// Triangles only.
-void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
-  const auto it = face.lists.find("texcoord");
-  if (it == face.lists.end() || static_cast<Eigen::Index>(face.count) != mesh.faces.rows()) return;
-  const PlyList& list = it->second;
-  if (list.values.size() != face.count * 6) return;
-  std::map<std::pair<double, double>, int> ids;
-  std::vector<Eigen::Vector2d> uvs;
-  mesh.uv_faces.resize(mesh.faces.rows(), 3);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const std::size_t at = static_cast<std::size_t>(f) * 6 + static_cast<std::size_t>(k) * 2;
-      const auto [entry, is_new] =
-          ids.emplace(std::pair(list.values[at], list.values[at + 1]), SizeOf(uvs));
-      if (is_new) uvs.emplace_back(list.values[at], list.values[at + 1]);
-      mesh.uv_faces(f, k) = entry->second;
-    }
-  mesh.uvs.resize(std::ssize(uvs), 2);
-  for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(i) = uvs[i];
-}
-
-Mesh ReadPlyMesh(const fs::path& path) {
-  const PlyTable table = ReadPly(path);
-  const PlyElement& vertex = VertexElement(table, path);
-  Mesh mesh;
-  mesh.points = ColumnsToPoints(vertex, {"x", "y", "z"});
-  ReadVertexExtras(vertex, mesh);
-  const auto face = table.find("face");
-  if (face == table.end()) return mesh;
-  for (const char* name : {"vertex_indices", "vertex_index"}) {
-    const auto it = face->second.lists.find(name);
-    if (it == face->second.lists.end()) continue;
-    Fan fan(path, mesh.points.rows());
-    const PlyList& list = it->second;
-    for (std::size_t i = 0; i + 1 < list.offsets.size(); ++i)
-      fan.Add(list.values.data() + list.offsets[i], list.offsets[i + 1] - list.offsets[i]);
-    mesh.faces = fan.Take();
-    ReadFaceUvs(face->second, mesh);
-    break;
-  }
-  return mesh;
-}
-
 /// Reads a number at `at` like strtod, but most numbers much faster. Returns nullptr when there is
 /// no number or it is not finite.
-const char* SkipNumber(const char* at, const char* end) {
+const char* TakeNumber(const char* at, const char* end, double& value) {
   while (at < end && (*at == ' ' || *at == '\t')) ++at;
-  double value = 0;
   const auto [rest, error] = std::from_chars(at, end, value);
   if (error == std::errc() && std::isfinite(value)) return rest;
   char* stop = nullptr;  // e.g. for a plus sign
@@ -182,26 +66,51 @@ std::string WithWholeLines(std::string text) {
   return whole;
 }
 
-/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide damage. So the text of the
-/// positions is checked first.
-void RequireNumbersInObj(const fs::path& path, const std::string& text) {
+/// Appends three numbers, or fewer if there are not so many. @return where they end; nullptr then
+const char* TakeThree(const char* at, const char* end, std::vector<double>& numbers) {
+  for (int k = 0; k < 3; ++k) {
+    double value = 0;
+    if (at = TakeNumber(at, end, value); !at) return nullptr;
+    numbers.push_back(value);
+  }
+  return at;
+}
+
+/// Checks the text of the positions: the OBJ library reads 'nan', 'inf' and words as 0, which would
+/// hide damage. And reads the colours that may follow them (v x y z r g b), which the library
+/// skips.
+/// @return three numbers a vertex; another count where a vertex has no colour
+std::vector<double> CheckedColors(const fs::path& path, const std::string& text) {
   int number = 0;
+  std::vector<double> position, colors;
   for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find('\n', begin), text.size());
     ++number;
     if (end - begin < 2 || text[begin] != 'v' ||
         (text[begin + 1] != ' ' && text[begin + 1] != '\t'))
       continue;
-    const char* at = text.data() + begin + 1;
-    for (int k = 0; k < 3; ++k) {
-      at = SkipNumber(at, text.data() + end);
-      if (!at)
-        throw InputError(fmt::format(
-            "{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the "
-            "file and export it again",
-            path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
-    }
+    const char* const stop = text.data() + end;
+    position.clear();
+    const char* at = TakeThree(text.data() + begin + 1, stop, position);
+    if (!at)
+      throw InputError(fmt::format(
+          "{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the "
+          "file and export it again",
+          path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
+    if (at < stop && *at != '\r') TakeThree(at, stop, colors);
   }
+  return colors;
+}
+
+/// Colours from 0 to 1, as most programs write them, or else from 0 to 255.
+ColorsX3 ColorsFrom(const std::vector<double>& numbers, Eigen::Index vertices) {
+  if (numbers.empty() || std::ssize(numbers) != 3 * vertices) return {};
+  const double scale = *std::max_element(numbers.begin(), numbers.end()) > 1 ? 1 : 255;
+  ColorsX3 colors(vertices, 3);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    colors.data()[i] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(scale * numbers[i], 0.0, 255.0)));
+  return colors;
 }
 
 /// The callbacks of the OBJ library. They are used because its ready-made arrays count a polygon's
@@ -233,9 +142,7 @@ class ObjCollector {
     mesh.points = Eigen::Map<const PointsX3>(points_.data(),
                                              static_cast<Eigen::Index>(points_.size() / 3), 3);
     mesh.faces = Fanned(corners_, mesh.points.rows());
-    if (uvs_.empty() || uv_corners_.size() != corners_.size()) return mesh;
-    mesh.uvs = Eigen::Map<const UvsX2>(uvs_.data(), static_cast<Eigen::Index>(uvs_.size() / 2), 2);
-    mesh.uv_faces = Fanned(uv_corners_, mesh.uvs.rows());
+    TakeUvs(mesh);
     return mesh;
   }
 
@@ -244,6 +151,18 @@ class ObjCollector {
 
   void Put(std::vector<double>& values, std::initializer_list<double> more) {
     values.insert(values.end(), more);
+  }
+
+  /// Corners without texture coordinates get (0, 0) where others have some.
+  void TakeUvs(Mesh& mesh) const {
+    const auto none = std::count(uv_corners_.begin(), uv_corners_.end(), kNone);
+    if (uvs_.empty() || none == std::ssize(uv_corners_)) return;
+    const auto given = static_cast<Eigen::Index>(uvs_.size() / 2);
+    mesh.uvs = UvsX2::Zero(given + (none > 0), 2);
+    mesh.uvs.topRows(given) = Eigen::Map<const UvsX2>(uvs_.data(), given, 2);
+    std::vector<int> corners = uv_corners_;
+    std::replace(corners.begin(), corners.end(), kNone, static_cast<int>(given));
+    mesh.uv_faces = Fanned(corners, mesh.uvs.rows());
   }
 
   /// An index counted from 0. In the file, indices count from 1, or backwards from the last element
@@ -259,9 +178,9 @@ class ObjCollector {
             fmt::format("{}: face {} has a corner that names no vertex (they count from 1)",
                         path_.string(), sizes_.size()));
       corners_.push_back(FromZero(corners[k].vertex_index, points_.size() / 3));
-      // Texture coordinates are only used when all faces have them.
-      if (corners[k].texcoord_index != 0)
-        uv_corners_.push_back(FromZero(corners[k].texcoord_index, uvs_.size() / 2));
+      uv_corners_.push_back(corners[k].texcoord_index == 0
+                                ? kNone
+                                : FromZero(corners[k].texcoord_index, uvs_.size() / 2));
     }
     sizes_.push_back(static_cast<std::size_t>(count));
   }
@@ -276,6 +195,7 @@ class ObjCollector {
     return fan.Take();
   }
 
+  static constexpr int kNone = std::numeric_limits<int>::min();
   const fs::path& path_;
   std::vector<double> points_, uvs_;       // 3 and 2 a vertex
   std::vector<int> corners_, uv_corners_;  // of all faces, concatenated
@@ -284,11 +204,13 @@ class ObjCollector {
 
 Mesh ReadObjMesh(const fs::path& path) {
   std::string text = WithWholeLines(ReadFile(path));
-  RequireNumbersInObj(path, text);
+  const std::vector<double> colors = CheckedColors(path, text);
   std::istringstream in(std::move(text));
   ObjCollector collector(path);
   collector.Read(in);
-  return collector.Take();
+  Mesh mesh = collector.Take();
+  mesh.colors = ColorsFrom(colors, mesh.points.rows());
+  return mesh;
 }
 
 template <class Polygons>
@@ -391,6 +313,31 @@ bool LooksLikeBinaryStl(const fs::path& path, const std::string& head) {
   return fs::file_size(path) == 84 + std::uint64_t{50} * triangles;
 }
 
+/// Whether it begins with a keyword such as OFF, COFF or STNOFF; `o coffee cup` of an OBJ does not.
+/// @param start  in capitals
+bool LooksLikeOff(const std::string& start) {
+  const std::size_t at = start.find("OFF");
+  return at < 5 && start.find_first_not_of("STCN4") >= at;
+}
+
+/// What a file is that other programs call a mesh, for messages; "" if that is not known.
+std::string OtherMeshKind(std::string_view head) {
+  constexpr std::pair<std::string_view, const char*> kStarts[] = {
+      {"glTF", "a binary glTF (.glb)"},
+      {"Kaydara FBX", "an FBX file"},
+      {"; FBX", "an FBX file"},
+      {"PK\x03\x04", "a ZIP file, as .usdz and .3mf are"},
+      {"#usda", "a USD file"},
+      {"PXR-USDC", "a USD file"},
+      {"BLENDER", "a Blender file"},
+      {"Ogawa", "an Alembic file"},
+      {"<?xml", "an XML file, as Collada's .dae is"}};
+  for (const auto& [start, kind] : kStarts)
+    if (head.starts_with(start)) return kind;
+  if (head.starts_with("{") && head.find("\"asset\"") != head.npos) return "a glTF file";
+  return "";
+}
+
 bool LooksLikeObj(const std::string& head) {
   std::istringstream in(head);
   for (std::string line; std::getline(in, line);) {
@@ -426,8 +373,12 @@ Mesh ReadMesh(const fs::path& path) {
   std::transform(start.begin(), start.end(), start.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   if (start.rfind("PLY", 0) == 0) return ReadPlyMesh(path);
-  if (start.find("OFF") != std::string::npos && start.find("OFF") < 5) return ReadOffMesh(path);
+  if (LooksLikeOff(start)) return ReadOffMesh(path);
   if (start.rfind("SOLID", 0) == 0 || LooksLikeBinaryStl(path, head)) return ReadStlMesh(path);
+  if (const std::string kind = OtherMeshKind(head); !kind.empty())
+    throw InputError(path.string() + " is " + kind +
+                     "; meshes are read from PLY, OBJ, OFF and STL: open it in Blender and export "
+                     "it as OBJ (Wavefront)");
   if (LooksLikeObj(head)) return ReadObjMesh(path);
   throw InputError(path.string() +
                    " is not a PLY, OBJ, OFF or STL mesh (judged by its first bytes)");
@@ -437,17 +388,7 @@ PointCloud ReadPointCloud(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("point cloud " + path.string() + " does not exist");
   if (!fs::is_regular_file(path))
     throw DiskError("point cloud " + path.string() + " is not a file");
-  const PlyTable table = ReadPly(path);
-  const PlyElement& vertex = VertexElement(table, path);
-  PointCloud cloud;
-  cloud.points = ColumnsToPoints(vertex, {"x", "y", "z"});
-  ReadVertexExtras(vertex, cloud);
-  if (vertex.Has("confidence")) {
-    const auto& column = vertex.scalars.at("confidence");
-    cloud.confidence =
-        Eigen::Map<const Eigen::VectorXd>(column.data(), std::ssize(column)).cast<float>();
-  }
-  return cloud;
+  return ReadPlyCloud(path);
 }
 
 }  // namespace keypose

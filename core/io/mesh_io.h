@@ -10,10 +10,15 @@ namespace keypose {
 
 /// Reads a triangle mesh; polygons are split into fans of triangles. Vertices and faces keep the
 /// order of the file (STL: corners with equal coordinates become one vertex). Reads positions,
-/// vertex normals, vertex colours and texture coordinates (OBJ vt; PLY face property `texcoord`).
+/// vertex normals (PLY), vertex colours and texture coordinates (OBJ `vt`, where faces without any
+/// get (0, 0); of PLY see ply_mesh.h).
 /// @throws DiskError   cannot be opened
 /// @throws InputError  not one of the formats, truncated, an index out of range; says where
 Mesh ReadMesh(const std::filesystem::path& path);
+
+/// Checks the name of a mesh that is yet to be written, before the work for it begins.
+/// @throws UsageError  it is neither .ply nor .obj
+void RequireMeshName(const std::filesystem::path& path);
 
 /// Writes .ply (binary little endian) or .obj. PLY keeps all bits of a double; an OBJ that is read
 /// again may lose the last two. If `material_texture` is given, an OBJ with UVs gets an .mtl file

@@ -1,9 +1,11 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/mesh_look.h"
 #include "core/io/testing_folder.h"
 #include "core/testing_shapes.h"
 
@@ -114,6 +116,100 @@ TEST_F(MeshIo, ObjVertexThatIsNoNumberThrowsWithItsLine) {
       EXPECT_NE(std::string(error.what()).find("bad.obj:3"), std::string::npos) << error.what();
     }
   }
+}
+
+/// Both triangles of a unit square whose texture coordinates are its places.
+void ExpectUvsAreThePlaces(const Mesh& mesh) {
+  ASSERT_EQ(mesh.face_count(), 2);
+  ASSERT_TRUE(mesh.has_uvs());
+  for (int f = 0; f < 2; ++f)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(mesh.uvs.row(mesh.uv_faces(f, k)), mesh.points.row(mesh.faces(f, k)).head(2));
+}
+
+const char* const kSquareFace = "element face 1\nproperty list uchar int vertex_indices\n";
+
+TEST_F(MeshIo, TextureCoordinatesOfPlyVerticesAreReadAsBlenderAndMeshLabWriteThem) {
+  for (const auto& [u, v] : {std::pair{"s", "t"}, {"texture_u", "texture_v"}})
+    ExpectUvsAreThePlaces(ReadMesh(
+        Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                                 "property float y\nproperty float z\nproperty float ") +
+                         u + "\nproperty float " + v + "\n" + kSquareFace +
+                         "end_header\n0 0 5 0 0\n1 0 5 1 0\n1 1 5 1 1\n0 1 5 0 1\n4 0 1 2 3\n")));
+}
+
+TEST_F(MeshIo, QuadsOfAPlyKeepTheTextureCoordinatesOfTheirCorners) {
+  ExpectUvsAreThePlaces(ReadMesh(
+      Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                               "property float y\nproperty float z\n") +
+                       kSquareFace +
+                       "property list uchar float texcoord\nend_header\n"
+                       "0 0 5\n1 0 5\n1 1 5\n0 1 5\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n")));
+}
+
+TEST_F(MeshIo, AnObjFaceWithoutTextureCoordinatesDoesNotTakeThoseOfOthers) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.5 0.5\nvt 1 0\nvt 1 1\n";
+  const Mesh mesh = ReadMesh(Put("m.obj", square + "f 1/1 2/2 3/3\nf 1 3 4\n"));
+  ASSERT_TRUE(mesh.has_uvs());
+  EXPECT_EQ(mesh.uvs.row(mesh.uv_faces(0, 0)), Eigen::RowVector2d(0.5, 0.5));
+  for (int k = 0; k < 3; ++k)
+    EXPECT_EQ(mesh.uvs.row(mesh.uv_faces(1, k)), Eigen::RowVector2d(0, 0));
+  EXPECT_FALSE(ReadMesh(Put("m.obj", square + "f 1 2 3\nf 1 3 4\n")).has_uvs());
+  EXPECT_THROW(ReadMesh(Put("m.obj", square + "f 1/9 2/2 3/3\nf 1 3 4\n")), InputError);
+}
+
+TEST_F(MeshIo, ObjKeepsColoursOfItsVertices) {
+  const ColorsX3 expected = (ColorsX3(3, 3) << 255, 0, 51, 0, 255, 0, 0, 0, 255).finished();
+  EXPECT_EQ(
+      ReadMesh(Put("m.obj", "v 0 0 0 1 0 0.2\nv 1 0 0 0 1.0 0\nv 0 1 0 0 0 1\nf 1 2 3\n")).colors,
+      expected);
+  EXPECT_EQ(ReadMesh(Put("m.obj",
+                         "v 0 0 0 255 0 51\r\nv 1 0 0 0 255 0\r\nv 0 1 0 0 0 255\r\nf 1 2 3\r\n"))
+                .colors,
+            expected);
+  EXPECT_EQ(ReadMesh(Put("m.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n")).colors.rows(), 0)
+      << "a fourth coordinate is no colour";
+}
+
+TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
+  for (const std::string first : {"o Coffee_cup", "g office", "s off"})
+    EXPECT_EQ(ReadMesh(Put("m.obj", first + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).face_count(),
+              1)
+        << first;
+}
+
+TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
+  for (const auto& [head, kind] : {std::pair<std::string, const char*>{"glTF\x02", "glTF"},
+                                   {"Kaydara FBX Binary  ", "FBX"},
+                                   {"#usda 1.0\n(\n", "USD"},
+                                   {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
+                                   {"{\"asset\": {\"version\": \"2.0\"}}", "glTF"}})
+    try {
+      ReadMesh(Put("m.bin", head));
+      ADD_FAILURE() << kind << " was read";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(),
+                  testing::AllOf(testing::HasSubstr(kind), testing::HasSubstr("export it as OBJ")));
+    }
+}
+
+TEST_F(MeshIo, WhatOneMaterialWithOneTextureCannotShowIsSaid) {
+  const std::string square =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 1.5 1\n";
+  const auto warnings = [&](const std::string& faces) {
+    const fs::path path = Put("two parts.obj", square + faces);
+    return LookWarnings(path, ReadMesh(path));
+  };
+  EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nusemtl unused\n"),
+              testing::IsEmpty());
+  EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nusemtl red cloth\r\nf 1/1 3/3 4/2\n"),
+              testing::ElementsAre(testing::HasSubstr("2 materials (red cloth, skin)")));
+  EXPECT_THAT(
+      warnings("f 1/1 2/2 3/4\nf 1/1 3/3 4/2\n"),
+      testing::ElementsAre(testing::HasSubstr("1 of 2 faces of two parts.obj lie outside")));
+  EXPECT_THAT(warnings("f 1/1 2/2 3/3\nf 1 3 4\n"),
+              testing::ElementsAre(testing::HasSubstr("1 of 2 faces")));
+  EXPECT_THAT(warnings("f 1 2 3\nusemtl cloth\nf 1 3 4\n"), testing::IsEmpty());
 }
 
 TEST_F(MeshIo, CloudKeepsConfidence) {

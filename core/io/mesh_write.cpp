@@ -85,10 +85,14 @@ std::string ObjText(const Mesh& mesh, const std::string& material_library) {
 
 }  // namespace
 
+void RequireMeshName(const fs::path& path) {
+  if (path.extension() != ".ply" && path.extension() != ".obj")
+    throw UsageError("cannot write a mesh as " + PrintableName(path) + ": name it .ply or .obj");
+}
+
 void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
+  RequireMeshName(path);
   if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
-  if (path.extension() != ".obj")
-    throw UsageError("cannot write mesh " + path.string() + ": name it .ply or .obj");
   fs::path library;
   if (!material_texture.empty() && mesh.has_uvs()) {
     library = path;

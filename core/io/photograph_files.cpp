@@ -34,8 +34,13 @@ constexpr std::array<const char*, 15> kOtherPictures = {".webp", ".avif", ".bmp"
                                                         ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
                                                         ".jp2",  ".tga",  ".exr", ".hdr", ".jfif"};
 
+constexpr std::array<const char*, 13> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
+                                                 ".gltf", ".fbx",  ".dae", ".usd", ".usda",
+                                                 ".usdc", ".usdz", ".abc"};
+
 }  // namespace
 
+bool IsMeshName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kMeshes); }
 bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kHeic); }
 bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kRaw); }
 bool IsPhotographName(const fs::path& file) {
@@ -91,6 +96,7 @@ std::string CureFor(const std::vector<fs::path>& files) {
   if (some(kOtherPictures))
     add("save pictures of other formats as JPEG or PNG, in any picture program or with "
         "ImageMagick's `mogrify -format png FILES`");
+  if (some(kMeshes)) add(kHowToNameMeshes);
   return cure;
 }
 

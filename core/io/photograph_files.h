@@ -35,6 +35,13 @@ bool IsCleanPlateName(const std::filesystem::path& file);
 /// @param file  relative to the pose's folder
 bool IsShotName(const std::filesystem::path& file);
 
+/// Whether the extension (any case) is one of a mesh's: .obj .ply .off .stl, or a format that is
+/// not read, such as .glb.
+bool IsMeshName(const std::filesystem::path& file);
+inline constexpr const char* kHowToNameMeshes =
+    "for meshes made elsewhere, name each file itself, as in --pose rest=rest.obj --pose "
+    "wave=wave.ply";
+
 /// A summary by extension, such as "12 .mov (IMG_1.mov, IMG_2.mov ...), 1 .txt (notes.txt)"; empty
 /// for no files.
 /// @param files  only their names are used

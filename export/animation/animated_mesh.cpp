@@ -7,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/seams.h"
 #include "core/size_of.h"
 
 namespace keypose::exporting {
@@ -84,11 +85,17 @@ AnimatedMesh MakeAnimatedMesh(const std::vector<Mesh>& frames,
   }
   AnimatedMesh out;
   Split(frames[0], out);
+  // Both sides of a seam that came with the mesh are shaded as one surface.
+  const Seams seams = FindSeams(frames[0]);
+  const FacesX3 faces = WeldedFaces(frames[0].faces, seams);
+  std::vector<int> shaded_as = out.source_vertex;
+  if (!seams.empty())
+    for (int& v : shaded_as) v = seams.one[v];
   out.points.resize(frames.size());
   out.normals.resize(frames.size());
   ParallelFor(std::ssize(frames), [&](std::int64_t i) {
     out.points[i] = frames[i].points(out.source_vertex, Eigen::all);
-    out.normals[i] = UnitNormals(frames[i], frames[0].faces)(out.source_vertex, Eigen::all);
+    out.normals[i] = UnitNormals(frames[i], faces)(shaded_as, Eigen::all);
   });
   return out;
 }

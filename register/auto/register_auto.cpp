@@ -6,9 +6,9 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
+#include "core/seams.h"
 #include "core/size_of.h"
 #include "register/auto/auto_registration.h"
-#include "register/auto/welding.h"
 #include "register/parts/parts.h"
 
 namespace keypose::registration {

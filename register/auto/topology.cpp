@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/geometry.h"
-#include "register/auto/welding.h"
+#include "core/seams.h"
 
 namespace keypose::registration {
 

@@ -1,4 +1,4 @@
-#include "register/auto/welding.h"
+#include "core/seams.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "core/size_of.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 namespace {
 
@@ -153,4 +153,4 @@ WeldedMesh Weld(const Mesh& mesh, const Seams& seams) {
   return welded;
 }
 
-}  // namespace keypose::registration
+}  // namespace keypose

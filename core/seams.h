@@ -6,7 +6,7 @@
 
 #include "core/mesh.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 /// Which vertices are the same point of the surface.
 struct Seams {
@@ -36,4 +36,4 @@ struct WeldedMesh {
 };
 WeldedMesh Weld(const Mesh& mesh, const Seams& seams);
 
-}  // namespace keypose::registration
+}  // namespace keypose
