@@ -25,7 +25,7 @@ ExitCode RunCommand(const RunOptions& options);
 
 struct InitOptions {
   std::string folder;
-  std::vector<std::string> poses;  ///< NAME=PHOTO_DIR
+  std::vector<std::string> poses;  ///< NAME=PHOTO_DIR, or NAME=MESH
   std::string template_pose;
   std::vector<std::string> few, scan;  ///< names of poses: how they are found
   std::string kind = "poses";          ///< poses | performance
@@ -34,12 +34,17 @@ struct InitOptions {
   std::string film, plate, mattes, holdout;
   std::vector<std::string> shows;
   double film_fps = 0;  ///< 0: those of a video, else 12
-  /// files of a performance; empty: none
+  /// files of a performance, `texture` also of poses from meshes; empty: none
   std::string calibration, scan_mesh, texture, marks;
-  bool video3d = false;  ///< of a performance: textures from the films
-  bool surface = false;  ///< of a performance: the surface from the films
+  bool same_faces = false;  ///< of meshes: they have the same faces, so none is registered
+  bool video3d = false;     ///< of a performance: textures from the films
+  bool surface = false;     ///< of a performance: the surface from the films
 };
 ExitCode InitCommand(const InitOptions& options);
+/// Whether a pose is given as a mesh instead of as a folder of photographs.
+bool NamesMesh(const InitOptions& options);
+/// The project of poses whose meshes were made elsewhere. They are copied.
+ExitCode InitMeshes(const InitOptions& options);
 /// The project of a performance. Films stay where they are; the other files are copied.
 ExitCode InitPerformance(const InitOptions& options);
 

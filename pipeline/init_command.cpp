@@ -153,6 +153,9 @@ std::vector<NewPose> ParsePoses(const InitOptions& options) {
       options.video3d || options.surface)
     throw UsageError(
         "--shot, --scan-mesh, --marks, --surface and --video3d need --kind performance");
+  if (!options.texture.empty() || options.same_faces)
+    throw UsageError(
+        "--texture and --same-faces are for poses from meshes, as in --pose rest=rest.obj");
   std::vector<NewPose> poses;
   for (const std::string& text : options.poses) {
     poses.push_back(ParsePose(text));
@@ -267,6 +270,8 @@ void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
   if (!pose.ignored.empty())
     fmt::print("  not copied, because these are no photographs that can be read: {}\n",
                KindsOf(pose.ignored));
+  if (std::any_of(pose.ignored.begin(), pose.ignored.end(), IsMeshName))
+    fmt::print("  {}\n", kHowToNameMeshes);
 }
 
 void TellThatItIsFitted(const NewPose& pose, const std::string& template_pose) {

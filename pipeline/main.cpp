@@ -154,10 +154,13 @@ class CommandLine {
 
   void AddInit() {
     CLI::App* init = Command("init", "make a project", [this] {
-      return init_.kind == "performance" ? InitPerformance(init_) : InitCommand(init_);
+      if (init_.kind == "performance") return InitPerformance(init_);
+      return NamesMesh(init_) ? InitMeshes(init_) : InitCommand(init_);
     });
     init->add_option("DIR", init_.folder, "folder to make")->required();
-    init->add_option("--pose", init_.poses, "NAME=PHOTO_DIR; the photographs are copied")
+    init->add_option("--pose", init_.poses,
+                     "NAME=PHOTO_DIR; the photographs are copied. Or NAME=MESH for all poses: "
+                     "meshes made elsewhere (.obj, .ply, .off, .stl)")
         ->allow_extra_args(false);
     init->add_option("--template", init_.template_pose,
                      "the pose whose mesh and UVs all others take; default: the first");
@@ -194,7 +197,11 @@ class CommandLine {
     init->add_option("--calibration", init_.calibration,
                      "performance: the cameras of all shots; default: calibration.* in each shot");
     init->add_option("--scan-mesh", init_.scan_mesh, "performance: the mesh that shall move");
-    init->add_option("--texture", init_.texture, "performance: its texture");
+    init->add_option("--texture", init_.texture,
+                     "performance: its texture; poses from meshes: that of the template, whose "
+                     "texture coordinates stay");
+    init->add_flag("--same-faces", init_.same_faces,
+                   "poses from meshes: all have the same vertices and faces already");
     init->add_option("--marks", init_.marks,
                      "performance: pairs of places on the tracked body and on the mesh");
     init->add_flag("--surface", init_.surface,

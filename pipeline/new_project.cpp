@@ -50,6 +50,37 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
   return text;
 }
 
+std::string NewMeshesText(const fs::path& folder, const NewMeshes& meshes) {
+  std::string text =
+      "# Poses from meshes; see docs/pipeline.md. Of meshes in millimetres, or with y up, add\n"
+      "#   options: {export: {unit: mm, up: y}, interpolate: {align: rigid}, cleanup: {support: "
+      "keep}}\n";
+  text += fmt::format("name: \"{}\"\nposes:\n", SafeName(folder));
+  std::vector<std::string> names;
+  for (const auto& [name, mesh] : meshes.poses) {
+    text += fmt::format("  {}: {{mesh: {}}}\n", name, YamlScalar(mesh));
+    names.push_back(name);
+  }
+  text += fmt::format("template: {}\n", meshes.template_pose);
+  if (names.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(names, ", "));
+  text += "steps:\n";
+  std::vector<std::string> off = {"capture", "sfm",    "masks", "dense",
+                                  "mesh",    "refine", "bake",  "complete"};
+  if (meshes.same_faces) off.insert(off.end(), {"cleanup", "unwrap", "register"});
+  for (const std::string& step : off) text += fmt::format("  {}: {{enabled: false}}\n", step);
+  const bool keeps = !meshes.texture.empty();  // then the template stays as it is
+  if (!meshes.same_faces) {
+    text += fmt::format("  cleanup: {{{}inputs: {{surface: $mesh, images: [], model: []}}}}\n",
+                        keeps ? "for: pair, " : "");
+    if (keeps) text += "  unwrap: {inputs: {clean: $mesh}, options: {keep: true}}\n";
+  } else {
+    text += "  interpolate: {inputs: {keys: {template: $mesh, others: $mesh}}}\n";
+  }
+  text += fmt::format("  export: {{inputs: {{textures: {}}}}}\n",
+                      keeps ? YamlScalar("./" + meshes.texture) : "[]");
+  return text;
+}
+
 std::string NewPerformanceText(const fs::path& folder, const NewPerformance& performance) {
   std::string text =
       "# The shots and settings of this performance. What is not set here is as in the default "

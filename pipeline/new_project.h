@@ -28,6 +28,16 @@ std::string NewPipelineText(const std::filesystem::path& folder,
                             const std::vector<std::string>& poses, const std::string& template_pose,
                             const std::set<std::string>& few = {}, const NewShot& shot = {});
 
+/// Poses whose meshes were made elsewhere: paths as they shall stand in pipeline.yaml.
+struct NewMeshes {
+  std::vector<std::pair<std::string, std::string>> poses;  ///< name, mesh
+  std::string template_pose;
+  std::string texture;      ///< of the template, whose texture coordinates then stay; or empty
+  bool same_faces = false;  ///< no pose is registered
+};
+/// Switches the steps on photographs off.
+std::string NewMeshesText(const std::filesystem::path& folder, const NewMeshes& meshes);
+
 /// A new project's performance: paths as they shall stand in pipeline.yaml; empty: none.
 struct NewPerformance {
   std::vector<std::pair<std::string, std::string>> shots;  ///< name, folder of films

@@ -63,13 +63,16 @@ class Reader : public YamlReader {
             pose.landmarks = PathText(value, field);
           else if (field == "cameras")
             pose.cameras = PathText(value, field);
+          else if (field == "mesh")
+            pose.mesh = PathText(value, field);
           else if (field == "method")
             pose.method = Choice(value, field, {"scan", "fit"});
           else if (field == "options")
             pose.options = StepOptions(value, what + ".options");
           else
             Unknown(field_key, what,
-                    {"photos", "masks", "background", "landmarks", "cameras", "method", "options"});
+                    {"photos", "masks", "background", "landmarks", "cameras", "mesh", "method",
+                     "options"});
         });
     return pose;
   }

@@ -15,10 +15,10 @@ namespace {
 }
 
 const std::vector<std::string> kWords = {
-    "$photos",  "$masks",    "$background", "$cameras", "$landmarks", "$stiffness",
-    "$regions", "$timeline", "$run",        "$video",   "$unmasked",  "$calibration",
-    "$actor",   "$scan",     "$texture",    "$marks",   "$film",      "$plate",
-    "$mattes",  "$clicks",   "$holdout",    "$set",     "$pins"};
+    "$photos",      "$mesh",    "$masks",    "$background", "$cameras", "$landmarks",
+    "$stiffness",   "$regions", "$timeline", "$run",        "$video",   "$unmasked",
+    "$calibration", "$actor",   "$scan",     "$texture",    "$marks",   "$film",
+    "$plate",       "$mattes",  "$clicks",   "$holdout",    "$set",     "$pins"};
 
 /// What a filmed shot gives.
 bool IsOfFilm(const std::string& word) {
@@ -216,8 +216,8 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
   }
   const bool of_shot = word == "$video" || word == "$unmasked" || word == "$calibration" ||
                        word == "$actor" || word == "$pins";
-  const bool of_pose =
-      word == "$photos" || word == "$masks" || word == "$background" || word == "$cameras";
+  const bool of_pose = word == "$photos" || word == "$mesh" || word == "$masks" ||
+                       word == "$background" || word == "$cameras";
   if (!of_shot && !of_pose)
     Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
                                         Suggestion(word, kWords)));
@@ -233,6 +233,7 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
   }
   const auto& setting = word == "$masks"     ? pose->masks
                         : word == "$cameras" ? pose->cameras
+                        : word == "$mesh"    ? pose->mesh
                                              : pose->background;
   return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
 }

@@ -38,6 +38,27 @@ std::vector<int> PosesOfKeys(const RunRecord& run) {
   return poses;
 }
 
+/// Textures that the project itself gives to the export, of meshes that were made elsewhere: one,
+/// or one for each pose.
+std::vector<Image8> GivenTextures(const RunRecord& run, const std::vector<std::string>& poses) {
+  const StepRecord* frames = run.Find("interpolate");
+  const StepRecord* step = frames ? run.ExportOf(frames->Output("frames")) : nullptr;
+  if (!step || !step->inputs.contains("textures")) return {};
+  const std::vector<fs::path>& paths = step->inputs.at("textures");
+  if (paths.size() == 1 && fs::is_regular_file(paths[0])) return {ReadImage(paths[0], 3)};
+  std::vector<int> pose_of_key = PosesOfKeys(run);
+  for (int i = 0; run.timeline.empty() && i < SizeOf(run.poses); ++i) pose_of_key.push_back(i);
+  if (paths.size() != pose_of_key.size()) return {};
+  std::vector<Image8> textures;
+  for (const std::string& pose : poses) {
+    const auto number = std::find(run.poses.begin(), run.poses.end(), pose) - run.poses.begin();
+    const auto key = std::find(pose_of_key.begin(), pose_of_key.end(), number);
+    if (key == pose_of_key.end()) return {};
+    textures.push_back(ReadImage(paths[key - pose_of_key.begin()], 3));
+  }
+  return textures;
+}
+
 double FpsOf(const std::vector<FrameDistortion>& frames) {
   const double seconds = frames.back().time_s - frames.front().time_s;
   return seconds > 0 ? static_cast<double>(frames.size() - 1) / seconds : 24;
@@ -107,7 +128,8 @@ PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const E
     if (keys[stored[k]]) data.keys.push_back(static_cast<int>(k));
   }
   data.moments = MomentsOf(repeats, stored);
-  const std::vector<int> pose_of_key = PosesOfKeys(contents.run);
+  std::vector<int> pose_of_key = PosesOfKeys(contents.run);
+  if (data.textures.size() == 1) pose_of_key.clear();
   for (std::size_t i = 0; i < frames.size(); ++i)
     data.moments[i].weights = TextureWeights(frames[i].t, pose_of_key, data.textures.size());
   Finish(data, part, encode);
@@ -136,7 +158,8 @@ PlayerPart OfPose(const Contents& contents, const StepRecord& bake, const Encode
 std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses,
                                Mesh& mesh) {
   const StepRecord* first = run.Find("bake", run.template_pose);
-  if (!first || first->Input("mesh").empty()) return {};
+  if (!first) return mesh.has_uvs() ? GivenTextures(run, poses) : std::vector<Image8>();
+  if (first->Input("mesh").empty()) return {};
   const Mesh baked = ReadMesh(first->Input("mesh"));
   if (!SameFaces(baked.faces, mesh.faces)) return {};
   mesh.uvs = baked.uvs;

@@ -11,7 +11,7 @@
 namespace keypose::report {
 
 /// Textures of the poses in the layout of `mesh`. If `mesh` has no UVs, they are taken from the
-/// template. Empty if a texture is missing.
+/// template. Empty if a texture is missing; only one if all poses share it.
 std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses,
                                Mesh& mesh);
 

@@ -54,7 +54,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "13";
+  spec.version = "14";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};

@@ -95,6 +95,24 @@ TEST(Judge, IdealSetsAreGoodWithNothingToLookAt) {
     EXPECT_TRUE(f.grade == Grade::kGood || f.grade == Grade::kNote) << f.text;
 }
 
+TEST(Judge, AMeshThatWasMadeElsewhereHasNoPhotographsToBeComparedWith) {
+  Contents contents;
+  contents.run.poses = {"rest", "wave"};
+  contents.run.template_pose = "rest";
+  contents.run.steps = {
+      Step("cleanup", "wave", {{"closed", 1}}),
+      Step("register", "wave", {{"flipped", 0}, {"surface_rms_over_diag", 1e-4}})};
+  for (const Verdict& verdict : Judge(contents, FindAll(contents))) {
+    EXPECT_EQ(verdict.grade, Grade::kGood) << verdict.about;
+    EXPECT_THAT(verdict.why, HasSubstr("made elsewhere"));
+    EXPECT_EQ(verdict.cure, "");
+  }
+  contents.run.steps[1].numbers["flipped"] = 2000;
+  const Verdict wrong = Judge(contents, FindAll(contents)).back();
+  EXPECT_EQ(wrong.grade, Grade::kWrong);
+  EXPECT_THAT(wrong.why, HasSubstr("flipped"));
+}
+
 TEST(Judge, OutlinesThatMissThePhotographsAreWrongWhateverTheStagesSay) {
   const Verdict verdict = Judged(Ideal(0.03, 0.7));
   EXPECT_EQ(verdict.grade, Grade::kWrong);

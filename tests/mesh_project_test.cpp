@@ -1,0 +1,126 @@
+// Key poses whose meshes were made elsewhere, from `keypose init` to the animation and the report.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/geometry.h"
+#include "core/image.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/testing_folder.h"
+#include "core/same_faces.h"
+#include "core/testing_shapes.h"
+#include "tests/run_program.h"
+
+namespace keypose::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kOk = 0, kUsage = 2, kInput = 3;
+
+/// A tube with texture coordinates, in millimetres, upright and bent.
+class MeshProject : public ::testing::Test, public TestingFolder {
+ protected:
+  void SetUp() override {
+    mesh_ = MakeCylinder(120, 900, 16, 40);
+    mesh_.uvs = UvsX2(mesh_.points.rows(), 2);
+    for (Eigen::Index v = 0; v < mesh_.points.rows(); ++v)
+      mesh_.uvs.row(v) << 0.5 + mesh_.points(v, 0) / 300, mesh_.points(v, 2) / 1000;
+    mesh_.uv_faces = mesh_.faces;
+    Mesh bent = mesh_;
+    for (Eigen::Index v = 0; v < bent.points.rows(); ++v)
+      if (const double above = bent.points(v, 2) - 450; above > 0) bent.points(v, 0) += above / 2;
+    WriteMesh(folder_ / "rest pose.obj", mesh_);
+    WriteMesh(folder_ / "wave.obj", bent);
+    WriteImage(folder_ / "skin.png", Image8(64, 64, 3, 140));
+  }
+
+  RunResult Init(const std::vector<std::string>& more, const std::string& rest = "rest pose.obj",
+                 const std::string& wave = "wave.obj") const {
+    std::vector<std::string> command = {"keypose",      "init",   "fox",         "--pose",
+                                        "rest=" + rest, "--pose", "wave=" + wave};
+    command.insert(command.end(), more.begin(), more.end());
+    return RunProgram(command, folder_);
+  }
+  RunResult Run(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> command = {"keypose", "run", "-C", "fox"};
+    for (const std::string set : {"export.formats=glb", "export.unit=mm", "interpolate.steps=3"})
+      command.insert(command.end(), {"--set", set});
+    command.insert(command.end(), more.begin(), more.end());
+    return RunProgram(command, folder_);
+  }
+  fs::path Out(const std::string& path) const { return folder_ / "fox/out" / path; }
+
+  Mesh mesh_;
+};
+
+TEST_F(MeshProject, ATemplateThatKeepsItsTextureIsBentOntoTheOtherPose) {
+  const RunResult init = Init({"--texture", "skin.png"});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  const RunResult run = Run({"--set", "cleanup.faces=1500"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  const Mesh rest = ReadMesh(Out("rest/mesh.obj")), wave = ReadMesh(Out("wave/mesh.obj"));
+  EXPECT_TRUE(SameFaces(rest.faces, mesh_.faces));
+  EXPECT_TRUE(SameFaces(wave.faces, mesh_.faces));
+  EXPECT_TRUE(SameFaces(wave.uv_faces, mesh_.uv_faces));
+  EXPECT_LT((wave.uvs - mesh_.uvs).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_THAT(ReadFile(Out("animation/character.glb")), HasSubstr(ReadFile(folder_ / "skin.png")));
+  EXPECT_TRUE(fs::exists(Out("report/index.html")));
+  EXPECT_THAT(run.output, Not(HasSubstr("no textured mesh to compare")));
+  EXPECT_THAT(run.output, Not(HasSubstr("metres large")));
+}
+
+TEST_F(MeshProject, PosesOfTheSameFacesAreNotRegistered) {
+  const RunResult init = Init({"--same-faces", "--texture", "skin.png"});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  const RunResult run = Run({"--set", "interpolate.align=none"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_THAT(run.output, Not(HasSubstr("register")));
+  EXPECT_THAT(ReadFile(Out("animation/animation.json")), HasSubstr("\"frame_0004\""));
+}
+
+TEST_F(MeshProject, WithoutATextureTheTemplateIsCleanedAndUnwrapped) {
+  const RunResult init = Init({"--template", "wave"});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  const RunResult run = Run({"--set", "cleanup.faces=1500", "--until", "interpolate"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_TRUE(ReadMesh(Out("wave/mesh.obj")).has_uvs());
+  EXPECT_THAT(run.output, HasSubstr("texture coordinates of wave.obj are lost"));
+}
+
+TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
+  fs::create_directories(folder_ / "photos");
+  WriteFile(folder_ / "photos/a.jpg", "picture");
+  WriteFile(folder_ / "wave.glb", "glTF");
+  const auto refuse = [&](const RunResult& result, int code, const std::string& why) {
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    EXPECT_THAT(result.output, HasSubstr(why));
+    EXPECT_FALSE(fs::exists(folder_ / "fox"));
+  };
+  refuse(Init({}, "rest pose.obj", "photos"), kUsage, "either meshes or photographs");
+  refuse(Init({}, "rest pose.obj", "wave.glb"), kInput, "export it as OBJ");
+  refuse(Init({}, "rest pose.obj", "none.ply"), kInput, "there is no file");
+  refuse(Init({"--texture", "none.png"}), kInput, "there is no file");
+  refuse(Init({"--few", "wave"}), kUsage, "these are meshes");
+  refuse(Init({"--texture", "skin.png"}, "photos", "photos"), kUsage, "poses from meshes");
+}
+
+TEST_F(MeshProject, AFolderOfMeshesIsNoFolderOfPhotographsAndSaysWhatToDo) {
+  fs::create_directories(folder_ / "scans");
+  fs::copy(folder_ / "wave.obj", folder_ / "scans/wave.obj");
+  const RunResult none = Init({}, "scans", "scans");
+  EXPECT_NE(none.exit_code, kOk);
+  const RunResult one = RunProgram({"keypose", "init", "fox", "--pose", "wave=scans"}, folder_);
+  EXPECT_EQ(one.exit_code, kInput);
+  EXPECT_THAT(one.output, HasSubstr("name each file itself, as in --pose rest=rest.obj"));
+  fs::copy(folder_ / "skin.png", folder_ / "scans/skin.png");
+  const RunResult textured =
+      RunProgram({"keypose", "init", "fox", "--pose", "wave=scans"}, folder_);
+  EXPECT_THAT(textured.output, HasSubstr("name each file itself"));
+}
+
+}  // namespace
+}  // namespace keypose::tests
