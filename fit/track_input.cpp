@@ -19,6 +19,7 @@ using Eigen::Vector3d;
 constexpr double kMaskSide = 500;      // [px] longer side of the reduced masks
 constexpr int kOutlinePoints = 220;    // of a view, that pull at the template
 constexpr int kClockFrames = 90;       // that clocks are compared over
+constexpr double kUpright = 0.87;      // cosine of 30 degrees
 constexpr double kUsualHeight = 1.72;  // [m] where nothing tells the unit
 
 std::string Rounded(double x) {
@@ -63,7 +64,13 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
     views_[c].camera =
         CameraForPictures(views_[c].camera, mask.width, mask.height, views_[c].name, "track");
   }
-  up_from_world_ = Eigen::Quaterniond::FromTwoVectors(UpOf(options.up, views_), Vector3d::UnitZ());
+  const Vector3d up = UpOf(options.up, views_);
+  if (up.z() < kUpright)
+    stage.Warn(
+        "up in the pictures is not z of the calibration, and the tracked frames lie in its axes; "
+        "`transfer` and `export` take z for up: turn the calibration so that z is up, or, if its y "
+        "is up, give `export` up: y");
+  up_from_world_ = Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ());
   MakeCameras();
   FindUnit(stage, options);
   FindClocks(stage, options);

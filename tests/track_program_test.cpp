@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <regex>
 
 #include "core/io/files.h"
@@ -184,6 +185,20 @@ TEST_F(TrackProgram, FourCamerasAreTakenWithAWarning) {
   const RunResult run = Track(film, {"--cameras", "cam1, cam3, cam5, cam7"});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_NE(run.output.find("4 cameras do not see everything"), std::string::npos) << run.output;
+  EXPECT_GT(Report(film)["measurements"]["iou_other_cameras"], 0.8);
+}
+
+TEST_F(TrackProgram, ACalibrationWithYUpIsToldOf) {
+  const fs::path film = Copy("y_up", 1);
+  std::vector<View> views = ReadRigCalibration(film / "calibration.yml").views;
+  const Eigen::Quaterniond z_from_y(
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+  for (View& view : views)
+    view.camera_from_world.rotation = view.camera_from_world.rotation * z_from_y;
+  WriteFile(film / "calibration.yml", OpenCvYaml(views));
+  const RunResult run = Track(film, {"--cameras", "cam1, cam3, cam5, cam7"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_NE(run.output.find("is not z of the calibration"), std::string::npos) << run.output;
   EXPECT_GT(Report(film)["measurements"]["iou_other_cameras"], 0.8);
 }
 
