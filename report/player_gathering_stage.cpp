@@ -129,7 +129,7 @@ PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const E
   }
   data.moments = MomentsOf(repeats, stored);
   std::vector<int> pose_of_key = PosesOfKeys(contents.run);
-  if (data.textures.size() == 1) pose_of_key.clear();
+  if (data.textures.size() < 2) pose_of_key.clear();
   for (std::size_t i = 0; i < frames.size(); ++i)
     data.moments[i].weights = TextureWeights(frames[i].t, pose_of_key, data.textures.size());
   Finish(data, part, encode);
