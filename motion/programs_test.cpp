@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -82,6 +83,36 @@ TEST_F(Programs, TransferWritesFramesThatExportTakes) {
   const auto report = nlohmann::json::parse(ReadFile(folder_ / "report.json"));
   EXPECT_EQ(report["measurements"]["marks"], 12);
   EXPECT_LT(report["measurements"]["volume_deviation"].get<double>(), 1e-4);
+}
+
+TEST_F(Programs, ATargetThatIsCutForItsTextureMovesAsTheWholeOne) {
+  WriteBars();
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  const Mesh whole = ReadMesh(folder_ / "out/frame_0003.ply");
+  // Two charts, each with vertices of its own, as PLY and glTF files have them; the same faces.
+  Mesh cut = target_;
+  std::vector<int> origin;
+  std::map<std::pair<bool, int>, int> own;  // chart and vertex -> vertex
+  for (Eigen::Index f = 0; f < cut.faces.rows(); ++f) {
+    double middle = 0;
+    for (int k = 0; k < 3; ++k) middle += target_.points(target_.faces(f, k), 2) / 3;
+    for (int k = 0; k < 3; ++k) {
+      const auto [at, is_new] = own.try_emplace({middle > 0.8, cut.faces(f, k)}, SizeOf(origin));
+      if (is_new) origin.push_back(cut.faces(f, k));
+      cut.faces(f, k) = at->second;
+    }
+  }
+  ASSERT_GT(SizeOf(origin), target_.vertex_count());
+  cut.points = target_.points(origin, Eigen::all);
+  WriteMesh(folder_ / "target.ply", cut);
+  std::vector<LandmarkPair> pairs = ReadLandmarkPairs(
+      {folder_ / "marks.json"}, ReadMesh(folder_ / "template/frame_0000.ply"), target_);
+  WriteLandmarkPairs(folder_ / "marks.json", ReadMesh(folder_ / "template/frame_0000.ply"), cut,
+                     pairs);
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  const Mesh moved = ReadMesh(folder_ / "out/frame_0003.ply");
+  EXPECT_EQ(moved.faces, cut.faces);
+  EXPECT_LT((moved.points - whole.points(origin, Eigen::all)).cwiseAbs().maxCoeff(), 1e-5);
 }
 
 TEST_F(Programs, TransferInTheTemplatesSpaceLiesOverTheTemplate) {

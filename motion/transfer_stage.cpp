@@ -18,6 +18,7 @@
 #include "core/mesh_binding.h"
 #include "core/mesh_checks.h"
 #include "core/same_faces.h"
+#include "core/seams.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "motion/transfer.h"
@@ -79,7 +80,7 @@ struct TransferStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "transfer";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
   spec.inputs = {
       {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,
@@ -280,6 +281,13 @@ Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
   return frame;
 }
 
+/// The target with its seams closed, so that its charts do not part; faces keep their numbers,
+/// which the marks hold by.
+WeldedMesh WholeSurface(const Mesh& target) {
+  WeldedMesh whole = Weld(target, FindSeams(target));
+  return whole.mesh.face_count() == target.face_count() ? whole : Weld(target, {});
+}
+
 void Run(StageContext& stage, const TransferStageOptions& options) {
   const fs::path folder = stage.Input("template");
   const std::vector<fs::path> paths = NumberedFrames(folder, "transfer");
@@ -297,7 +305,8 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   if (stage.Has("pins")) how.pins = LoadPins(stage.Input("pins"));
   if (!how.pins.empty() && how.method != TransferMethod::kAuto)
     throw UsageError("transfer: pins need --method auto");
-  Transfer transfer(target, reference.points, reference.faces, marks, how);
+  const WeldedMesh whole = WholeSurface(target);
+  Transfer transfer(whole.mesh, reference.points, reference.faces, marks, how);
   WarnOfMarks(stage, transfer.report());
   SubProgress reading(stage.progress(), 0, 0.3), making(stage.progress(), 0.3, 1);
   for (const fs::path& path : paths) {
@@ -311,7 +320,8 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
                volume = SignedVolume(target.points, target.faces);
   std::vector<FrameMeasures> measures;
   transfer.Run(
-      [&](int frame, const PointsX3& points) {
+      [&](int frame, const PointsX3& of_whole) {
+        const PointsX3 points = of_whole(whole.of_input, Eigen::all);
         writer.Write(out / FrameFileName(frame),
                      options.space == "template" ? transfer.InTemplateSpace(points) : points);
         measures.push_back({area > 0 ? SurfaceArea(points, target.faces) / area : 1,
