@@ -153,4 +153,9 @@ WeldedMesh Weld(const Mesh& mesh, const Seams& seams) {
   return welded;
 }
 
+WeldedMesh WeldWholeFaces(const Mesh& mesh) {
+  WeldedMesh whole = Weld(mesh, FindSeams(mesh));
+  return whole.mesh.face_count() == mesh.face_count() ? whole : Weld(mesh, {});
+}
+
 }  // namespace keypose

@@ -35,5 +35,8 @@ struct WeldedMesh {
   std::vector<int> of_input;  ///< the welded vertex of each input vertex
 };
 WeldedMesh Weld(const Mesh& mesh, const Seams& seams);
+/// The mesh with all its seams closed, for moving it as one surface. Faces keep their numbers:
+/// where one would become an edge, nothing is joined.
+WeldedMesh WeldWholeFaces(const Mesh& mesh);
 
 }  // namespace keypose

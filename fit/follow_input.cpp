@@ -9,6 +9,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/same_faces.h"
+#include "core/seams.h"
 #include "core/size_of.h"
 #include "views/atlas/atlas.h"
 #include "views/shot/rig.h"
@@ -51,34 +52,44 @@ FollowInput::FollowInput(StageContext& stage, const FollowInputOptions& options)
 }
 
 void FollowInput::ReadFirst(StageContext& stage) {
-  mesh_ = ReadMesh(paths_.front());
-  RequireUsable(mesh_, "follow: " + paths_.front().filename().string());
+  given_ = ReadMesh(paths_.front());
+  RequireUsable(given_, "follow: " + paths_.front().filename().string());
   if (stage.Has("layout")) {
     const Mesh layout = ReadMesh(stage.Input("layout"));
     const std::string name = stage.Input("layout").filename().string();
-    if (!SameFaces(layout.faces, mesh_.faces))
+    if (!SameFaces(layout.faces, given_.faces))
       throw InputError("follow: " + name +
                        " has other faces than the frames; unwrap frame_0000.ply itself");
-    mesh_.uvs = layout.uvs, mesh_.uv_faces = layout.uv_faces;
+    given_.uvs = layout.uvs, given_.uv_faces = layout.uv_faces;
   }
+  CloseSeams();
   if (!stage.Has("texture")) return;
-  if (!mesh_.has_uvs())
+  if (!given_.has_uvs())
     throw InputError(
         "follow: a texture needs texture coordinates, which the frames do not have; pass --layout, "
         "or leave --texture out");
-  CheckUvs(mesh_);
+  CheckUvs(given_);
   texture_ = ReadImage(stage.Input("texture"), 3);
+}
+
+void FollowInput::CloseSeams() {
+  WeldedMesh whole = WeldWholeFaces(given_);
+  of_given_ = std::move(whole.of_input);
+  kept_.resize(static_cast<std::size_t>(whole.mesh.vertex_count()));
+  for (int v = given_.vertex_count() - 1; v >= 0; --v) kept_[of_given_[v]] = v;
+  mesh_ = std::move(whole.mesh);
+  mesh_.uvs = given_.uvs, mesh_.uv_faces = given_.uv_faces;
 }
 
 PointsX3 FollowInput::Points(int frame) const {
   if (frame == 0) return mesh_.points;
   const fs::path& path = paths_[frame];
   Mesh mesh = ReadMesh(path);
-  if (mesh.points.rows() != mesh_.points.rows() || !SameFaces(mesh.faces, mesh_.faces))
+  if (mesh.points.rows() != given_.points.rows() || !SameFaces(mesh.faces, given_.faces))
     throw InputError("follow: " + path.filename().string() +
                      " does not have the faces of the first frame; all frames must be of one mesh");
   RequireFinite(mesh.points, "follow: " + path.filename().string());
-  return std::move(mesh.points);
+  return mesh.points(kept_, Eigen::all);
 }
 
 std::vector<std::vector<PreparedView>> FollowInput::Prepared(int first, int count, bool pictures) {

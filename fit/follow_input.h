@@ -26,7 +26,13 @@ class FollowInput {
   /// where the films show the actor, or not in one of the cameras; says which and what to do
   FollowInput(StageContext& stage, const FollowInputOptions& options);
 
-  const Mesh& mesh() const { return mesh_; }  ///< the first frame, with the layout's UVs if given
+  /// The first frame, with the layout's UVs if given. Vertices that the frames double along seams
+  /// of a texture are one here, so that its charts do not part.
+  const Mesh& mesh() const { return mesh_; }
+  const Mesh& given() const { return given_; }  ///< the same with the vertices that the frames have
+  const std::vector<int>& of_given() const { return of_given_; }  ///< vertex of mesh() for each
+  /// Points of the frames' vertices, from those of mesh().
+  PointsX3 Opened(const PointsX3& points) const { return points(of_given_, Eigen::all); }
   int frames() const { return static_cast<int>(paths_.size()); }
   double frames_per_second() const { return rate_; }  ///< of the frames, else the films; or 0
   /// @throws InputError  other faces than the first frame has
@@ -41,11 +47,13 @@ class FollowInput {
 
  private:
   void ReadFirst(StageContext& stage);
+  void CloseSeams();
   void CheckPlaces();
   std::vector<std::vector<PreparedView>> Prepared(int first, int count, bool pictures);
 
   std::vector<std::filesystem::path> paths_;
-  Mesh mesh_;
+  Mesh given_, mesh_;
+  std::vector<int> of_given_, kept_;  // vertex of mesh_ for each given one, and the other way round
   Image8 texture_;
   std::optional<SyncedFilms> films_;
   int max_size_;

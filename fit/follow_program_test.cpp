@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/geometry.h"
 #include "core/io/files.h"
@@ -14,6 +15,8 @@
 #include "core/io/mesh_io.h"
 #include "core/io/rig_calibration.h"
 #include "core/io/testing_folder.h"
+#include "core/size_of.h"
+#include "core/testing_shapes.h"
 #include "fit/testing/breathing_ball.h"
 
 namespace keypose::fit {
@@ -96,6 +99,28 @@ TEST_F(Follow, OutlinesAloneKeepTheVolumeInTime) {
   };
   for (int f = 1; f < kFilmed; ++f) EXPECT_NEAR(volume(f) / volume(0), 1, 1e-6);
   EXPECT_GT(volume(0), 1.1 * SignedVolume(world_.mesh.points, world_.mesh.faces));
+}
+
+TEST_F(Follow, FramesThatAreCutForTheirTextureBendAsTheWholeOnes) {
+  std::vector<int> origin;
+  const Mesh cut = CutInCharts(world_.mesh, 0.5 * world_.mesh.points.col(2).maxCoeff(), &origin);
+  ASSERT_GT(SizeOf(origin), world_.mesh.vertex_count());
+  ASSERT_EQ(Run("--grey false"), 0) << log_;
+  const Mesh whole = ReadMesh(folder_ / "out" / FrameFileName(1));
+  for (int f = 0; f < kFilmed; ++f) WriteMesh(folder_ / "frames" / FrameFileName(f), cut);
+  ASSERT_EQ(Run("--grey false --confidence sure.ply"), 0) << log_;
+  const Mesh bent = ReadMesh(folder_ / "out" / FrameFileName(1));
+  EXPECT_EQ(bent.faces, cut.faces);
+  // Vertices have other numbers, so that sums differ in their order.
+  const double size = BoundingDiagonal(whole.points);
+  const PointsX3 difference = bent.points - PointsX3(whole.points(origin, Eigen::all));
+  EXPECT_LT(difference.rowwise().norm().mean(), 2e-3 * size);
+  for (int v = 0; v < SizeOf(origin); ++v)
+    for (int w = 0; w < v; ++w)
+      if (origin[v] == origin[w]) {
+        ASSERT_EQ(bent.points.row(v), bent.points.row(w));
+      }
+  EXPECT_EQ(ReadMesh(folder_ / "sure.ply").colors.rows(), cut.vertex_count());
 }
 
 TEST_F(Follow, FramesInAnotherSpaceAreRefused) {

@@ -59,7 +59,7 @@ struct FollowStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "follow";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Bends a moving mesh, frame by frame, until it agrees with the films.";
   spec.inputs = MovingMeshPorts();
   spec.inputs.push_back({"texture", "file",
@@ -123,7 +123,7 @@ class FlickerSum {
 Judged WriteFrames(StageContext& stage, FollowInput& input, const FollowedFrames& frames,
                    Progress* progress) {
   const fs::path folder = stage.Output("followed");
-  PlyFrames writer(input.mesh());
+  PlyFrames writer(input.given());
   Judged judged;
   judged.frames.resize(static_cast<std::size_t>(input.frames()));
   FlickerSum before, after;
@@ -140,7 +140,7 @@ Judged WriteFrames(StageContext& stage, FollowInput& input, const FollowedFrames
       made[i] = std::move(bent.points);
     });
     for (int i = 0; i < count; ++i) {
-      writer.Write(folder / FrameFileName(first + i), made[i]);
+      writer.Write(folder / FrameFileName(first + i), input.Opened(made[i]));
       before.Add(bases[i]), after.Add(made[i]);
     }
   }
@@ -208,11 +208,11 @@ void ReportConfidence(StageContext& stage, const FollowInput& input, const Follo
                              static_cast<double>(sure.size()));
   const fs::path path = stage.Output("confidence");
   if (path.empty()) return;
-  Mesh mesh = input.mesh();
+  Mesh mesh = input.given();
   mesh.colors.resize(mesh.points.rows(), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     mesh.colors.row(v).setConstant(static_cast<std::uint8_t>(
-        std::lround(255 * std::clamp(sure[followed.cell_of()[v]], 0.0, 1.0))));
+        std::lround(255 * std::clamp(sure[followed.cell_of()[input.of_given()[v]]], 0.0, 1.0))));
   WriteMesh(path, mesh);
 }
 

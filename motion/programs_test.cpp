@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -89,21 +88,9 @@ TEST_F(Programs, ATargetThatIsCutForItsTextureMovesAsTheWholeOne) {
   WriteBars();
   ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
   const Mesh whole = ReadMesh(folder_ / "out/frame_0003.ply");
-  // Two charts, each with vertices of its own, as PLY and glTF files have them; the same faces.
-  Mesh cut = target_;
   std::vector<int> origin;
-  std::map<std::pair<bool, int>, int> own;  // chart and vertex -> vertex
-  for (Eigen::Index f = 0; f < cut.faces.rows(); ++f) {
-    double middle = 0;
-    for (int k = 0; k < 3; ++k) middle += target_.points(target_.faces(f, k), 2) / 3;
-    for (int k = 0; k < 3; ++k) {
-      const auto [at, is_new] = own.try_emplace({middle > 0.8, cut.faces(f, k)}, SizeOf(origin));
-      if (is_new) origin.push_back(cut.faces(f, k));
-      cut.faces(f, k) = at->second;
-    }
-  }
+  const Mesh cut = CutInCharts(target_, 0.8, &origin);
   ASSERT_GT(SizeOf(origin), target_.vertex_count());
-  cut.points = target_.points(origin, Eigen::all);
   WriteMesh(folder_ / "target.ply", cut);
   std::vector<LandmarkPair> pairs = ReadLandmarkPairs(
       {folder_ / "marks.json"}, ReadMesh(folder_ / "template/frame_0000.ply"), target_);

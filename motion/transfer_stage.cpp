@@ -281,13 +281,6 @@ Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
   return frame;
 }
 
-/// The target with its seams closed, so that its charts do not part; faces keep their numbers,
-/// which the marks hold by.
-WeldedMesh WholeSurface(const Mesh& target) {
-  WeldedMesh whole = Weld(target, FindSeams(target));
-  return whole.mesh.face_count() == target.face_count() ? whole : Weld(target, {});
-}
-
 void Run(StageContext& stage, const TransferStageOptions& options) {
   const fs::path folder = stage.Input("template");
   const std::vector<fs::path> paths = NumberedFrames(folder, "transfer");
@@ -305,7 +298,7 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   if (stage.Has("pins")) how.pins = LoadPins(stage.Input("pins"));
   if (!how.pins.empty() && how.method != TransferMethod::kAuto)
     throw UsageError("transfer: pins need --method auto");
-  const WeldedMesh whole = WholeSurface(target);
+  const WeldedMesh whole = WeldWholeFaces(target);  // else charts of its texture part
   Transfer transfer(whole.mesh, reference.points, reference.faces, marks, how);
   WarnOfMarks(stage, transfer.report());
   SubProgress reading(stage.progress(), 0, 0.3), making(stage.progress(), 0.3, 1);
