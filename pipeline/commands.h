@@ -40,6 +40,8 @@ struct InitOptions {
   bool video3d = false;     ///< of a performance: textures from the films
   bool surface = false;     ///< of a performance: the surface from the films
 };
+/// @throws UsageError  an option that only performances have
+void RequireNoPerformance(const InitOptions& options);
 ExitCode InitCommand(const InitOptions& options);
 /// Whether a pose is given as a mesh instead of as a folder of photographs.
 bool NamesMesh(const InitOptions& options);

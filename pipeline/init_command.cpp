@@ -149,10 +149,6 @@ std::set<std::string> FewPhotographPoses(const std::vector<NewPose>& poses,
 
 std::vector<NewPose> ParsePoses(const InitOptions& options) {
   if (options.poses.empty()) throw UsageError("init needs at least one --pose NAME=PHOTO_DIR");
-  if (!options.shots.empty() || !options.scan_mesh.empty() || !options.marks.empty() ||
-      options.video3d || options.surface)
-    throw UsageError(
-        "--shot, --scan-mesh, --marks, --surface and --video3d need --kind performance");
   if (!options.texture.empty() || options.same_faces)
     throw UsageError(
         "--texture and --same-faces are for poses from meshes, as in --pose rest=rest.obj");
@@ -291,6 +287,14 @@ void RequireNoProject(const fs::path& folder) {
       fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
                   "its pipeline.yaml",
                   folder.string()));
+}
+
+void RequireNoPerformance(const InitOptions& options) {
+  if (!options.shots.empty() || !options.scan_mesh.empty() || !options.marks.empty() ||
+      !options.calibration.empty() || options.video3d || options.surface)
+    throw UsageError(
+        "--shot, --scan-mesh, --marks, --calibration, --surface and --video3d need --kind "
+        "performance");
 }
 
 ExitCode InitCommand(const InitOptions& options) {

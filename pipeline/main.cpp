@@ -155,6 +155,7 @@ class CommandLine {
   void AddInit() {
     CLI::App* init = Command("init", "make a project", [this] {
       if (init_.kind == "performance") return InitPerformance(init_);
+      RequireNoPerformance(init_);
       return NamesMesh(init_) ? InitMeshes(init_) : InitCommand(init_);
     });
     init->add_option("DIR", init_.folder, "folder to make")->required();

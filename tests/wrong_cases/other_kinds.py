@@ -31,6 +31,8 @@ def performance_cases():
         init('init of no scan', INPUT, ('--scan-mesh hero.obj', 'there is no'), '--shot', 'walk=photos', '--scan-mesh', 'hero.obj'),
         Case('performance: 3D video without the kind', USAGE, ('--video3d need --kind performance',), ('init', 'new', '--pose', 'rest=photos/rest', '--video3d'), outside=True),
         Case('performance: surface without the kind', USAGE, ('--surface and --video3d need',), ('init', 'new', '--pose', 'rest=photos/rest', '--surface'), outside=True),
+        Case('performance: calibration without the kind', USAGE, ('--calibration', 'need --kind performance'), ('init', 'new', '--pose', 'rest=photos/rest', '--calibration', 'pipeline.yaml'), outside=True),
+        Case('performance: nothing but shots without the kind', USAGE, ('need --kind performance',), ('init', 'new', '--shot', 'walk=photos'), outside=True),
         Case('performance: shots without the kind', USAGE, ('need --kind performance',), ('init', 'new', '--pose', 'rest=photos/rest', '--shot', 'walk=photos'), outside=True),
     ]
 
