@@ -20,7 +20,7 @@ constexpr int kHeadings = 16;
 struct LimbCanvas {
   SegmentRaster raster;            // segments of the rest
   std::vector<std::uint8_t> mask;  // 1 in the actor's mask
-  std::vector<int> stamp;          // the last candidate that covered a cell
+  std::vector<int> stamp;          // the last candidate, or upper segment, that covered a cell
   double base = 0;                 // cells of the mask that the rest leaves
 };
 

@@ -31,7 +31,7 @@ Coverage CoverageOf(const std::vector<Silhouette>& silhouettes, const LocalSurfa
 
 /// Looks for one limb over all its directions and bends, the rest of the body fixed.
 /// @return the `keep` best poses that differ, best first; the given one may be among them
-/// Cost: about 1,000 drawings of three segments in each view.
+/// Cost: about 1,000 coarse drawings of two segments in each view, and fewer of the third.
 /// Source: Carranza et al., SIGGRAPH 2003, section 5.3 (regular samples, then the best one
 /// refined).
 std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, const BodyShape& shape,
