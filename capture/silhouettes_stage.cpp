@@ -9,6 +9,7 @@
 #include "capture/segmentation/masking.h"
 #include "core/errors.h"
 #include "core/io/image_io.h"
+#include "core/io/png_io.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -78,7 +79,7 @@ class CameraMasks {
       empty[i] = MaskFraction(mask) == 0;
       char name[32];
       std::snprintf(name, sizeof name, "%03d.png", first + static_cast<int>(i));
-      WriteImage(folder_ / name, mask);
+      WriteMaskPng(folder_ / name, mask);
     });
     int sum = 0;
     for (const int e : empty) sum += e;

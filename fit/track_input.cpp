@@ -16,11 +16,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMaskSide = 500;      // [px] longer side of the reduced masks
-constexpr int kOutlinePoints = 220;    // of a view, that pull at the template
-constexpr int kClockFrames = 90;       // that clocks are compared over
-constexpr double kUpright = 0.87;      // cosine of 30 degrees
-constexpr double kUsualHeight = 1.72;  // [m] where nothing tells the unit
+constexpr double kMaskSide = 500;               // [px] longer side of the reduced masks
+constexpr int kOutlinePoints = 220;             // of a view, that pull at the template
+constexpr int kClockFrames = 90;                // that clocks are compared over
+constexpr std::int64_t kMostKnown = 128 << 20;  // [bytes] of masks that are kept
+constexpr double kUpright = 0.87;               // cosine of 30 degrees
+constexpr double kUsualHeight = 1.72;           // [m] where nothing tells the unit
 
 std::string Rounded(double x) {
   char text[32];
@@ -113,7 +114,8 @@ void TrackInput::CountFrames(StageContext& stage) {
 }
 
 void TrackInput::MakeCameras() {
-  cameras_.clear();
+  cameras_.clear(), known_.clear();
+  known_.resize(views_.size());
   for (const View& view : views_) {
     const double side = std::max(view.camera.width, view.camera.height);
     cameras_.emplace_back(view, std::min(1.0, kMaskSide / side));
@@ -214,12 +216,22 @@ std::vector<std::vector<Silhouette>> TrackInput::Read(int first, int count, int 
   ParallelFor(SizeOf(used_), [&](std::int64_t i) {
     const int camera = used_[i];
     for (int f = 0; f < count; ++f) {
-      const Image8 mask = masks_[camera]->Read(first + f * step + offsets_[camera], 1);
-      frames[f][i] =
-          MakeSilhouette(cameras_[camera], camera, cameras_[camera].Reduced(mask), kOutlinePoints);
+      const Image8 reduced = ReducedMask(camera, first + f * step + offsets_[camera]);
+      frames[f][i] = MakeSilhouette(cameras_[camera], camera, reduced, kOutlinePoints);
     }
   });
   return frames;
+}
+
+/// @param frame  of the camera's own film
+Image8 TrackInput::ReducedMask(int camera, int frame) {
+  KnownMasks& known = known_[camera];
+  const auto found = known.frames.find(frame);
+  if (found != known.frames.end()) return found->second.Mask();
+  Image8 reduced = cameras_[camera].Reduced(masks_[camera]->Read(frame, 1));
+  if (known.bytes < kMostKnown / SizeOf(used_))
+    known.bytes += known.frames.try_emplace(frame, reduced).first->second.bytes();
+  return reduced;
 }
 
 Image8 TrackInput::Mask(int camera, int frame) {

@@ -1,11 +1,14 @@
 // What the stage `track` reads: the shot, its cameras in metres, and silhouettes frame by frame.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/stage/stage.h"
+#include "fit/tracking/mask_runs.h"
 #include "fit/tracking/rig_checks.h"
 #include "views/shot/shot.h"
 
@@ -55,11 +58,19 @@ class TrackInput {
   void Compare(StageContext& stage, int frame);
   void FindClocks(StageContext& stage, const TrackInputOptions& options);
   void MakeCameras();
+  Image8 ReducedMask(int camera, int frame);
+
+  /// Reduced masks that were read before: several passes go over the frames.
+  struct KnownMasks {
+    std::unordered_map<int, MaskRuns> frames;
+    std::int64_t bytes = 0;
+  };
 
   Shot shot_;
   std::vector<View> views_;  // metres
   std::vector<std::unique_ptr<FrameReader>> masks_, pictures_;
   std::vector<SilhouetteCamera> cameras_;
+  std::vector<KnownMasks> known_;  // per camera, as the reduced pictures of cameras_
   std::vector<int> used_, compared_, offsets_;
   Eigen::Quaterniond up_from_world_ = Eigen::Quaterniond::Identity();
   double metres_per_unit_ = 0;

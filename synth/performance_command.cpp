@@ -13,6 +13,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/png_io.h"
 #include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/render.h"
@@ -166,11 +167,11 @@ class Filming {
       const bool held_out = v >= command_.cameras;
       const std::string& name = views_[v].name;
       const Image8 mask = FillMask(points, shown, views_[v]);
-      WriteImage(command_.output / "truth" / "masks" / name / (number + ".png"), mask);
+      WriteMaskPng(command_.output / "truth" / "masks" / name / (number + ".png"), mask);
       const std::uint64_t seed = Hash(command_.performer.seed * 1000003 + 1009 * frame + v);
       if (!held_out)
-        WriteImage(command_.output / "shot" / "masks" / name / (number + ".png"),
-                   NoisyMask(mask, command_.noise_px, seed));
+        WriteMaskPng(command_.output / "shot" / "masks" / name / (number + ".png"),
+                     NoisyMask(mask, command_.noise_px, seed));
       const fs::path folder = held_out ? "held_out" : "shot";
       if (filmed)
         WriteImage(command_.output / folder / name / (number + ".jpg"), filmed->Picture(v, seed),

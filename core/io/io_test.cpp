@@ -5,6 +5,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/png_io.h"
 #include "core/io/poses_io.h"
 #include "core/io/testing_folder.h"
 
@@ -60,6 +61,19 @@ class Files : public testing::Test, public TestingFolder {};
 TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   EXPECT_THROW(WriteFile("/dev/full", std::string(1 << 20, 'x')), DiskError);
+}
+
+TEST_F(Files, MaskOfOneBitAPixelComesBack) {
+  for (const int width : {1, 8, 13}) {
+    Image8 mask(width, 5, 1), expected(width, 5, 1);
+    for (std::size_t i = 0; i < mask.data.size(); ++i) {
+      mask.data[i] = i % 3 == 0 ? 128 : i % 5 == 0 ? 255 : 127;
+      expected.data[i] = mask.data[i] > 127 ? 255 : 0;
+    }
+    WriteMaskPng(folder_ / "mask.png", mask);
+    EXPECT_EQ(ReadImage(folder_ / "mask.png", 1).data, expected.data) << width;
+  }
+  EXPECT_EQ(ReadFile(folder_ / "mask.png").at(24), 1) << "bits of a pixel";
 }
 
 TEST(NearestWord, FindsTheTypo) {

@@ -2,12 +2,47 @@
 
 #include <png.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 
 namespace keypose {
+namespace {
+
+/// Eight pixels to a byte, the first in the highest bit; rows begin with whole bytes.
+std::vector<std::uint8_t> Packed(const Image8& mask) {
+  const std::size_t stride = (static_cast<std::size_t>(mask.width) + 7) / 8;
+  std::vector<std::uint8_t> bits(stride * mask.height, 0);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (*mask.at(x, y) > 127) bits[stride * y + x / 8] |= 0x80 >> x % 8;
+  return bits;
+}
+
+void Append(png_structp png, png_bytep data, png_size_t size) {
+  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<char*>(data), size);
+}
+
+/// libpng leaves a function that fails with a jump, which no object with a destructor may cross:
+/// all of them belong to the caller.
+bool WriteBits(png_structp png, png_infop info, const Image8& mask, const std::uint8_t* bits,
+               std::string* bytes) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_write_fn(png, bytes, Append, nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(mask.width),
+               static_cast<png_uint_32>(mask.height), 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  const std::size_t stride = (static_cast<std::size_t>(mask.width) + 7) / 8;
+  for (int y = 0; y < mask.height; ++y) png_write_row(png, bits + stride * y);
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
 
 void WritePng(const std::filesystem::path& path, const Image8& image) {
   png_image header{};
@@ -21,6 +56,17 @@ void WritePng(const std::filesystem::path& path, const Image8& image) {
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.data.data(), 0, nullptr))
     throw DiskError("cannot write " + path.string() + ": " + header.message);
   bytes.resize(size);
+  WriteFile(path, bytes);
+}
+
+void WriteMaskPng(const std::filesystem::path& path, const Image8& mask) {
+  const std::vector<std::uint8_t> bits = Packed(mask);
+  std::string bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool written = info && WriteBits(png, info, mask, bits.data(), &bytes);
+  png_destroy_write_struct(&png, &info);
+  if (!written) throw DiskError("cannot write " + path.string() + ": not enough memory");
   WriteFile(path, bytes);
 }
 

@@ -12,4 +12,9 @@ namespace keypose {
 /// @throws DiskError  names the path and the reason
 void WritePng(const std::filesystem::path& path, const Image8& image);
 
+/// A mask of one channel with one bit a pixel: white above 127. A film has thousands of masks, and
+/// one of 8 bits takes many times as long to read.
+/// @throws DiskError  names the path and the reason
+void WriteMaskPng(const std::filesystem::path& path, const Image8& mask);
+
 }  // namespace keypose

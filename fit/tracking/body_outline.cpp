@@ -189,7 +189,9 @@ void Draw(const ProjectedBody& projected, std::uint32_t segments, SegmentRaster*
   for (int s = 0; s < kSegments; ++s) {
     if (!(segments >> s & 1)) continue;
     const auto bit = static_cast<std::uint16_t>(1u << s);
-    VisitCells(*raster, projected, s, Detail::kFine, [&](int cell) { raster->bits[cell] |= bit; });
+    VisitSpans(*raster, projected, s, Detail::kFine, [&](int first, int end) {
+      for (int cell = first; cell < end; ++cell) raster->bits[cell] |= bit;
+    });
   }
 }
 

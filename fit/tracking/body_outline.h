@@ -39,18 +39,18 @@ enum class Detail {
   kFine,   ///< every second ring, sixteen angles: a silhouette's error is far below a cell
   kCoarse  ///< every fourth ring, eight angles: below a cell; for comparing many poses
 };
-/// The same of one segment, only for the vertices that VisitCells draws.
+/// The same of one segment, only for the vertices that VisitSpans draws.
 /// @param projected  pixels of kBodyVertices x 2; other rows stay
 void ProjectDrawn(const Silhouette& silhouette, const LocalSurface& surface, const PosedBody& body,
                   int segment, Detail detail, ProjectedBody* projected);
 
 /// An empty raster for the silhouette.
 SegmentRaster MakeRaster(const Silhouette& silhouette);
-/// Calls set(index of a cell) for each cell whose centre a face of the segment covers; a cell may
-/// come several times.
-template <class Set>
-void VisitCells(const SegmentRaster& raster, const ProjectedBody& projected, int segment,
-                Detail detail, Set&& set);
+/// Calls fill(first, end), indices of cells in one row, for the cells whose centres a face of the
+/// segment covers; a cell may come several times.
+template <class Fill>
+void VisitSpans(const SegmentRaster& raster, const ProjectedBody& projected, int segment,
+                Detail detail, Fill&& fill);
 /// Sets the bits of the segments.
 void Draw(const ProjectedBody& projected, std::uint32_t segments, SegmentRaster* raster);
 /// 1 in cells whose centre lies in the mask.

@@ -18,10 +18,10 @@ constexpr int kHeadings = 16;
 
 /// The body's cells in one view without one limb, for comparing poses of that limb.
 struct LimbCanvas {
-  SegmentRaster raster;            // segments of the rest
-  std::vector<std::uint8_t> mask;  // 1 in the actor's mask
-  std::vector<int> stamp;          // the last candidate, or upper segment, that covered a cell
-  double base = 0;                 // cells of the mask that the rest leaves
+  SegmentRaster raster;           // segments of the rest
+  std::vector<std::int8_t> gain;  // cells that differ more where the limb covers a cell: -1, 0, 1
+  std::vector<int> stamp;         // the last candidate, or upper segment, that covered a cell
+  int base = 0;                   // cells of the mask that the rest leaves
 };
 
 std::vector<LimbCanvas> CanvasesWithout(const std::vector<Silhouette>& silhouettes,
@@ -33,10 +33,14 @@ std::vector<LimbCanvas> CanvasesWithout(const std::vector<Silhouette>& silhouett
     if (silhouettes[v].empty()) return;
     canvas.raster = MakeRaster(silhouettes[v]);
     Draw(Project(silhouettes[v], surface, body, ~limb & 0xffff), ~limb & 0xffff, &canvas.raster);
-    canvas.mask = MaskCells(silhouettes[v], canvas.raster);
-    canvas.stamp.assign(canvas.mask.size(), -1);
-    for (std::size_t i = 0; i < canvas.mask.size(); ++i)
-      canvas.base += canvas.mask[i] && !canvas.raster.bits[i];
+    const std::vector<std::uint8_t> mask = MaskCells(silhouettes[v], canvas.raster);
+    canvas.stamp.assign(mask.size(), -1);
+    canvas.gain.assign(mask.size(), 0);
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (canvas.raster.bits[i]) continue;
+      canvas.gain[i] = mask[i] ? -1 : 1;
+      canvas.base += mask[i];
+    }
   });
   return canvases;
 }
@@ -137,22 +141,21 @@ class LimbComparison {
     projected_.pixels.resize(kBodyVertices, 2);
   }
 
-  /// Cells in which the body and the mask differ, for each candidate. The upper segment is drawn
-  /// once where candidates that come one after the other share it.
+  /// Cells in which the body and the mask differ, for the candidates at the indices. The upper
+  /// segment is drawn once where candidates that come one after the other share it.
   std::vector<double> Differences(const BodyPose& pose, Limb limb,
-                                  const std::vector<LimbCandidate>& candidates) {
+                                  const std::vector<LimbCandidate>& candidates,
+                                  const std::vector<int>& indices) {
     std::vector<double> differences;
-    if (silhouette_.empty()) return std::vector<double>(candidates.size(), 0.0);
     PosedBody body = Posed(pose, shape_);
-    int drawn = -1;
-    double with_upper = 0;
-    for (int c = 0; c < SizeOf(candidates); ++c) {
+    int drawn = -1, with_upper = 0;
+    for (const int c : indices) {
       Repose(WithLimb(pose, limb, candidates[c].numbers), shape_, first_joint_, last_joint_, &body);
       const int upper_mark = -2 - candidates[c].upper;
       if (candidates[c].upper != drawn)
         with_upper = canvas_.base + Cover(body, segments_.front(), upper_mark, upper_mark);
       drawn = candidates[c].upper;
-      double difference = with_upper;
+      int difference = with_upper;
       for (std::size_t s = 1; s < segments_.size(); ++s)
         difference += Cover(body, segments_[s], c, upper_mark);
       differences.push_back(difference);
@@ -162,14 +165,16 @@ class LimbComparison {
 
  private:
   /// What a segment changes where neither mark stands yet; leaves its own mark.
-  double Cover(const PosedBody& body, int segment, int mark, int other_mark) {
-    double change = 0;
+  int Cover(const PosedBody& body, int segment, int mark, int other_mark) {
+    int change = 0;
     ProjectDrawn(silhouette_, surface_, body, segment, Detail::kCoarse, &projected_);
-    VisitCells(canvas_.raster, projected_, segment, Detail::kCoarse, [&](int cell) {
-      int& stamp = canvas_.stamp[cell];
-      if (canvas_.raster.bits[cell] || stamp == mark || stamp == other_mark) return;
-      stamp = mark;
-      change += canvas_.mask[cell] ? -1 : 1;
+    VisitSpans(canvas_.raster, projected_, segment, Detail::kCoarse, [&](int first, int end) {
+      for (int cell = first; cell < end; ++cell) {
+        int& stamp = canvas_.stamp[cell];
+        if (stamp == mark || stamp == other_mark) continue;
+        stamp = mark;
+        change += canvas_.gain[cell];
+      }
     });
     return change;
   }
@@ -186,6 +191,72 @@ class LimbComparison {
 struct Scored {
   double difference = 0;
   int index = 0;
+};
+
+void SortBest(std::vector<Scored>* scored) {
+  std::stable_sort(scored->begin(), scored->end(),
+                   [](const Scored& a, const Scored& b) { return a.difference < b.difference; });
+}
+
+/// Compares poses of one limb with all views; most of them only with every second one.
+class LimbSearch {
+ public:
+  LimbSearch(const std::vector<Silhouette>& silhouettes, const LocalSurface& surface,
+             const BodyShape& shape, const BodyPose& pose, Limb limb)
+      : silhouettes_(silhouettes),
+        surface_(surface),
+        shape_(shape),
+        pose_(pose),
+        limb_(limb),
+        canvases_(CanvasesWithout(silhouettes, surface, Posed(pose, shape), SegmentsOf(limb))) {}
+
+  /// The most alike first.
+  std::vector<Scored> Sorted(const std::vector<LimbCandidate>& candidates) {
+    std::vector<int> seen;
+    for (int v = 0; v < SizeOf(silhouettes_); ++v)
+      if (!silhouettes_[v].empty()) seen.push_back(v);
+    std::vector<Scored> scored(candidates.size());
+    for (int c = 0; c < SizeOf(candidates); ++c) scored[c].index = c;
+    if (SizeOf(seen) < kManyViews) {
+      Add(seen, candidates, &scored);
+    } else {
+      std::vector<int> first, rest;
+      for (int i = 0; i < SizeOf(seen); ++i) (i % 2 == 0 ? first : rest).push_back(seen[i]);
+      Add(first, candidates, &scored);
+      SortBest(&scored);
+      scored.resize(std::max<std::size_t>(scored.size() / kWorthAll, 1));
+      std::sort(scored.begin(), scored.end(),
+                [](const Scored& a, const Scored& b) { return a.index < b.index; });
+      Add(rest, candidates, &scored);
+    }
+    SortBest(&scored);
+    return scored;
+  }
+
+ private:
+  static constexpr int kManyViews = 6;  // from so many on, half of them sort out
+  static constexpr int kWorthAll = 6;   // one in so many candidates is worth the other half
+
+  void Add(const std::vector<int>& views, const std::vector<LimbCandidate>& candidates,
+           std::vector<Scored>* scored) {
+    std::vector<int> indices;
+    for (const Scored& s : *scored) indices.push_back(s.index);
+    std::vector<std::vector<double>> differences(views.size());
+    ParallelFor(SizeOf(views), [&](std::int64_t i) {
+      const int v = views[i];
+      differences[i] = LimbComparison(silhouettes_[v], surface_, shape_, limb_, &canvases_[v])
+                           .Differences(pose_, limb_, candidates, indices);
+    });
+    for (const std::vector<double>& view : differences)
+      for (std::size_t i = 0; i < view.size(); ++i) (*scored)[i].difference += view[i];
+  }
+
+  const std::vector<Silhouette>& silhouettes_;
+  const LocalSurface& surface_;
+  const BodyShape& shape_;
+  const BodyPose& pose_;
+  Limb limb_;
+  std::vector<LimbCanvas> canvases_;
 };
 
 }  // namespace
@@ -223,23 +294,10 @@ std::uint32_t SegmentsOf(Limb limb) { return 7u << (4 + 3 * static_cast<int>(lim
 std::vector<BodyPose> SearchLimb(const std::vector<Silhouette>& silhouettes, const BodyShape& shape,
                                  const LocalSurface& surface, const BodyPose& pose, Limb limb,
                                  int keep) {
-  const std::uint32_t segments = SegmentsOf(limb);
-  std::vector<LimbCanvas> canvases =
-      CanvasesWithout(silhouettes, surface, Posed(pose, shape), segments);
   std::vector<LimbCandidate> candidates = Candidates(limb);
   candidates.push_back({pose.q.segment<6>(FirstDof(limb)), candidates.back().upper + 1});
-  std::vector<std::vector<double>> differences(silhouettes.size());
-  ParallelFor(SizeOf(silhouettes), [&](std::int64_t v) {
-    differences[v] = LimbComparison(silhouettes[v], surface, shape, limb, &canvases[v])
-                         .Differences(pose, limb, candidates);
-  });
-  std::vector<Scored> scored;
-  for (int c = 0; c < SizeOf(candidates); ++c) {
-    scored.push_back({0, c});
-    for (const std::vector<double>& view : differences) scored.back().difference += view[c];
-  }
-  std::stable_sort(scored.begin(), scored.end(),
-                   [](const Scored& a, const Scored& b) { return a.difference < b.difference; });
+  const std::vector<Scored> scored =
+      LimbSearch(silhouettes, surface, shape, pose, limb).Sorted(candidates);
   std::vector<BodyPose> best;
   for (const Scored& s : scored) {
     const LimbNumbers& numbers = candidates[s.index].numbers;

@@ -8,6 +8,7 @@
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "fit/tracking/actor_fit.h"
+#include "fit/tracking/mask_runs.h"
 #include "fit/tracking/rig_checks.h"
 #include "fit/tracking/tracker.h"
 
@@ -91,6 +92,50 @@ TEST(Silhouette, DistanceIsThatToADisc) {
   const double length = s.outline_step * static_cast<double>(s.outline.size());
   EXPECT_GT(length, 0.9 * 2 * kPi * 60);
   EXPECT_LT(length, 1.5 * 2 * kPi * 60);
+}
+
+TEST(MaskRuns, GiveTheSameMaskAgain) {
+  for (const int rarity : {1, 2, 7, 1000}) {
+    Image8 mask(23, 11, 1);
+    for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = (i * i + 3 * i) % rarity == 0;
+    const Image8 again = MaskRuns(mask).Mask();
+    EXPECT_EQ(again.width, 23);
+    EXPECT_EQ(again.height, 11);
+    EXPECT_EQ(again.data, mask.data) << rarity;
+  }
+}
+
+TEST(VisitSpans, AreTheCellsWhoseCentresTheFacesCover) {
+  const BodyShape shape = AverageShape();
+  const LocalSurface surface = SurfaceOf(shape);
+  const PosedBody body = Posed(Standing(), shape);
+  const std::vector<Silhouette> silhouettes = Filmed(Ring(2), shape, Standing());
+  for (const Silhouette& silhouette : silhouettes) {
+    const SegmentRaster raster = MakeRaster(silhouette);
+    const ProjectedBody projected = Project(silhouette, surface, body);
+    for (int s = 0; s < kSegments; ++s) {
+      std::vector<char> covered(raster.bits.size(), 0), drawn = covered;
+      for (const auto& t : internal::Drawn(Detail::kFine).triangles) {
+        std::array<Eigen::Vector2d, 3> c;
+        for (int i = 0; i < 3; ++i)
+          c[i] = raster.CellOf(projected.pixels.row(s * kSegmentVertices + t[i]).transpose());
+        for (int y = 0; y < raster.height; ++y)
+          for (int x = 0; x < raster.width; ++x) {
+            bool inside = true;
+            for (int i = 0; i < 3; ++i) {
+              const Eigen::Vector2d side = c[(i + 1) % 3] - c[i], to = Eigen::Vector2d(x, y) - c[i];
+              inside = inside && side.x() * to.y() - side.y() * to.x() < 0;
+            }
+            if (inside) covered[static_cast<std::size_t>(y) * raster.width + x] = 1;
+          }
+      }
+      VisitSpans(raster, projected, s, Detail::kFine, [&](int first, int end) {
+        std::fill(drawn.begin() + first, drawn.begin() + end, 1);
+      });
+      EXPECT_GT(std::count(drawn.begin(), drawn.end(), 1), 10) << s;
+      EXPECT_EQ(drawn, covered) << s;
+    }
+  }
 }
 
 TEST(OutlineMatches, ResidualsHaveTheSlopesThatTheyClaim) {
