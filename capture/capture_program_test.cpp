@@ -13,6 +13,8 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/painted_masks.h"
+#include "core/sha256.h"
 
 namespace keypose::capture {
 namespace {
@@ -125,6 +127,43 @@ TEST_F(CaptureProgram, SecondMaskOfAPhotographIsNamedWithTheOneThatIsUsed) {
     WriteImage(photos / "masks" / name, MakeTestPhoto(2, 180, 120, TestWall::kDark).truth);
   ASSERT_EQ(Run().code, 0);
   EXPECT_THAT(Report(), HasSubstr("p12_mask.png (for p12.jpg p12.png is used)"));
+}
+
+TEST_F(CaptureProgram, MaskThatWasPaintedOverAnotherPhotographIsNamedAndNotUsed) {
+  WritePhotos(8);
+  const fs::path photo = photos / "p13.jpg", masks = root / "painted", mask = masks / "p13.jpg.png";
+  fs::create_directories(masks);
+  WriteImage(mask, Image8(180, 120, 1, 255));
+  const auto is_used = [&] {
+    const Outcome outcome = Run("--masks " + masks.string());
+    EXPECT_EQ(outcome.code, 0) << outcome.output;
+    const bool warned = outcome.output.find("not used: p13.jpg;") != std::string::npos;
+    const bool used = ReadImage(images / "masks/p13.jpg.png", 1).at(2, 2)[0] == 255;
+    EXPECT_NE(warned, used) << outcome.output;
+    return used;
+  };
+  WritePaintedMasks(masks,
+                    {{"p13.jpg.png", {Sha256Of(ReadFile(mask)), Sha256Of(ReadFile(photo))}}});
+  EXPECT_TRUE(is_used());
+  WriteImage(photo, MakeTestPhoto(20, 180, 120, TestWall::kDark).image);
+  EXPECT_FALSE(is_used());
+  EXPECT_THAT(Report(), HasSubstr("masks_of_others"));
+  Image8 mended(180, 120, 1, 255);
+  mended.data.back() = 0;
+  WriteImage(mask, mended);
+  EXPECT_TRUE(is_used()) << "another program has painted since";
+}
+
+TEST_F(CaptureProgram, PaintedMaskWhosePhotographWasDeletedStopsNothing) {
+  WritePhotos(8);
+  const fs::path masks = root / "painted";
+  fs::create_directories(masks);
+  WriteImage(masks / "p30.jpg.png", Image8(180, 120, 1, 255));
+  EXPECT_EQ(Run("--masks " + masks.string()).code, 3) << "all masks may be misnamed";
+  WritePaintedMasks(masks, {{"p30.jpg.png", {"of the mask", "of the photograph"}}});
+  const Outcome outcome = Run("--masks " + masks.string());
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("belong to no photograph were left out: p30.jpg.png"));
 }
 
 TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {

@@ -65,6 +65,16 @@ TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   EXPECT_TRUE(fs::exists(images / "masks/IMG_0.jpg.png"));
 }
 
+TEST_F(CaptureProgram, JfifIsWrittenAsTheJpegThatItIs) {
+  WritePhotos(8);
+  for (const char* name : {"p12", "p14"})
+    fs::rename(photos / (std::string(name) + ".jpg"), photos / (std::string(name) + ".JFIF"));
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_EQ(ReadImageSet(images).images[2].name, "p12.jpg");
+  EXPECT_EQ(ReadFile(images / "p12.jpg"), ReadFile(photos / "p12.JFIF"));
+}
+
 TEST_F(CaptureProgram, PhotographAsHeicAndAsJpegIsAnInputError) {
   WritePhotos(8);
   WriteImage(photos / "p12.heic", MakeTestPhoto(2, 192, 120, TestWall::kDark).image);

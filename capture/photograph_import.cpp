@@ -2,27 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
 #include "capture/shoot/develop/white_balance.h"
 #include "core/errors.h"
+#include "core/image_turns.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/painted_masks.h"
 #include "core/io/photograph_files.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/sha256.h"
 
 namespace keypose::capture {
 namespace {
-
-Image8 QuarterTurned(const Image8& image) {
-  Image8 turned(image.height, image.width, image.channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
-  return turned;
-}
 
 /// What `keypose shoot` has noted of a folder; null for photographs of another origin.
 const shoot::SideFile* SideFileIn(const PhotographImport& import, const fs::path& folder) {
@@ -84,15 +80,21 @@ void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& impo
   if (!doubles.empty())
     stage.Warn("second masks of a photograph were left out: " + JoinNames(doubles) +
                "; keep one mask for each photograph");
+  // Masks that the studio painted had a photograph once: they are not misnamed.
+  const PaintedMasks painted = ReadPaintedMasks(import.masks);
+  const bool misnamed =
+      std::any_of(strangers.begin(), strangers.end(),
+                  [&](const std::string& name) { return !painted.contains(name); });
   const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(),
                                [](const fs::path& mask) { return !mask.empty(); });
   const std::string example = import.photographs[0].name + ".png";
-  if (!any && !strangers.empty())
+  if (!any && misnamed)
     throw InputError("capture: none of the masks in " + import.masks.string() +
                      " has a photograph's name; name that of " + import.photographs[0].name + ": " +
                      example);
-  if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
-  if (any && !strangers.empty())
+  if (!any && strangers.empty())
+    stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
+  if (!strangers.empty())
     stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
                "; a mask is named like its photograph, as in " + example);
 }
@@ -113,6 +115,34 @@ void FindMasksAndPlates(StageContext& stage, PhotographImport& import) {
     if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
       import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
   }
+}
+
+/// Masks that were painted over other photographs of these names are not used: their outlines would
+/// be wrong for what was shot again.
+void LeaveOutMasksOfAnother(StageContext& stage, PhotographImport* import) {
+  std::map<fs::path, PaintedMasks> notes;  // by folder
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < import->files.size(); ++i) {
+    fs::path& mask = import->user_masks[i];
+    if (mask.empty()) continue;
+    const auto [of, is_new] = notes.try_emplace(mask.parent_path());
+    if (is_new) of->second = ReadPaintedMasks(mask.parent_path());
+    const std::string name = mask.filename().string();
+    if (!of->second.contains(name)) continue;
+    const PaintedMask now{Sha256Of(ReadFile(mask)), Sha256Of(ReadFile(import->files[i]))};
+    if (!IsOfAnother(of->second, name, now)) continue;
+    names.push_back(import->photographs[i].name);
+    mask.clear();
+  }
+  if (names.empty()) return;
+  stage.ReportJson("masks_of_others", nlohmann::json(names).dump());
+  stage.Warn(
+      "these photographs were shot again since their masks were painted, and the masks are "
+      "not used: " +
+      JoinNames(names) +
+      "; paint them again, or say on the studio's page Poses that they still hold (or "
+      "delete " +
+      kPaintedNotes + " beside the masks)");
 }
 
 }  // namespace
@@ -139,6 +169,7 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
       import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
   FindMasksAndPlates(stage, import);
   RequireMasksOfPhotographs(stage, import);
+  LeaveOutMasksOfAnother(stage, &import);
   return import;
 }
 

@@ -146,7 +146,8 @@ void RequireDifferentNames(const std::vector<Photograph>& photographs) {
   for (const Photograph& photograph : photographs) {
     if (names.insert(photograph.name).second) continue;
     throw InputError("capture: " + photograph.name +
-                     " is there twice, as HEIC and as JPEG; leave one of the two kinds out");
+                     " is there twice, as HEIC and as JPEG, or as JFIF and as JPEG; leave one of "
+                     "the two kinds out");
   }
 }
 
@@ -191,11 +192,6 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-std::string WrittenName(const fs::path& file) {
-  const bool developed = IsHeicName(file) || IsRawName(file);
-  return developed ? file.stem().string() + ".jpg" : file.filename().string();
 }
 
 std::vector<fs::path> IgnoredFiles(const fs::path& folder,

@@ -28,10 +28,6 @@ std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder
 std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder,
                                                 const std::vector<PhotographGroup>& groups);
 
-/// The name of a photograph in the images folder: HEIC and RAW become .jpg, because no later stage
-/// reads them.
-std::string WrittenName(const std::filesystem::path& file);
-
 /// The clean plate beside the photographs (background.jpg, .png, .tif), or empty.
 std::filesystem::path FindBackground(const std::filesystem::path& folder);
 

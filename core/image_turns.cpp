@@ -13,4 +13,12 @@ Image8 TurnedOver(const Image8& image) {
   return turned;
 }
 
+Image8 QuarterTurned(const Image8& image) {
+  Image8 turned(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
+  return turned;
+}
+
 }  // namespace keypose

@@ -25,14 +25,14 @@ bool IsOneOf(const std::string& extension, const std::array<const char*, N>& kno
 }
 
 constexpr std::array<const char*, 3> kHeic = {".heic", ".heif", ".hif"};
-constexpr std::array<const char*, 5> kPlain = {".jpg", ".jpeg", ".png", ".tif", ".tiff"};
+constexpr std::array<const char*, 6> kPlain = {".jpg", ".jpeg", ".jfif", ".png", ".tif", ".tiff"};
 constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
                                              ".dng", ".raf", ".orf", ".rw2"};
 constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
 constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
-constexpr std::array<const char*, 15> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
+constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
                                                         ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
-                                                        ".jp2",  ".tga",  ".exr", ".hdr", ".jfif"};
+                                                        ".jp2",  ".tga",  ".exr", ".hdr"};
 
 constexpr std::array<const char*, 13> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
                                                  ".gltf", ".fbx",  ".dae", ".usd", ".usda",
@@ -45,6 +45,11 @@ bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), k
 bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kRaw); }
 bool IsPhotographName(const fs::path& file) {
   return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain);
+}
+
+std::string WrittenName(const fs::path& file) {
+  const bool other = IsHeicName(file) || IsRawName(file) || LowerExtensionOf(file) == ".jfif";
+  return other ? file.stem().string() + ".jpg" : file.filename().string();
 }
 
 bool IsLitterName(const fs::path& file) {

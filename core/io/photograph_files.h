@@ -9,7 +9,7 @@ namespace keypose {
 
 /// The extensions that are read, for messages.
 inline const char* const kReadablePhotographs =
-    ".jpg, .jpeg, .png, .tif, .tiff, .heic, .heif, .hif";
+    ".jpg, .jpeg, .jfif, .png, .tif, .tiff, .heic, .heif, .hif";
 /// Those of RAW files, which `capture` develops where there are no others.
 inline const char* const kReadableRaw = ".cr2, .cr3, .nef, .arw, .dng, .raf, .orf, .rw2";
 
@@ -20,6 +20,9 @@ bool IsHeicName(const std::filesystem::path& file);
 /// Whether the extension (any case) is one of .cr2 .cr3 .nef .arw .dng .raf .orf .rw2: RAW files
 /// that core/io/raw_io.h develops.
 bool IsRawName(const std::filesystem::path& file);
+/// The name under which `capture` writes a photograph. HEIC and RAW become .jpg, because no later
+/// stage reads them; .jfif is JPEG under a name that not every program knows.
+std::string WrittenName(const std::filesystem::path& file);
 /// Whether the file or folder is one that operating systems, file managers and disk stations
 /// create: hidden ones, Thumbs.db, desktop.ini, @eaDir, __MACOSX.
 bool IsLitterName(const std::filesystem::path& file);
