@@ -286,6 +286,8 @@ std::string KeyName(const std::string& source, std::size_t index, const std::str
 }
 
 void CheckTimes(const Timeline& timeline, const std::string& source) {
+  // 0.1 + 0.2 is more than 0.3 in binary; a hold that is written so ends at the next key.
+  constexpr double kLastDigit_s = 1e-6;
   for (std::size_t k = 0; k < timeline.keys.size(); ++k) {
     const TimelineKey& key = timeline.keys[k];
     const auto fail = [&](const std::string& field, const std::string& message) {
@@ -300,7 +302,7 @@ void CheckTimes(const Timeline& timeline, const std::string& source) {
     if (!(*key.time_s > *before.time_s))
       fail("time", fmt::format("is {:g} s, which does not come after the key before it, at {:g} s",
                                *key.time_s, *before.time_s));
-    if (*before.time_s + before.hold_s > *key.time_s)
+    if (*before.time_s + before.hold_s > *key.time_s + kLastDigit_s)
       throw TimelineError(
           fmt::format("{}: field 'hold' is {:g} s, but the next key comes {:g} s later",
                       KeyName(source, k - 1, before.pose), before.hold_s,
@@ -346,6 +348,44 @@ void TakeKeys(Fields& fields, const std::string& source, const SpanDefaults& def
   if (timeline.keys.size() < 2) fields.Fail("needs two keys or more");
 }
 
+/// The frame at which a time is shown, counted from the first key; as interpolate rounds.
+double FrameOf(const Timeline& timeline, double time_s) {
+  return std::round((time_s - *timeline.keys.front().time_s) * timeline.fps);
+}
+
+void CheckFrames(const Timeline& timeline, const std::string& source) {
+  for (std::size_t k = 1; k < timeline.keys.size(); ++k) {
+    const TimelineKey &before = timeline.keys[k - 1], &key = timeline.keys[k];
+    if (FrameOf(timeline, *key.time_s) > FrameOf(timeline, *before.time_s)) continue;
+    throw TimelineError(
+        fmt::format("{} is in the same frame as the key before it: {:g} s and {:g} s at {:g} "
+                    "frames a second; move it by a frame or more",
+                    KeyName(source, k, key.pose), *before.time_s, *key.time_s, timeline.fps),
+        static_cast<int>(k));
+  }
+}
+
+/// Whether a key begins or stands at this time.
+bool HasKeyAt(const Timeline& timeline, double time_s) {
+  const double frame = FrameOf(timeline, time_s);
+  return std::any_of(timeline.keys.begin(), timeline.keys.end(), [&](const TimelineKey& key) {
+    const double begin = FrameOf(timeline, *key.time_s);
+    return frame >= begin && frame <= begin + std::round(key.hold_s * timeline.fps);
+  });
+}
+
+void CheckPins(const Timeline& timeline, const std::string& source) {
+  for (const TimelinePin& pin : timeline.pins)
+    for (const std::optional<double>& time : {pin.from_s, pin.to_s})
+      if (time && !HasKeyAt(timeline, *time))
+        throw TimelineError(
+            fmt::format(
+                "{}: the pin of '{}' begins or ends at {:g} s, where no key is; a pin holds "
+                "from key to key, else its region would jump",
+                source, pin.region, *time),
+            -1);
+}
+
 }  // namespace
 
 std::optional<Ease> EaseNamed(const std::string& name) {
@@ -389,6 +429,19 @@ Timeline ParseTimeline(const std::string& text, const std::string& source) {
   CheckTimes(timeline, source);
   CheckRegionNames(timeline, source);
   return timeline;
+}
+
+void RequirePlayable(const Timeline& timeline, const std::string& source) {
+  const std::string &first = timeline.keys.front().pose, &last = timeline.keys.back().pose;
+  if (timeline.loop && first != last)
+    throw TimelineError(
+        fmt::format("{}: the timeline loops, but it begins with pose '{}' and ends with '{}'; end "
+                    "it with '{}' again, at the time when the loop closes",
+                    source, first, last, first),
+        static_cast<int>(timeline.keys.size()) - 1);
+  if (!timeline.has_times()) return;
+  CheckFrames(timeline, source);
+  CheckPins(timeline, source);
 }
 
 }  // namespace keypose

@@ -29,4 +29,12 @@ struct TimelineError : InputError {
 /// region that does not exist; names key and field
 Timeline ParseTimeline(const std::string& json, const std::string& source);
 
+/// What `interpolate` would refuse once the keys' meshes are there, as far as poses and times tell
+/// it: for programs that know a project's timeline an hour before.
+///
+/// @param timeline  its keys name their poses
+/// @throws TimelineError  a loop that does not end with its first pose, two keys in one frame, or a
+/// pin from or to a time without a key
+void RequirePlayable(const Timeline& timeline, const std::string& source);
+
 }  // namespace keypose

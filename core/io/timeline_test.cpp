@@ -130,5 +130,49 @@ TEST(ParseTimeline, ErrorsSayWhichKey) {
   }
 }
 
+TEST(ParseTimeline, AHoldMayEndAtTheNextKeyWhateverBinaryNumbersSay) {
+  const Timeline t =
+      Parse(R"({"fps":10,"keys":[{"time":0.1,"hold":0.2},{"time":0.3},{"time":0.7}]})");
+  EXPECT_EQ(t.keys[0].hold_s, 0.2);
+  EXPECT_NE(Complaint(R"({"fps":10,"keys":[{"time":0.1,"hold":0.21},{"time":0.3}]})")
+                .find("field 'hold' is 0.21 s, but the next key comes 0.2 s later"),
+            std::string::npos);
+}
+
+/// What is wrong with a timeline of three keys, of which `text` is the rest.
+std::string Obstacle(const std::string& text) {
+  try {
+    RequirePlayable(Parse(R"({"fps":12,"regions":[{"name":"leg","vertices":[0,1]}],)" + text + "}"),
+                    "timeline");
+  } catch (const TimelineError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RequirePlayable, ALoopEndsWithItsFirstPose) {
+  const std::string loop = R"("loop":true,"keys":[{"pose":"rest"},{"pose":"wave"})";
+  EXPECT_EQ(Obstacle(loop + R"(,{"pose":"rest"}])"), "");
+  EXPECT_EQ(Obstacle(loop + "]"),
+            "timeline: the timeline loops, but it begins with pose 'rest' and ends with 'wave'; "
+            "end it with 'rest' again, at the time when the loop closes");
+}
+
+TEST(RequirePlayable, KeysAreAFrameApart) {
+  EXPECT_EQ(Obstacle(R"("keys":[{"time":1},{"time":1.05}])"), "") << "0.6 of a frame is the next";
+  EXPECT_EQ(Obstacle(R"("keys":[{"pose":"a","time":1},{"pose":"b","time":1.04}])"),
+            "timeline: key 1 ('b') is in the same frame as the key before it: 1 s and 1.04 s at 12 "
+            "frames a second; move it by a frame or more");
+}
+
+TEST(RequirePlayable, PinsGoFromKeyToKeyOrFromAHold) {
+  const std::string keys = R"(,"keys":[{"time":1,"hold":0.5},{"time":2},{"time":3}])";
+  EXPECT_EQ(Obstacle(R"("pins":[{"region":"leg","from":1.5,"to":3}])" + keys), "");
+  EXPECT_EQ(Obstacle(R"("pins":[{"region":"leg"}])" + keys), "");
+  EXPECT_NE(Obstacle(R"("pins":[{"region":"leg","from":1,"to":2.5}])" + keys)
+                .find("the pin of 'leg' begins or ends at 2.5 s, where no key is"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace keypose

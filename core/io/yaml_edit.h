@@ -26,11 +26,17 @@ std::string WithValue(const std::string& text, const YamlPath& path, const std::
 /// @throws YamlEditError  as above
 std::string WithoutValue(const std::string& text, const YamlPath& path);
 
-/// `text` with a list at `path`, an item a line. Items that stay keep their line and its comment.
+/// `text` with a list at `path`, an item a line. Items that stay, or of which only some fields
+/// change, keep their lines and comments.
 /// @param items  YAML in flow style
 /// @throws YamlEditError  as above
 std::string WithItems(const std::string& text, const YamlPath& path,
                       const std::vector<std::string>& items);
+
+/// `text` with the list at `path` under `key` of a map, which takes the list's place: [a, b]
+/// becomes {key: [a, b]}, an item a line. Its comments stay.
+/// @throws YamlEditError  as above, or there is no list
+std::string WithListUnder(const std::string& text, const YamlPath& path, const std::string& key);
 
 /// A text as a scalar, quoted where YAML would read it as something else.
 std::string YamlScalar(const std::string& value);

@@ -103,6 +103,46 @@ TEST(YamlEdit, ItemsThatStayKeepTheirLineAndComment) {
             true);
 }
 
+TEST(YamlEdit, ItemsThatMoveBesideNewOnesKeepTheirComments) {
+  const std::string text =
+      "keys:\n  - {pose: rest, at: 0, hold: 0.5}   # she listens\n"
+      "  # the jump\n  - {pose: bent, at: 1}\n  - {pose: rest, at: 2}   # back\n";
+  EXPECT_EQ(WithItems(text, {"keys"},
+                      {"{pose: rest, at: 0, hold: 0.25}", "{pose: wave, at: 0.25}",
+                       "{pose: bent, at: 1.5}", "{pose: rest, at: 2.5}"}),
+            "keys:\n  - {pose: rest, at: 0, hold: 0.25}   # she listens\n"
+            "  - {pose: wave, at: 0.25}\n"
+            "  # the jump\n  - {pose: bent, at: 1.5}\n  - {pose: rest, at: 2.5}   # back\n");
+}
+
+TEST(YamlEdit, ItemsOfSeveralLinesKeepThem) {
+  const std::string text =
+      "timeline:\n  keys:\n  # asleep\n  - pose: rest\n    at: 0        # the first frame\n"
+      "    ease: in\n\n  - pose: bent   # awake\n    at: 1\nfps: 24\n";
+  EXPECT_EQ(
+      WithItems(text, {"timeline", "keys"},
+                {"{pose: rest, at: 0, hold: 2}", "{pose: bent, at: 3}", "{pose: rest, at: 4}"}),
+      "timeline:\n  keys:\n  # asleep\n  - pose: rest\n    at: 0        # the first frame\n"
+      "    hold: 2\n\n  - pose: bent   # awake\n    at: 3\n  - {pose: rest, at: 4}\nfps: 24\n");
+}
+
+TEST(YamlEdit, AListBecomesAMapInItsPlaceWithItsComments) {
+  EXPECT_EQ(WithListUnder("a: 1\n# how long\ntimeline:   # of the film\n  # asleep\n  - rest\n"
+                          "  - bent   # awake\nfps: 24\n",
+                          {"timeline"}, "keys"),
+            "a: 1\n# how long\ntimeline:   # of the film\n  keys:\n    # asleep\n    - rest\n"
+            "    - bent   # awake\nfps: 24\n");
+  EXPECT_EQ(WithListUnder("timeline:\n- rest\n- bent\nfps: 24\n", {"timeline"}, "keys"),
+            "timeline:\n  keys:\n  - rest\n  - bent\nfps: 24\n");
+  EXPECT_EQ(WithListUnder("timeline: [rest, {pose: bent, at: 1}]  # two\n\nfps: 24\n", {"timeline"},
+                          "keys"),
+            "timeline:  # two\n  keys:\n    - rest\n    - {pose: bent, at: 1}\n\nfps: 24\n");
+  EXPECT_EQ(WithListUnder("timeline: [rest, bent]", {"timeline"}, "keys"),
+            "timeline:\n  keys:\n    - rest\n    - bent\n");
+  EXPECT_THROW(WithListUnder("timeline: {keys: [a]}\n", {"timeline"}, "keys"), YamlEditError);
+  EXPECT_THROW(WithListUnder("a: 1\n", {"timeline"}, "keys"), YamlEditError);
+}
+
 TEST(YamlEdit, TextsAreQuotedWhereYamlWouldReadSomethingElse) {
   EXPECT_EQ(YamlScalar("photos/rest"), "photos/rest");
   EXPECT_EQ(YamlScalar("-0.5"), "-0.5");

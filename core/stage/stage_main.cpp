@@ -163,7 +163,7 @@ struct Arguments {
 };
 
 /// Parses argv.
-/// @return an exit code when the run ends here (help, describe, usage error)
+/// @return an exit code when the run ends here (help, describe, check, usage error)
 class CommandLine {
  public:
   CommandLine(const StageSpec& spec, const BoundOptions& options,
@@ -194,6 +194,8 @@ class CommandLine {
                           "print the stage's version")
         ->group(rest);
     app_.add_flag("--describe", describe_, "print ports and options as JSON")->group(rest);
+    app_.add_flag("--check_options", check_, "only say whether the options can be used so")
+        ->group(rest);
   }
 
   std::optional<int> Parse(int argc, char** argv, Arguments& arguments) {
@@ -211,6 +213,10 @@ class CommandLine {
     }
     if (describe_) {
       std::cout << Describe(spec_, options_).dump(1) << "\n";
+      return 0;
+    }
+    if (check_) {
+      CheckOptions();
       return 0;
     }
     if (TakeAction(arguments)) return std::nullopt;
@@ -334,7 +340,7 @@ class CommandLine {
   std::map<std::string, std::vector<std::string>> paths_;
   std::map<std::string, std::string> action_files_;
   std::string report_;
-  bool describe_ = false, overwrite_ = false;
+  bool describe_ = false, check_ = false, overwrite_ = false;
   int common_added_ = 0;
 };
 

@@ -163,6 +163,36 @@ TEST_F(StageTest, DescribesItself) {
   EXPECT_EQ(description["options"][1]["unit"], "m");
 }
 
+/// An option that no range can describe.
+struct PairedOptions {
+  int low = 1, high = 2;
+  void Describe(OptionVisitor& visit) {
+    visit("low", low, {"at most high", "", 0, 9, {}});
+    visit("high", high, {"at least low", "", 0, 9, {}});
+  }
+  std::vector<std::string> Problems() const {
+    if (low > high) return {"low is above high"};
+    return {};
+  }
+};
+
+TEST_F(StageTest, OptionsAreCheckedWithoutPorts) {
+  const auto check = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"keypose-test", "--check_options"});
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    const int code = RunStage<PairedOptions>(SizeOf(argv), argv.data(), Spec(),
+                                             [](StageContext&, const PairedOptions&) { FAIL(); });
+    error_ = testing::internal::GetCapturedStderr();
+    return code;
+  };
+  EXPECT_EQ(check({}), 0);
+  EXPECT_EQ(check({"--low", "2"}), 0);
+  EXPECT_EQ(check({"--low", "3"}), 2);
+  EXPECT_EQ(error_, "keypose test: error: low is above high\n");
+}
+
 std::string HelpOf(const StageSpec& spec) {
   std::string name = "keypose-test", flag = "--help";
   char* argv[] = {name.data(), flag.data()};
