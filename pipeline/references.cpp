@@ -303,6 +303,22 @@ std::optional<Setting> References::LandmarkFile(const std::string& pose_name) co
   return std::nullopt;
 }
 
+/// What is said of a file of landmarks that bears no pose's name: a pose that was renamed left it.
+std::string References::StrayLandmarks() const {
+  std::string strays;
+  for (const std::filesystem::path file : disk_.Children(project_ / "landmarks")) {
+    const std::string name = file.stem().string(), whole = "landmarks/" + file.string();
+    const bool named = std::any_of(file_.poses.begin(), file_.poses.end(), [&](const auto& pose) {
+      return pose.name == name || (pose.landmarks && pose.landmarks->text == whole);
+    });
+    if (!named && (file.extension() == ".json" || file.extension() == ".pp"))
+      strays += (strays.empty() ? "" : ", ") + whole;
+  }
+  if (strays.empty()) return "";
+  return fmt::format("; {} bears the name of no pose: if this pose was called so, rename the file",
+                     strays);
+}
+
 /// Warnings about landmark files that are not used.
 std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
   std::vector<std::string> warnings;
@@ -320,8 +336,8 @@ std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
       warnings.push_back(
           fmt::format("{} is not used: pose '{}' has no landmarks to pair them with; pick the same "
                       "spots on it, with the "
-                      "same names, and save them as landmarks/{}.json or .pp",
-                      file->text, other, other));
+                      "same names, and save them as landmarks/{}.json or .pp{}",
+                      file->text, other, other, StrayLandmarks()));
     }
   }
   return warnings;

@@ -52,6 +52,7 @@ class References {
   Flow Source(const Setting& path) const;
   std::vector<std::string> LandmarkWarnings(const Step& step) const;
   std::vector<std::string> PosesOfPair(const Step& step) const;
+  std::string StrayLandmarks() const;
   std::optional<Setting> LandmarkFile(const std::string& pose_name) const;
   void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;
 

@@ -9,8 +9,11 @@
 namespace keypose::pipeline {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 TEST(Rules, FailedStepKeepsItsLogStopsWhatDependsAndGoesOnAfterRepair) {
   FakeHouse house;
@@ -216,6 +219,17 @@ TEST(Rules, LostCacheExplainsItself) {
   house.disk.Remove(house.project / ".keypose/cache");
   EXPECT_EQ(house.Look().Reasons("shoot/rest"), "its artifact is no longer in the cache\n");
   EXPECT_EQ(house.Run().ran, kAllSteps);
+}
+
+TEST(Rules, LandmarksThatARenamedPoseLeftAreTold) {
+  FakeHouse house;
+  house.disk.Write(house.project / "landmarks/rest.json", "rest picks");
+  house.disk.Write(house.project / "landmarks/bowed.json", "picks of bent, when it was called so");
+  EXPECT_THAT(house.Run().notes,
+              ElementsAre(AllOf(HasSubstr("pose 'bent' has no landmarks"),
+                                HasSubstr("landmarks/bowed.json bears the name of no pose"))));
+  house.disk.Remove(house.project / "landmarks/bowed.json");
+  EXPECT_THAT(house.Run().notes, ElementsAre(Not(HasSubstr("of no pose"))));
 }
 
 }  // namespace
