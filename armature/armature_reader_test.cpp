@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
@@ -130,6 +132,60 @@ TEST(ArmatureReader, ABoardThatBeginsAgainWhenItsPortIsOpenedIsNotSpokenToAtFirs
   EXPECT_GE(first - begin, 0.3);
   EXPECT_THROW(ArmatureReader(arm, port, {}), ToolError);
   EXPECT_LT(SteadySeconds() - first, 0.3);
+}
+
+/// Between the host and a box: a board whose boot loader waits on as long as something comes.
+class BoardWithBootLoader {
+ public:
+  BoardWithBootLoader(const std::filesystem::path& host, const std::filesystem::path& box) {
+    host_.Open(host);
+    box_.Open(box, 1000000);
+    thread_ = std::thread([this] {
+      while (!ends_) Pass();
+    });
+  }
+  ~BoardWithBootLoader() {
+    ends_ = true;
+    thread_.join();
+  }
+  void PressReset() { starts_until_s_ = SteadySeconds() + kLoader_s; }
+
+ private:
+  static constexpr double kLoader_s = 0.2;
+  void Pass() {
+    const std::string asked = host_.Read(0.001);
+    if (SteadySeconds() < starts_until_s_) {
+      if (!asked.empty()) PressReset();
+      return;
+    }
+    if (asked.empty()) return;
+    box_.Write(asked);
+    for (std::string reply = box_.Read(0.02); !reply.empty(); reply = box_.Read(0.002))
+      host_.Write(reply);
+  }
+  PseudoTerminal host_;
+  SerialPort box_;
+  std::atomic<bool> ends_ = false;
+  std::atomic<double> starts_until_s_ = 0;
+  std::thread thread_;
+};
+
+TEST(ArmatureReader, ABoardsResetButtonIsNoEndAsItsBootLoaderIsLeftAlone) {
+  const Armature arm = OneJoint();
+  const TestingFolder folder;
+  PortOptions port;
+  port.device = folder.path() / "board";
+  port.retry_s = 0.02;
+  port.start_s = 0.4;
+  port.link = {0.05, 3};
+  SimulatedBox box(arm, folder.path() / "box");
+  BoardWithBootLoader board(port.device, folder.path() / "box");
+  ArmatureReader reader(arm, port, {});
+  reader.ResetCounters();
+  board.PressReset();
+  std::vector<std::string> codes;
+  ReadUntil(reader, "cable-back", &codes);
+  EXPECT_THAT(codes, testing::ElementsAre("silent", "cable-back"));
 }
 
 }  // namespace

@@ -80,12 +80,13 @@ StageSpec BakeSpec() {
   return spec;
 }
 
-JointCurves BakedCurves(const StageContext& stage, const Armature& armature) {
+JointCurves BakedCurves(StageContext& stage, const Armature& armature) {
   const fs::path path = stage.Input("curves");
   JointCurves curves = ParseCurvesJson(ReadFile(path), PrintableName(path), armature);
   if (curves.frame_count() == 0)
     throw InputError("armature bake: " + PrintableName(path) +
                      " has no frame; record some with `keypose armature record`");
+  if (const std::string words = LeftOutWords(curves); !words.empty()) stage.Warn(words);
   return curves;
 }
 

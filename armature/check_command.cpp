@@ -7,6 +7,7 @@
 #include "armature/commands.h"
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
+#include "armature/recording/curves.h"
 #include "core/angles.h"
 #include "core/io/bvh_io.h"
 #include "core/io/files.h"
@@ -34,7 +35,9 @@ StageSpec Spec() {
   spec.inputs = {
       {"description", "file", "the armature's description file", "", false, false},
       {"chains", "file", "the file of anchors and chains", "", true, false},
-      {"skeleton", "file", "the computer skeleton (.bvh) that the chains name", "", true, false}};
+      {"skeleton", "file", "the computer skeleton (.bvh) that the chains name", "", true, false},
+      {"curves", "file", "a recorded take (curves.json) that shall fit the description", "", true,
+       false}};
   spec.outputs = {{"written", "file", "the description as it was read; the same bytes",
                    "description.txt", true, false, true}};
   return spec;
@@ -108,6 +111,15 @@ void DescribeChains(StageContext& stage, const Armature& armature) {
   stage.Report("chains", static_cast<int>(plan.chains.size()));
 }
 
+void DescribeTake(StageContext& stage, const Armature& armature) {
+  const auto path = stage.Input("curves");
+  const JointCurves curves = ParseCurvesJson(ReadFile(path), PrintableName(path), armature);
+  stage.Note(fmt::format("the take fits: {} recorded frames, {} film frames each, {:g} a second",
+                         curves.frame_count(), curves.step, curves.fps));
+  stage.Report("recorded_frames", curves.frame_count());
+  if (const std::string words = LeftOutWords(curves); !words.empty()) stage.Warn(words);
+}
+
 void Run(StageContext& stage, const CheckOptions&) {
   const auto path = stage.Input("description");
   const DescriptionFile file = DescriptionFile::Parse(ReadFile(path), PrintableName(path));
@@ -121,6 +133,7 @@ void Run(StageContext& stage, const CheckOptions&) {
   stage.Report("cards", cards);
   WarnOfGaps(stage, armature);
   if (stage.Has("chains")) DescribeChains(stage, armature);
+  if (stage.Has("curves")) DescribeTake(stage, armature);
   if (const auto written = stage.Output("written"); !written.empty())
     WriteFile(written, file.Text());
 }

@@ -40,6 +40,7 @@ void RunEdit(StageContext& stage, const EditOptions&) {
       DescriptionFile::Parse(ReadFile(description), PrintableName(description));
   const Armature& armature = file.armature();
   const JointCurves before = ParseCurvesJson(ReadFile(path), PrintableName(path), armature);
+  if (const std::string words = LeftOutWords(before); !words.empty()) stage.Warn(words);
   const std::string text = ReadFile(edits_path);
   const std::vector<CurveEdit> edits = ParseCurveEdits(text, PrintableName(edits_path), armature);
   const JointCurves curves = EditedCurves(armature, before, edits);

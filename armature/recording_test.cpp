@@ -94,6 +94,23 @@ TEST(Curves, OfAnotherArmatureOrDamagedAreAFault) {
   EXPECT_THAT(fault(R"({"fps":0,"step":1})"), HasSubstr("must be positive"));
 }
 
+TEST(Curves, AJointThatTheDescriptionLostIsNamedAndTheOthersStay) {
+  const Armature theropod = MakeTheropod();
+  const JointCurves made = Walk(theropod, 3, 1);
+  Armature fewer = theropod;
+  const std::string gone = fewer.nodes[static_cast<std::size_t>(fewer.joints.back())].name;
+  fewer.joints.pop_back();
+  const JointCurves read = ParseCurvesJson(CurvesJson(theropod, made), "c.json", fewer);
+  EXPECT_THAT(read.left_out, ElementsAre(gone));
+  EXPECT_EQ(read.values, made.values.leftCols(made.values.cols() - 1));
+  EXPECT_THAT(LeftOutWords(read),
+              HasSubstr("a joint '" + gone + "', which the description has not"));
+  EXPECT_EQ(LeftOutWords(made), "");
+  fewer.joints.resize(2);
+  EXPECT_THAT(LeftOutWords(ParseCurvesJson(CurvesJson(theropod, made), "c.json", fewer)),
+              HasSubstr(" and 67 more"));
+}
+
 TEST(Curves, CsvHasALineAFrame) {
   const Armature theropod = MakeTheropod();
   const std::string csv = CurvesCsv(theropod, Walk(theropod, 3, 2));

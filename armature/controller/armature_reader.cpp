@@ -87,12 +87,14 @@ bool ArmatureReader::Connect() {
     port_ = std::make_unique<Port>();
     const bool starts = port_->Open(options_);
     opened_ = true;
-    greet_s_ = SteadySeconds() + (starts ? options_.start_s : 0);
+    // A board that fell silent may be starting, by its reset button: its boot loader waits on as
+    // long as something comes.
+    greet_s_ = SteadySeconds() + (starts || was_silent_ ? options_.start_s : 0);
   }
   if (SteadySeconds() < greet_s_) return false;
   link_ = std::make_unique<BoxLink>(*port_, options_.link);
   Begin();
-  away_ = false;
+  away_ = was_silent_ = false;
   return true;
 }
 
@@ -152,6 +154,7 @@ void ArmatureReader::Lose(const std::string& code, const std::string& words,
   if (!away_) Say(code, words, what_to_do);
   away_ = true;
   opened_ = false;
+  was_silent_ = code == "silent";
   next_try_s_ = SteadySeconds() + options_.retry_s;
 }
 

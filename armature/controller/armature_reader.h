@@ -88,7 +88,7 @@ class ArmatureReader {
   std::unique_ptr<BoxLink> link_;
   JointTracker tracker_;
   int boot_;
-  bool away_ = true, opened_ = false;
+  bool away_ = true, opened_ = false, was_silent_ = false;
   double next_try_s_ = 0, next_flags_s_ = 0, greet_s_ = 0;
   Reading reading_;
   std::vector<int> told_held_;

@@ -130,6 +130,9 @@ JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
       curves.joints.push_back(name);
       ReadJoint(joints[name], armature, j, &curves);
     }
+    for (const std::string& name : names)
+      if (std::find(curves.joints.begin(), curves.joints.end(), name) == curves.joints.end())
+        curves.left_out.push_back(name);
   } catch (const json::exception& error) {
     throw InputError(fmt::format("{}: these are no curves of `keypose armature record`: {}", file,
                                  JsonFault(error)));
@@ -137,6 +140,20 @@ JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
     throw InputError(fmt::format("{}: {}", file, error.what()));
   }
   return curves;
+}
+
+std::string LeftOutWords(const JointCurves& curves) {
+  constexpr std::size_t kNamed = 5;
+  const std::size_t count = curves.left_out.size();
+  if (count == 0) return "";
+  std::string names;
+  for (std::size_t i = 0; i < std::min(count, kNamed); ++i)
+    names += (i ? ", '" : "'") + curves.left_out[i] + "'";
+  if (count > kNamed) names += fmt::format(" and {} more", count - kNamed);
+  return fmt::format(
+      "the take has {} {}, which the description has not: what {} did is left out; to have it, "
+      "give the description as it was when the take was recorded",
+      count == 1 ? "a joint" : "joints", names, count == 1 ? "it" : "they");
 }
 
 std::string CurvesCsv(const Armature& armature, const JointCurves& curves) {

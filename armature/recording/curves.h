@@ -15,8 +15,9 @@ namespace keypose::armature {
 struct JointCurves {
   double fps = 24;  ///< of the film
   int step = 1;
-  std::vector<std::string> joints;  ///< names, in the order of the armature's joints
-  Eigen::MatrixXd values;           ///< recorded frames x joints, from zero: [rad], slides [m]
+  std::vector<std::string> joints;    ///< names, in the order of the armature's joints
+  Eigen::MatrixXd values;             ///< recorded frames x joints, from zero: [rad], slides [m]
+  std::vector<std::string> left_out;  ///< joints of the file that the armature has not
   int frame_count() const { return static_cast<int>(values.rows()); }
 };
 
@@ -28,6 +29,9 @@ std::string CurvesJson(const Armature& armature, const JointCurves& curves);
 /// @throws InputError  malformed, a joint that the armature has is missing, or has another unit
 JointCurves ParseCurvesJson(const std::string& text, const std::string& file,
                             const Armature& armature);
+
+/// What of a take is not taken, in words for the user; "" if all is.
+std::string LeftOutWords(const JointCurves& curves);
 
 /// How a take's joints differ from the armature's, in words that follow on "the take"; "" if they
 /// are the same in the same order.
