@@ -143,6 +143,11 @@ Plan MakePlan(StageContext& stage, const InterpolateOptions& options,
                 timeline, &log);
   for (const std::string& note : log.notes) stage.Note(note);
   for (const std::string& warning : log.warnings) stage.Warn(warning);
+  if (timeline.has_times() && options.steps != InterpolateOptions().steps)
+    stage.Warn(
+        "steps " + std::to_string(options.steps) +
+        " has no effect: the timeline gives the keys their times, and fps the frames between "
+        "them; change those, or leave the times out");
   Plan plan{MakeSchedule(timeline, count, options.steps, name), {}};
   plan.rules = RulesFrom(timeline, plan.schedule, keys[0], first.faces, options.volume, name);
   const bool asks = !timeline.pins.empty() || !timeline.trajectories.empty() ||

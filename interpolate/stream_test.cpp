@@ -89,6 +89,26 @@ TEST_F(InterpolateProgram, WritesFramesAndWhatTheyDoToAreaAndVolume) {
   EXPECT_LT(measured["volume_path_deviation"], 1e-8);
 }
 
+TEST_F(InterpolateProgram, InBetweensThatATimelineOverrulesAreToldOf) {
+  std::ofstream(folder_ / "timed.json")
+      << R"({"fps":12,"keys":[{"pose":"a","time":0},{"pose":"b","time":0.25}]})";
+  std::ofstream(folder_ / "order.json") << R"({"fps":12,"loop":false,"keys":[{"hold":0.5},{}]})";
+  const auto frames = [&](const std::string& more) {
+    EXPECT_EQ(Run("--keys a.ply --keys b.ply --method linear --overwrite --frames f "
+                  "--report r.json --timeline " +
+                  more),
+              0)
+        << ReadFile(folder_ / "log.txt");
+    return Json("f/distortion.json")["frames"].size();
+  };
+  EXPECT_EQ(frames("timed.json --steps 5"), 4u);
+  EXPECT_NE(Json("r.json")["warnings"].dump().find("steps 5 has no effect"), std::string::npos);
+  EXPECT_EQ(frames("timed.json"), 4u);
+  EXPECT_TRUE(Json("r.json")["warnings"].empty());
+  EXPECT_EQ(frames("order.json --steps 5"), 13u) << "six stand, five between";
+  EXPECT_TRUE(Json("r.json")["warnings"].empty());
+}
+
 TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
 #if defined(KEYPOSE_SANITIZED)
   GTEST_SKIP() << "sanitizers keep memory of their own: peaks say nothing";
