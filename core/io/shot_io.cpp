@@ -174,8 +174,8 @@ ordered_json JsonOf(const ShotFrame& frame) {
 }
 
 bool IsPicture(const fs::path& path) {
-  static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".tif",
-                                           ".tiff", ".heic", ".heif"};
+  static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".jfif", ".tif",
+                                           ".tiff", ".heic", ".heif", ".hif"};
   std::string kind = path.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
