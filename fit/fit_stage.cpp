@@ -97,6 +97,16 @@ PosePicks LoadPicks(StageContext& stage, const Mesh& mesh, const ImageSet& set) 
     stage.Warn(
         "fit: the template has no picks of these names, so those of the pose are not used: " +
         NameList(picks.unpaired));
+  if (!picks.of_another.empty())
+    stage.Warn(
+        "fit: these picks are not used, because their photographs were shot or developed again "
+        "since: " +
+        NameList(picks.of_another) +
+        "; pick them again, or say on the studio's page Landmarks that they still hold (or take "
+        "'photograph' out of them in the file)");
+  if (!picks.of_none.empty())
+    stage.Warn("fit: these picks are not used, because their photographs are gone: " +
+               NameList(picks.of_none));
   return picks;
 }
 

@@ -12,6 +12,7 @@
 #include "core/io/files.h"
 #include "core/io/json_pick.h"
 #include "core/io/landmarks_io.h"
+#include "core/sha256.h"
 #include "core/size_of.h"
 
 namespace keypose::fit {
@@ -23,13 +24,36 @@ using Places = std::map<std::string, SurfacePoint>;
 
 using Pick = JsonPick<json>;
 
-/// The number of the photograph that the pick is in.
+/// SHA-256 of the photographs of a set, each read once.
+class PhotographHashes {
+ public:
+  explicit PhotographHashes(const ImageSet& images) : images_(images) {}
+  const std::string& Of(int i) {
+    std::string& hash = hashes_[i];
+    if (hash.empty()) hash = Sha256Of(ReadFile(images_.ImagePath(i)));
+    return hash;
+  }
+
+ private:
+  const ImageSet& images_;
+  std::map<int, std::string> hashes_;
+};
+
+/// Which photograph the pick was made in; empty where only its name is known.
+std::string PickedIn(const json& entry, const Pick& pick) {
+  if (!entry.contains("photograph")) return "";
+  if (!entry["photograph"].is_string())
+    pick.Fail("has a 'photograph' that is no text: it is the SHA-256 of a file");
+  return entry["photograph"].get<std::string>();
+}
+
+/// The number of the photograph that the pick is in; -1: it is known, and gone.
 int ImageOf(const json& entry, const Pick& pick, const ImageSet& images) {
   if (!entry.contains("image") || !entry["image"].is_string())
     pick.Fail("needs an 'image', the file name of a photograph");
   const std::string image = entry["image"].get<std::string>();
   const int index = images.Find(image);
-  if (index >= 0) return index;
+  if (index >= 0 || !PickedIn(entry, pick).empty()) return index;
   std::string names;
   constexpr int kMostNames = 8;
   for (int i = 0; i < std::min(kMostNames, SizeOf(images.images)); ++i)
@@ -89,11 +113,19 @@ std::optional<SurfacePoint> PlaceOf(const Pick& pick, const Mesh& mesh, const Pl
 void AddPixels(const json& list, const std::string& file, const Mesh& mesh, const ImageSet& images,
                const Places* named, PosePicks& picks) {
   std::set<std::pair<std::string, int>> taken;
+  PhotographHashes hashes(images);
   for (int i = 0; i < SizeOf(list); ++i) {
     const Pick reader(list[i], file, "pick", i + 1);
     PhotoPick pick;
     pick.name = reader.Name();
     pick.image = ImageOf(list[i], reader, images);
+    const std::string picked_in = PickedIn(list[i], reader);
+    const bool gone = pick.image < 0;
+    if (gone || (!picked_in.empty() && picked_in != hashes.Of(pick.image))) {
+      (gone ? picks.of_none : picks.of_another)
+          .push_back(fmt::format("'{}' in {}", pick.name, list[i]["image"].get<std::string>()));
+      continue;
+    }
     const CapturedImage& image = images.images[pick.image];
     pick.pixel = reader.Pixel(image.width, image.height, "photograph " + image.name);
     if (!taken.emplace(pick.name, pick.image).second)
@@ -156,7 +188,8 @@ PosePicks ReadPosePicks(const std::vector<fs::path>& paths, const Mesh& mesh,
   std::sort(picks.unpaired.begin(), picks.unpaired.end());
   picks.unpaired.erase(std::unique(picks.unpaired.begin(), picks.unpaired.end()),
                        picks.unpaired.end());
-  if (picks.pixels.empty() && picks.places.empty())
+  const bool some_left_out = !picks.of_another.empty() || !picks.of_none.empty();
+  if (picks.pixels.empty() && picks.places.empty() && !some_left_out)
     throw InputError(
         picks.unpaired.empty()
             ? file + " holds no pick"

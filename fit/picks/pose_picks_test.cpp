@@ -6,6 +6,7 @@
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/testing_folder.h"
+#include "core/sha256.h"
 #include "core/testing_shapes.h"
 #include "fit/picks/pose_picks.h"
 
@@ -108,6 +109,34 @@ TEST_F(PosePicksFile, LandmarksOfAScanOfThePoseAreLeftOutWithAWarning) {
   log = {};
   EXPECT_TRUE(ReadPosePicks({rest, points}, mesh_, images_, &log).pixels.empty());
   EXPECT_EQ(log.warnings.size(), 1u);
+}
+
+TEST_F(PosePicksFile, OfAPhotographThatWasShotAgainOrIsGoneAreLeftOut) {
+  images_.folder = folder_;
+  Put("a.jpg", "as it was");
+  Put("b.jpg", "as it was");
+  const std::string then = Sha256Of("as it was");
+  const auto entry = [&](const std::string& image, int x) {
+    return R"({"name": "ear", "vertex": 7, "image": ")" + image + R"(", "pixel": [)" +
+           std::to_string(x) + R"(, 2], "photograph": ")" + then + "\"}";
+  };
+  const std::string text = "{\"pixels\": [" + entry("a.jpg", 1) + "," + entry("b.jpg", 2) + "," +
+                           entry("c.jpg", 3) + "]}";
+  PosePicks picks = Read(text);
+  EXPECT_EQ(picks.pixels.size(), 2u);
+  EXPECT_TRUE(picks.of_another.empty());
+  EXPECT_THAT(picks.of_none, ElementsAre("'ear' in c.jpg"));
+  Put("a.jpg", "shot again");
+  images_.images[0].width = 1;  // the old pixel may lie outside of the new photograph
+  images_.images[0].height = 1;
+  picks = Read(text);
+  ASSERT_EQ(picks.pixels.size(), 1u);
+  EXPECT_EQ(picks.pixels[0].image, 1);
+  EXPECT_THAT(picks.of_another, ElementsAre("'ear' in a.jpg"));
+  Put("b.jpg", "shot again");
+  EXPECT_TRUE(Read(text).pixels.empty()) << "none is left, which is no fault of the file";
+  EXPECT_THAT(Fault(R"([{"name": "ear", "vertex": 7, "image": "a.jpg", "photograph": 3}])"),
+              HasSubstr("pick 'ear' has a 'photograph' that is no text"));
 }
 
 TEST_F(PosePicksFile, FaultsNameThePickAndThePhotograph) {
