@@ -9,15 +9,9 @@
 #include "core/errors.h"
 #include "core/file_names.h"
 #include "core/io/files.h"
-#include "core/io/image_io.h"
 #include "core/io/image_kind.h"
-#include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
-#include "core/io/raw_io.h"
-#include "core/io/yaml_edit.h"
 #include "pipeline/new_project.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
 #include "pipeline/text.h"
 
 namespace keypose::studio {
@@ -28,7 +22,33 @@ namespace {
 
 std::string FileText(Snapshot& snapshot) { return ReadFile(snapshot.project() / "pipeline.yaml"); }
 
-/// The path to a pose's setting. A pose that is only its folder of photographs becomes a map first.
+void CheckOption(Snapshot& snapshot, const OptionChange& change) {
+  if (!change.pose.empty() && !snapshot.HasPose(change.pose))
+    throw UsageError(fmt::format("there is no pose '{}'", change.pose));
+  const pipeline::Step* step = snapshot.FindStep(change.step, "");
+  if (step == nullptr) throw UsageError(fmt::format("there is no step '{}'", change.step));
+  const pipeline::OptionInfo& option = pipeline::OptionOf(*step->info, change.option);
+  if (!change.to_default) pipeline::CanonicalOption(option, change.value);
+}
+
+void RequirePoseName(const std::string& name) {
+  if (!pipeline::IsName(name))
+    throw UsageError(
+        fmt::format("a pose's name may have {}; '{}' has not", pipeline::kNameRule, name));
+}
+
+}  // namespace
+
+nlohmann::json JsonOfFile(const fs::path& file) {
+  const std::string text = ReadFile(file), name = file.filename().string();
+  RequireShallowJson(text, name);
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& fault) {
+    throw InputError(name + " is not JSON: " + JsonFault(fault));
+  }
+}
+
 std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
                             const std::string& pose, const YamlPath& below,
                             const std::string& value) {
@@ -46,116 +66,10 @@ std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
   return edited;
 }
 
-void CheckOption(Snapshot& snapshot, const OptionChange& change) {
-  if (!change.pose.empty() && !snapshot.HasPose(change.pose))
-    throw UsageError(fmt::format("there is no pose '{}'", change.pose));
-  const pipeline::Step* step = snapshot.FindStep(change.step, "");
-  if (step == nullptr) throw UsageError(fmt::format("there is no step '{}'", change.step));
-  const pipeline::OptionInfo& option = pipeline::OptionOf(*step->info, change.option);
-  if (!change.to_default) pipeline::CanonicalOption(option, change.value);
-}
-
-void RequirePoseName(const std::string& name) {
-  if (!pipeline::IsName(name))
-    throw UsageError(
-        fmt::format("a pose's name may have {}; '{}' has not", pipeline::kNameRule, name));
-}
-
 void RequirePhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
   if (!IsOneName(name) || !IsValidUtf8(name) || IsLitterName(name))
     throw UsageError(fmt::format("'{}' cannot be the name of a photograph", name));
-}
-
-/// A photograph of this name, also in a subfolder for a placement of the figure. Capture writes RAW
-/// and HEIC files as JPEG, under whose names pages know them.
-fs::path FindOriginal(const fs::path& folder, const std::string& name) {
-  fs::path developed;
-  for (const fs::path file : pipeline::RealDisk().FilesBelow(folder)) {
-    if (file.has_parent_path() && file.parent_path().filename() == "masks") continue;
-    if (file.filename() == name || file.generic_string() == name) return folder / file;
-    const bool is_developed = IsRawName(file) || IsHeicName(file);
-    if (is_developed && file.stem().string() + ".jpg" == name) developed = folder / file;
-  }
-  return developed;
-}
-
-/// The size that a mask must have: that of the original, upright.
-ImageInfo OriginalOf(Snapshot& snapshot, const std::string& pose, const std::string& name) {
-  const fs::path folder = snapshot.PhotoFolder(pose);
-  const fs::path file = FindOriginal(folder, name);
-  if (file.empty() || pipeline::RealDisk().LeadsOutside(file, folder))
-    throw UsageError(fmt::format("pose '{}' has no photograph '{}'", pose, name));
-  return IsRawName(file) ? ReadRawInfo(file) : ReadImageInfo(file);
-}
-
-Image8 ReadMaskBytes(const fs::path& writing, const std::string& png) {
-  constexpr char kPngMark[] = "\x89PNG";
-  if (png.compare(0, 4, kPngMark) != 0) throw InputError("a mask must be a PNG");
-  WriteFile(writing, png);
-  return ReadImage(writing, 1);
-}
-
-/// Only black and white, of the given size.
-Image8 AsMask(const Image8& image, int width, int height) {
-  const double ratio = 1.0 * image.width * height / (1.0 * image.height * width);
-  if (ratio < 0.99 || ratio > 1.01)
-    throw InputError(fmt::format("the mask has {} x {} pixels, the photograph {} x {}", image.width,
-                                 image.height, width, height));
-  Image8 mask =
-      image.width == width && image.height == height ? image : Resized(image, width, height);
-  for (auto& value : mask.data) value = value >= 128 ? 255 : 0;
-  return mask;
-}
-
-/// Masks that belong to a photograph are named like it: IMG.png, IMG_mask.png, IMG.jpg.png.
-bool IsMaskFor(const fs::path& mask, const fs::path& photograph) {
-  const std::string stem = mask.stem().string(), own = photograph.stem().string();
-  return stem == photograph.string() || stem == own || stem == own + "_mask" ||
-         stem == photograph.string() + "_mask";
-}
-
-/// Moves masks of other names out of the way: the pipeline reads one of each photograph.
-void SetAside(const fs::path& folder, const std::string& photograph, const fs::path& written) {
-  for (const fs::path file : pipeline::RealDisk().Children(folder)) {
-    if (folder / file == written || !IsPhotographName(file) || !IsMaskFor(file, photograph))
-      continue;
-    fs::rename(folder / file, folder / (file.string() + ".old"));
-  }
-}
-
-/// The pose's folder of masks. The first mask makes one, and names it in pipeline.yaml.
-fs::path MaskFolder(Snapshot& snapshot, const std::string& pose) {
-  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  pipeline::RealDisk disk;
-  if (rule->masks)
-    return snapshot.project() /
-           pipeline::OnDisk(disk, snapshot.project(), pipeline::WithHome(rule->masks->text));
-  const fs::path folder = snapshot.project() / "masks" / pose;
-  // Masks beside the photographs would no longer be found once the project names a folder.
-  const fs::path beside = snapshot.PhotoFolder(pose) / "masks";
-  for (const std::string& file : disk.FilesBelow(beside)) disk.Copy(beside / file, folder / file);
-  fs::create_directories(folder);
-  const std::string text = FileText(snapshot);
-  const std::string revision = RevisionOf(snapshot.project() / "pipeline.yaml");
-  WritePipelineFile(snapshot.project(), Edited([&] {
-                      return WithPoseSetting(snapshot, text, pose, {"masks"},
-                                             YamlScalar("masks/" + pose));
-                    }),
-                    revision);
-  return folder;
-}
-
-}  // namespace
-
-nlohmann::json JsonOfFile(const fs::path& file) {
-  const std::string text = ReadFile(file), name = file.filename().string();
-  RequireShallowJson(text, name);
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& fault) {
-    throw InputError(name + " is not JSON: " + JsonFault(fault));
-  }
 }
 
 std::string Edited(const std::function<std::string()>& edit) {
@@ -246,38 +160,6 @@ void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::strin
   }
   fs::create_directories(folder);
   WriteFileAtomically(file, bytes);
-}
-
-fs::path OwnMaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name) {
-  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  if (rule == nullptr || !rule->masks || !IsOneName(name)) return {};
-  const fs::path folder =
-      snapshot.project() / pipeline::OnDisk(pipeline::RealDisk(), snapshot.project(),
-                                            pipeline::WithHome(rule->masks->text));
-  for (const fs::path file : pipeline::RealDisk().Children(folder))
-    if (IsPhotographName(file) && IsMaskFor(file, name) && fs::is_regular_file(folder / file))
-      return folder / file;
-  return {};
-}
-
-fs::path SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
-                  const std::string& png) {
-  RequirePhotograph(snapshot, pose, name);
-  const ImageInfo original = OriginalOf(snapshot, pose, name);
-  const fs::path scratch = snapshot.project() / ".keypose/studio";
-  fs::create_directories(scratch);
-  const fs::path writing =
-      scratch / ("mask_" + RevisionOf(snapshot.project() / "pipeline.yaml") + ".png");
-  const Image8 mask = AsMask(ReadMaskBytes(writing, png), original.width, original.height);
-  WriteImage(writing, mask);
-  const fs::path folder = MaskFolder(snapshot, pose);
-  if (!IsWithin(fs::weakly_canonical(folder), fs::canonical(snapshot.project())))
-    throw UsageError(fmt::format("the masks of '{}' are outside of the project", pose));
-  const fs::path file = folder / (fs::path(name).filename().string() + ".png");
-  pipeline::RealDisk(scratch).Copy(writing, file);
-  fs::remove(writing);
-  SetAside(folder, name, file);
-  return file;
 }
 
 }  // namespace keypose::studio

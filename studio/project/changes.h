@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/yaml_edit.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
@@ -22,6 +23,15 @@ nlohmann::json JsonOfFile(const std::filesystem::path& file);
 
 /// The text that an edit of pipeline.yaml gives. @throws UsageError  it cannot be edited so
 std::string Edited(const std::function<std::string()>& edit);
+
+/// The text of pipeline.yaml with a pose's setting. A pose that is only its folder of photographs
+/// becomes a map first.
+std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
+                            const std::string& pose, const YamlPath& below,
+                            const std::string& value);
+
+/// @throws UsageError  no such pose, or a name that no photograph can have
+void RequirePhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name);
 
 /// pipeline.yaml with another text. Nothing is written if the project could not be used with it.
 /// @param revision  of the text that the change was made from
@@ -51,17 +61,5 @@ void CreateProject(const std::filesystem::path& folder, const std::vector<std::s
 /// @throws UsageError  no photograph's name, or another photograph of that name is there
 void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name,
                    const std::string& bytes);
-
-/// The mask that a person made for a photograph; empty if there is none.
-std::filesystem::path OwnMaskFile(Snapshot& snapshot, const std::string& pose,
-                                  const std::string& name);
-
-/// Writes a mask to the pose's folder of masks (masks/POSE if it has none, which then stands in
-/// pipeline.yaml). The masks of the other photographs stay computed.
-/// @param png  8-bit, of the photograph's size
-/// @return the written file
-/// @throws UsageError, InputError  no such photograph, not a PNG, of another size
-std::filesystem::path SaveMask(Snapshot& snapshot, const std::string& pose, const std::string& name,
-                               const std::string& png);
 
 }  // namespace keypose::studio

@@ -11,7 +11,7 @@
 #include "pipeline/collect_ending.h"
 #include "pipeline/commands.h"
 #include "pipeline/real_disk.h"
-#include "studio/project/photographs.h"
+#include "studio/project/originals.h"
 #include "studio/project/picks.h"
 
 namespace keypose::studio {

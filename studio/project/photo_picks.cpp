@@ -14,11 +14,12 @@
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
+#include "core/io/image_set.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/ray_scene.h"
 #include "studio/project/changes.h"
-#include "studio/project/photographs.h"
+#include "studio/project/originals.h"
 #include "studio/project/picks.h"
 
 namespace keypose::studio {
@@ -33,7 +34,16 @@ constexpr std::size_t kMostPicks = 10'000, kLongestName = 200;
 struct PhotoPick {
   std::string name, image;
   Eigen::Vector2d pixel;
+  std::string photograph;  ///< SHA-256 of the one it was picked in; empty: not known
 };
+
+/// A photograph as capture has written it, which picks are made in.
+struct CapturedPhotograph {
+  int width = 0, height = 0;
+  std::string hash;
+  bool shot_again = false;  ///< there is a newer one, which capture has not read yet
+};
+using CapturedPhotographs = std::map<std::string, CapturedPhotograph>;
 
 void RequireFitted(Snapshot& snapshot, const std::string& pose) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
@@ -55,7 +65,10 @@ PhotoPick PickOf(const json& value) {
     throw UsageError("needs 'pixel': two numbers");
   const Eigen::Vector2d at(pixel[0].get<double>(), pixel[1].get<double>());
   if (!at.allFinite()) throw UsageError("needs 'pixel': two numbers");
-  return {name, image, at};
+  const json photograph = value.value("photograph", json(""));
+  if (!photograph.is_string() || photograph.get<std::string>().size() > kLongestName)
+    throw UsageError("has a 'photograph' that is no SHA-256");
+  return {name, image, at, photograph};
 }
 
 json PixelJson(const Eigen::Vector2d& pixel) {
@@ -64,7 +77,9 @@ json PixelJson(const Eigen::Vector2d& pixel) {
 }
 
 json PickJson(const PhotoPick& pick) {
-  return {{"name", pick.name}, {"image", pick.image}, {"pixel", PixelJson(pick.pixel)}};
+  json value = {{"name", pick.name}, {"image", pick.image}, {"pixel", PixelJson(pick.pixel)}};
+  if (!pick.photograph.empty()) value["photograph"] = pick.photograph;
+  return value;
 }
 
 /// The file's content; an empty object without a file. @throws InputError  it cannot be read
@@ -89,22 +104,38 @@ std::vector<PhotoPick> PicksIn(const json& root, const Fault& fault) {
   return picks;
 }
 
-/// Photographs as capture has read them.
-std::map<std::string, json> Captured(Snapshot& snapshot, const std::string& pose) {
-  std::map<std::string, json> by_name;
-  for (const json& photograph : PhotographsJson(snapshot, pose))
-    if (photograph.value("captured", false)) by_name[photograph.at("name")] = photograph;
+CapturedPhotographs Captured(Snapshot& snapshot, const std::string& pose) {
+  CapturedPhotographs by_name;
+  const auto result = snapshot.Result("capture", pose);
+  if (!result || !result->outputs.contains("images")) return by_name;
+  const Originals originals(snapshot, pose);
+  const auto& hashes = result->outputs.at("images").content.files;
+  for (const CapturedImage& image : ReadImageSet(result->Path("images")).images) {
+    const auto hash = hashes.find(image.name);
+    by_name[image.name] = {image.width, image.height, hash == hashes.end() ? "" : hash->second,
+                           originals.WasShotAgain(image.name)};
+  }
   return by_name;
 }
 
+/// Whether the pick was made in another photograph of that name, so that fit leaves it out.
+bool IsInAnother(const PhotoPick& pick, const CapturedPhotographs& photographs) {
+  const auto found = photographs.find(pick.image);
+  return found != photographs.end() && !pick.photograph.empty() &&
+         pick.photograph != found->second.hash;
+}
+
 /// @throws UsageError
-void RequirePick(const PhotoPick& pick, const std::map<std::string, json>& photographs) {
+void RequirePick(const PhotoPick& pick, const CapturedPhotographs& photographs) {
   const auto found = photographs.find(pick.image);
   if (found == photographs.end())
     throw UsageError(
         fmt::format("landmark '{}' is in photograph '{}', which the pose does not have", pick.name,
                     pick.image));
-  const int width = found->second.at("width"), height = found->second.at("height");
+  if (IsInAnother(pick, photographs))
+    throw UsageError(
+        fmt::format("landmark '{}' was picked in an older photograph '{}'", pick.name, pick.image));
+  const auto [width, height, hash, shot_again] = found->second;
   if (pick.pixel.minCoeff() < 0 || pick.pixel.x() > width || pick.pixel.y() > height)
     throw UsageError(
         fmt::format("landmark '{}' is outside of photograph '{}', which has {} x {} pixels",
@@ -123,6 +154,11 @@ json OldEntry(const json& old, const PhotoPick& pick) {
   return json::object();
 }
 
+/// Whether that is an entry of the same place.
+bool IsAt(const json& entry, const PhotoPick& pick) {
+  return entry.contains("pixel") && PixelJson(PickOf(entry).pixel) == PixelJson(pick.pixel);
+}
+
 /// A pick a line: small changes are small in a comparison, too.
 std::string PicksText(const json& root) {
   std::string text = "{";
@@ -139,11 +175,16 @@ std::string PicksText(const json& root) {
   return text + "}\n";
 }
 
-json WithPicks(json root, const std::vector<PhotoPick>& picks) {
+/// A pick that is new or was moved was made in the photograph that is captured now.
+json WithPicks(json root, const std::vector<PhotoPick>& picks,
+               const CapturedPhotographs& photographs) {
   const json old = root.value("pixels", json::array());
   json pixels = json::array();
   for (const PhotoPick& pick : picks) {
     json entry = OldEntry(old, pick);
+    const auto captured = photographs.find(pick.image);
+    if (!IsAt(entry, pick) && captured != photographs.end())
+      entry["photograph"] = captured->second.hash;
     entry.update(PickJson(pick));
     pixels.push_back(entry);
   }
@@ -238,10 +279,13 @@ std::optional<Eigen::Vector3d> Meeting(const std::vector<std::pair<View, Eigen::
   return h.ldlt().solve(g);
 }
 
-void AddHints(const Fitted& fitted, const std::vector<PhotoPick>& picks, json& answer) {
+void AddHints(const Fitted& fitted, const std::vector<PhotoPick>& picks,
+              const CapturedPhotographs& photographs, json& answer) {
   std::map<std::string, std::vector<std::pair<View, Eigen::Vector2d>>> by_name;
   for (const PhotoPick& pick : picks)
-    if (const auto view = fitted.views.find(pick.image); view != fitted.views.end())
+    if (IsInAnother(pick, photographs))
+      continue;
+    else if (const auto view = fitted.views.find(pick.image); view != fitted.views.end())
       by_name[pick.name].emplace_back(view->second, pick.pixel);
   for (const auto& [name, of] : by_name) {
     const auto place = of.size() > 1 ? Meeting(of) : std::nullopt;
@@ -264,7 +308,7 @@ json RefusedJson(const json& measurements) {
   return refused;
 }
 
-json PhotographsOfFit(const std::map<std::string, json>& captured, const Fitted* fitted) {
+json PhotographsOfFit(const CapturedPhotographs& captured, const Fitted* fitted) {
   std::map<std::string, json> quality;
   if (fitted)
     for (const json& view : fitted->measurements.value("views", json::array()))
@@ -276,8 +320,10 @@ json PhotographsOfFit(const std::map<std::string, json>& captured, const Fitted*
       return view.is_object() ? view.value(key, json()) : json();
     };
     all.push_back({{"name", name},
-                   {"width", photograph.at("width")},
-                   {"height", photograph.at("height")},
+                   {"width", photograph.width},
+                   {"height", photograph.height},
+                   {"photograph", photograph.hash},
+                   {"shot_again", photograph.shot_again},
                    {"placed", fitted && fitted->views.contains(name)},
                    {"iou", of("iou")},
                    {"worst", of("worst")}});
@@ -300,7 +346,7 @@ json PhotoPicksJson(Snapshot& snapshot, const std::string& pose) {
   try {
     const fs::path file = PicksFile(snapshot, pose);
     answer["revision"] = RevisionOf(file);
-    const std::map<std::string, json> photographs = Captured(snapshot, pose);
+    const CapturedPhotographs photographs = Captured(snapshot, pose);
     const auto unread = [&](const std::string& name, const std::string& words) {
       problem(name, fmt::format("A pick of {} {}.", file.filename().string(), words));
     };
@@ -331,7 +377,8 @@ void SavePhotoPicks(Snapshot& snapshot, const std::string& pose, const json& bod
                                  file.filename().string(), name.empty() ? "" : " '" + name + "'",
                                  words));
   });
-  const std::map<std::string, json> photographs = Captured(snapshot, pose);
+  const CapturedPhotographs photographs = Captured(snapshot, pose);
+  const json old = root.value("pixels", json::array());
   std::vector<PhotoPick> picks;
   std::set<std::pair<std::string, std::string>> taken;
   for (const json& value : body.at("pixels")) {
@@ -341,13 +388,14 @@ void SavePhotoPicks(Snapshot& snapshot, const std::string& pose, const json& bod
     } catch (const UsageError& error) {
       throw UsageError(std::string("a landmark ") + error.what());
     }
-    RequirePick(pick, photographs);
+    // What stands in the file already may be of a photograph that is gone or was shot again.
+    if (!IsAt(OldEntry(old, pick), pick)) RequirePick(pick, photographs);
     if (!taken.emplace(pick.name, pick.image).second)
       throw UsageError(
           fmt::format("landmark '{}' is twice in photograph '{}'", pick.name, pick.image));
     picks.push_back(std::move(pick));
   }
-  json changed = WithPicks(root, picks);
+  json changed = WithPicks(root, picks, photographs);
   if (picks.empty()) changed.erase("pixels"), changed.erase("schema");
   if (changed.empty()) return RemovePicks(snapshot, pose);
   if (picks.empty()) changed["schema"] = 2;
@@ -361,7 +409,7 @@ json PhotoFitJson(Snapshot& snapshot, const std::string& pose) {
                  {"lines", json::array()},
                  {"meets", json::array()},
                  {"refused", json::array()}};
-  const std::map<std::string, json> photographs = Captured(snapshot, pose);
+  const CapturedPhotographs photographs = Captured(snapshot, pose);
   const std::optional<Fitted> fitted = LastFit(snapshot, pose);
   answer["photographs"] = PhotographsOfFit(photographs, fitted ? &*fitted : nullptr);
   if (!fitted) return answer;
@@ -369,7 +417,7 @@ json PhotoFitJson(Snapshot& snapshot, const std::string& pose) {
   answer["refused"] = RefusedJson(fitted->measurements);
   const auto unread = [](const std::string&, const std::string&) {};
   try {
-    AddHints(*fitted, PicksIn(Written(PicksFile(snapshot, pose)), unread), answer);
+    AddHints(*fitted, PicksIn(Written(PicksFile(snapshot, pose)), unread), photographs, answer);
   } catch (const Error&) {
     // PhotoPicksJson tells of it.
   }

@@ -7,10 +7,10 @@
 #include <atomic>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "core/errors.h"
 #include "core/file_names.h"
+#include "core/image_turns.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -19,7 +19,8 @@
 #include "core/io/raw_io.h"
 #include "core/sha256.h"
 #include "pipeline/real_disk.h"
-#include "studio/project/changes.h"
+#include "studio/project/originals.h"
+#include "studio/project/own_masks.h"
 
 namespace keypose::studio {
 
@@ -74,37 +75,26 @@ fs::path Kept(const fs::path& folder, const fs::path& source, const std::string&
   return file;
 }
 
-/// Capture develops RAW and HEIC files, and gives them another extension.
+/// Capture gives RAW and HEIC files another extension.
 bool IsCaptured(const std::map<std::string, json>& captured, const std::string& name) {
-  if (captured.contains(name)) return true;
-  const bool developed = IsRawName(name) || IsHeicName(name);
-  return developed && std::any_of(captured.begin(), captured.end(), [&](const auto& one) {
-           return fs::path(one.first).stem() == fs::path(name).stem();
-         });
+  return captured.contains(name) || captured.contains(WrittenName(name));
+}
+
+/// As before capture has read it.
+json NewPhotographJson(const std::string& name) {
+  CapturedImage image;
+  image.name = name;
+  json one = PhotographJson(image);
+  one["captured"] = false;
+  return one;
 }
 
 }  // namespace
 
-std::vector<std::string> OriginalPhotographs(const fs::path& folder) {
-  std::vector<std::string> names, raw;
-  std::set<fs::path> stems;
-  for (const fs::path file : pipeline::RealDisk().Children(folder)) {
-    if (IsLitterName(file)) continue;
-    if (IsPhotographName(file)) {
-      names.push_back(file.string());
-      stems.insert(file.stem());
-    } else if (IsRawName(file)) {
-      raw.push_back(file.string());
-    }
-  }
-  for (const std::string& name : raw)
-    if (!stems.contains(fs::path(name).stem())) names.push_back(name);
-  return names;
-}
-
 json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
   std::map<std::string, json> by_name;
   const auto captured = SetOf(snapshot, pose, false), agreed = SetOf(snapshot, pose, true);
+  const OwnMasks masks(snapshot, pose);
   if (captured)
     for (const CapturedImage& image : captured->images) by_name[image.name] = PhotographJson(image);
   if (agreed) {
@@ -116,31 +106,32 @@ json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
       one["why"] = image.why;
     }
   }
-  for (const std::string& name : OriginalPhotographs(snapshot.PhotoFolder(pose))) {
-    if (!IsValidUtf8(name) || IsCaptured(by_name, name)) continue;
-    CapturedImage image;
-    image.name = name;
-    by_name[image.name] = PhotographJson(image);
-    by_name[image.name]["captured"] = false;
-  }
+  for (auto& [name, one] : by_name)
+    if (masks.originals().WasShotAgain(name)) one = NewPhotographJson(name);
+  for (const std::string& name : OriginalPhotographs(snapshot.PhotoFolder(pose)))
+    if (IsValidUtf8(name) && !IsCaptured(by_name, name)) by_name[name] = NewPhotographJson(name);
   json all = json::array();
   for (auto& [name, one] : by_name) {
     // A mask that capture has not seen yet is one's own as well.
-    if (!OwnMaskFile(snapshot, pose, name).empty()) one["mask_given"] = true;
+    const bool of_another = masks.IsOfAnother(name);
+    if (of_another) one["mask_given"] = false;
+    if (!masks.InForce(name).empty()) one["mask_given"] = true;
+    one["mask_of_another"] = of_another;
+    one["photograph"] = masks.originals().HashOf(name);
     all.push_back(std::move(one));
   }
   return all;
 }
 
-fs::path PhotographSource(Snapshot& snapshot, const std::string& pose, const std::string& name) {
+fs::path PhotographSource(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                          bool as_captured) {
   if (!snapshot.HasPose(pose) || !IsOneName(name)) NoPhotograph(pose, name);
-  if (const auto set = SetOf(snapshot, pose, false))
-    if (const int i = set->Find(name); i >= 0) return set->ImagePath(i);
-  const fs::path folder = snapshot.PhotoFolder(pose);
-  const fs::path file = folder / name;
-  if (!(IsPhotographName(file) || IsRawName(file)) || !fs::is_regular_file(file) ||
-      pipeline::RealDisk().LeadsOutside(file, folder))
-    NoPhotograph(pose, name);
+  const Originals originals(snapshot, pose);
+  if (as_captured || !originals.WasShotAgain(name))
+    if (const auto set = SetOf(snapshot, pose, false))
+      if (const int i = set->Find(name); i >= 0) return set->ImagePath(i);
+  const fs::path file = originals.FileOf(name);
+  if (file.empty() || !fs::is_regular_file(file)) NoPhotograph(pose, name);
   return file;
 }
 
@@ -166,6 +157,9 @@ fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, in
   return Kept(folder, mask, fmt::format("mask {} {}", width, height), ".png",
               [&](const fs::path& file) {
                 Image8 image = ReadImage(mask, 1);
+                // Capture turns portraits among landscapes; masks lie as their photographs did.
+                if (width > 0 && (image.width > image.height) != (width > height))
+                  image = QuarterTurned(image);
                 if (width > 0) image = Resized(image, width, height);
                 for (auto& value : image.data) value = value >= 128 ? 255 : 0;
                 WriteImage(file, image);
@@ -175,9 +169,10 @@ fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, in
 fs::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name,
                   const std::string& stage) {
   if (!snapshot.HasPose(pose)) NoPhotograph(pose, name);
-  if (const fs::path own = OwnMaskFile(snapshot, pose, name); !own.empty()) return own;
+  const OwnMasks masks(snapshot, pose);
+  if (const fs::path own = masks.InForce(name); !own.empty()) return own;
   for (const bool agreed : {true, false}) {
-    if (agreed && stage != "masks") continue;
+    if ((agreed && stage != "masks") || masks.originals().WasShotAgain(name)) continue;
     const auto set = SetOf(snapshot, pose, agreed);
     if (!set) continue;
     if (const int i = set->Find(name); i >= 0) return set->MaskPath(i);
@@ -187,6 +182,7 @@ fs::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string
 
 std::pair<int, int> PhotographSize(Snapshot& snapshot, const std::string& pose,
                                    const std::string& name) {
+  if (!snapshot.HasPose(pose) || Originals(snapshot, pose).WasShotAgain(name)) return {0, 0};
   const auto set = SetOf(snapshot, pose, false);
   const int i = set ? set->Find(name) : -1;
   return i < 0 ? std::pair{0, 0} : std::pair{set->images[i].width, set->images[i].height};

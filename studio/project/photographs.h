@@ -12,17 +12,16 @@
 
 namespace keypose::studio {
 
-/// Names of the photographs in a pose's folder, as capture takes them: a RAW file counts if no
-/// other photograph has its stem.
-std::vector<std::string> OriginalPhotographs(const std::filesystem::path& folder);
-
-/// All photographs of a pose: what capture and masks measured, and those that are not made yet.
+/// All photographs of a pose: what capture and masks measured, and those that are not made yet, or
+/// were shot again since. "photograph": SHA-256 of its file. "mask_of_another": a person's mask is
+/// there, but was painted over another photograph of that name, and is not used.
 nlohmann::json PhotographsJson(Snapshot& snapshot, const std::string& pose);
 
-/// The file of a photograph: as captured, else the original.
+/// The file of a photograph: as captured, or the original where that is new.
+/// @param as_captured  the captured one even if the photograph was shot again since
 /// @throws NotFound  no such photograph
 std::filesystem::path PhotographSource(Snapshot& snapshot, const std::string& pose,
-                                       const std::string& name);
+                                       const std::string& name, bool as_captured = false);
 
 /// A JPEG or PNG of a photograph, upright, at most `width` pixels wide (0: full size). Made once,
 /// and kept. Safe to call from many threads.
@@ -35,13 +34,13 @@ struct NotFound : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The mask that a person has made, else the computed one.
+/// The mask that a person has made of this photograph, else the computed one.
 /// @param stage  "capture", or "masks" for those that agree with all views
 /// @throws NotFound
 std::filesystem::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name,
                                const std::string& stage);
 
-/// Width and height as captured [px]; 0 if it is not captured yet.
+/// Width and height as captured [px]; 0 if it is not captured yet, or was shot again since.
 std::pair<int, int> PhotographSize(Snapshot& snapshot, const std::string& pose,
                                    const std::string& name);
 

@@ -1,4 +1,5 @@
 #include "studio/project/photographs.h"
+#include "studio/project/originals.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -226,11 +226,35 @@ TEST_F(PhotoPicks, AreSavedAsThePipelineReadsThemAndGoWithTheLast) {
   EXPECT_EQ(Picks().at("pixels"), json::array());
   const json two = {Pick("nose", "a_0.png", 12.5, 40), Pick("nose", "a_40.png", 8, 300)};
   ASSERT_EQ(Put(two), 200);
-  EXPECT_EQ(json::parse(ReadFile(File())), json({{"schema", 2}, {"pixels", two}}));
-  EXPECT_EQ(Picks().at("pixels"), two);
+  json written = json::parse(ReadFile(File()));
+  EXPECT_EQ(Picks().at("pixels"), written.at("pixels"));
+  for (json& pick : written["pixels"]) EXPECT_EQ(pick.erase("photograph"), 1u);
+  EXPECT_EQ(written, json({{"schema", 2}, {"pixels", two}}));
   EXPECT_EQ(Picks().at("problems"), json::array());
   ASSERT_EQ(Put(json::array()), 200);
   EXPECT_FALSE(fs::exists(File()));
+}
+
+TEST_F(PhotoPicks, OfAPhotographThatWasShotAgainAreToldAndMayStillHold) {
+  const auto now = [&](const char* what) { return Fit().at("photographs")[0].at(what); };
+  const json old = {Pick("nose", "a_0.png", 12, 40), Pick("ear", "a_40.png", 5, 6)};
+  ASSERT_EQ(Put(old), 200);
+  json noted = Picks().at("pixels");
+  EXPECT_EQ(noted[0].at("photograph"), now("photograph"));
+  for (const char* place : {"photos/wave", "tools/made_images"})
+    WriteImage(folder_ / place / "a_0.png", Image8(kWidth, kHeight, 3, 50));
+  EXPECT_EQ(now("shot_again"), true);
+  EXPECT_EQ(Got("/api/photos")[0].at("captured"), false) << "the brush shows the new one";
+  EXPECT_EQ(Got("/api/photos")[1].at("captured"), true);
+  Run(folder_, "capture");
+  routes_.reset();
+  EXPECT_EQ(now("shot_again"), false);
+  EXPECT_THAT(Picks().at("problems")[0].at("text").get<std::string>(), HasSubstr("older photog"));
+  ASSERT_EQ(Put({old[0], old[1], Pick("toe", "a_80.png", 1, 2)}), 200);
+  EXPECT_EQ(Picks().at("pixels")[0], noted[0]) << "an edit elsewhere is no word on this one";
+  noted[0]["photograph"] = now("photograph");
+  ASSERT_EQ(Put(noted), 200);
+  EXPECT_EQ(Picks().at("problems"), json::array());
 }
 
 TEST_F(PhotoPicks, WhatThePageDoesNotShowStays) {
@@ -285,7 +309,7 @@ TEST_F(PhotoPicks, AFileThatCannotBeReadIsNamedAndNotLost) {
   }
   WriteFile(File(), json{{"pixels", json::array({Pick("nose", "gone.png", 1, 2)})}}.dump());
   EXPECT_THAT(Picks().at("problems")[0].at("text").get<std::string>(), HasSubstr("gone.png"));
-  EXPECT_EQ(Put(json::array({Pick("ear", "a_0.png", 1, 2)})), 200);
+  EXPECT_EQ(Put({Pick("nose", "gone.png", 1, 2), Pick("ear", "a_0.png", 1, 2)}), 200) << "it stays";
 }
 
 TEST_F(PhotoPicks, TheFileThatPipelineYamlNamesIsUsedUnlessItIsOutside) {

@@ -7,6 +7,7 @@
 #include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
+#include "studio/project/own_masks.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 
@@ -40,7 +41,8 @@ void Routes::AddPhotographs() {
   Add("GET", "/api/photo", [this](const Question& question) {
     const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
     const fs::path source = With([&](Snapshot& now) {
-      return PhotographSource(now, question.Need("pose"), question.Need("name"));
+      return PhotographSource(now, question.Need("pose"), question.Need("name"),
+                              question.Get("stage") == "capture");
     });
     return PictureAnswer(PictureFile(PictureFolder(), source, width));
   });
@@ -63,14 +65,23 @@ void Routes::AddMasks() {
       const auto tag = [&, size = PhotographSize(now, pose, name)](const fs::path& mask) {
         return TagOf(MaskPicture(PictureFolder(), mask, size.first, size.second));
       };
-      const fs::path own = OwnMaskFile(now, pose, name);
+      if (!now.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
+      const fs::path own = OwnMasks(now, pose).InForce(name);
       if (question.query.contains("revision") && !own.empty() &&
           tag(own) != question.Need("revision"))
         throw ChangedMeanwhile(fmt::format(
             "the mask of {} was changed elsewhere, and is not written over; open it again", name));
-      return tag(SaveMask(now, pose, name, question.body));
+      return tag(SaveMask(now, pose, name, question.body, question.Get("photograph")));
     });
     return JsonAnswer({{"saved", true}, {"revision", revision}});
+  });
+  Add("POST", "/api/masks/hold", [this](const Question& question) {
+    const json body = question.Json();
+    With([&](Snapshot& now) {
+      DecideMasks(now, body.at("pose"), body.at("names"), body.at("hold"));
+      return 0;
+    });
+    return JsonAnswer({{"done", true}});
   });
   Add("GET", "/api/cameras", [this](const Question& question) {
     return JsonAnswer(With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));

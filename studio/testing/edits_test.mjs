@@ -1,10 +1,19 @@
-// Edits that must not get lost: a page that is closed at once after one, and a studio that is away.
+// Edits that must not get lost: a page that is closed at once after one, a studio that is away, a
+// mask whose photograph is shot again.
 //
 //   node edits_test.mjs BIN_DIR [--keep]
-import { mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import {
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  renameSync,
+  writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+import { plainPng } from './png.mjs';
 import {
   Browser,
   check,
@@ -75,6 +84,41 @@ async function whileAway() {
   check(browser.questions.length === 1, 'what is saved is asked about');
 }
 
+/** A mask that was painted, and then its photograph is shot again, twice. */
+async function shotAgain() {
+  const shoot = (grey) => {
+    const file = join(scratch, 'a.png');
+    writeFileSync(file, plainPng(48, [grey, grey, grey]));
+    renameSync(file, join(folder, 'photos/rest/a.png')); // the studio must not see half of it
+  };
+  const masks = () => readdirSync(join(folder, 'masks/rest')).sort().join();
+  const noted = () => readFileSync(join(folder, 'masks/rest/painted.json'), 'utf8');
+  shoot(90);
+  await page.getByRole('link', { name: 'Poses', exact: true }).click();
+  await page.locator('.sheet button').first().click();
+  const surface = page.getByRole('application', { name: /^a.png with its mask/ });
+  await surface.focus();
+  await page.keyboard.press('Enter');
+  await page.getByRole('button', { name: 'Save', exact: true }).click();
+  await page.getByText('own mask').waitFor();
+  const before = noted();
+  shoot(91);
+  const older = page.getByRole('region', { name: 'Masks of older photographs' });
+  await older.getByText('a.png was shot again after you painted its mask').waitFor();
+  await older.getByRole('button', { name: 'It still holds' }).click();
+  await older.waitFor({ state: 'detached' });
+  await page.getByText('own mask').waitFor();
+  check(noted() !== before, 'nothing is noted of the new photograph');
+  await page.getByRole('button', { name: /Photographs of rest/ }).click();
+  shoot(92);
+  await page.getByText('older mask').waitFor();
+  await older.getByRole('button', { name: 'Set aside' }).click();
+  await older.waitFor({ state: 'detached' });
+  check(masks() === 'a.png.png.old', `the mask is not set aside alone: ${masks()}`);
+  // No run has made a mask, so that the brush finds none.
+  browser.faults = browser.faults.filter((fault) => !/404 for GET \S+api\/mask/.test(fault));
+}
+
 await runTest({
   name: 'edits',
   walk: async () => {
@@ -82,6 +126,7 @@ await runTest({
       ['a project of two poses', begin],
       ['a page that is closed at once', closedAtOnce],
       ['a studio that is away', whileAway],
+      ['a photograph that is shot again', shotAgain],
     ]);
     checkFaults(browser);
   },

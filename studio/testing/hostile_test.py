@@ -110,6 +110,7 @@ CHANGES = [
     ('POST', '/api/stop'),
     ('POST', '/api/options'),
     ('PUT', '/api/mask?pose=rest&name=a.jpg'),
+    ('POST', '/api/masks/hold'),
     ('PUT', '/api/timeline'),
     ('PUT', '/api/landmarks?pose=rest'),
     ('PUT', '/api/landmarks?pose=few'),

@@ -118,9 +118,13 @@ export interface Photograph {
   exposure: number
   mask_fraction: number
   mask_given: boolean
+  /** one's own mask is there, but of an older photograph of this name: it is not used */
+  mask_of_another: boolean
+  /** SHA-256 of its file: another one after it was shot again */
+  photograph: string
   trusted: boolean
   why: string
-  /** false: in the folder, but capture has not made it yet */
+  /** false: in the folder, but capture has not made it yet, or an older one of this name */
   captured: boolean
 }
 
@@ -147,6 +151,8 @@ export interface PhotoPick {
   image: string
   /** of the full size, from its upper left corner */
   pixel: [number, number]
+  /** SHA-256 of the one that was picked in, where it is known; absent: the one that is shown */
+  photograph?: string
 }
 export interface Picks {
   pose: string
@@ -165,6 +171,10 @@ export interface PhotoFit {
     name: string
     width: number
     height: number
+    /** SHA-256 of it as captured */
+    photograph: string
+    /** a newer one is there, which capture has not read yet */
+    shot_again: boolean
     /** its camera is known */
     placed: boolean
     /** overlap of fitted model and mask; null: no fit yet */
@@ -339,21 +349,38 @@ export const api = {
   }) => send<{ revision: string }>('POST', '/api/options', change),
 
   photos: (pose: string) => get<Photograph[]>(`/api/photos?${q({ pose })}`),
-  /** width 0: full size */
-  photoUrl: (pose: string, name: string, width = 0) =>
-    `/api/photo?${q({ pose, name, width: String(width) })}`,
+  /**
+   * width 0: full size. `captured`: what cameras and picks belong to, even if there is a newer one.
+   * `version`: one that was shot again has another address.
+   */
+  photoUrl: (pose: string, name: string, width = 0, captured = false, version = '') => {
+    const stage = captured ? 'capture' : ''
+    return `/api/photo?${q({ pose, name, width: String(width), stage, version })}`
+  },
   /** stage: 'capture' (before cameras are known) or 'masks' (the final ones) */
   maskUrl: (pose: string, name: string, stage: 'capture' | 'masks' = 'masks') =>
     `/api/mask?${q({ pose, name, stage })}`,
-  /** An 8-bit PNG of the photograph's size, white where the figure is; the new revision. */
-  saveMask: async (pose: string, name: string, png: Blob, revision: string): Promise<string> => {
-    const answer = await ask(`/api/mask?${q({ pose, name, revision })}`, {
+  /**
+   * An 8-bit PNG of the photograph's size, white where the figure is; the new revision.
+   * `photograph`: SHA-256 of the one that was painted over.
+   */
+  saveMask: async (
+    pose: string,
+    name: string,
+    png: Blob,
+    revision: string,
+    photograph: string,
+  ): Promise<string> => {
+    const answer = await ask(`/api/mask?${q({ pose, name, revision, photograph })}`, {
       method: 'PUT',
       headers: { 'Content-Type': 'image/png' },
       body: png,
     })
     return ((await answer.json()) as { revision: string }).revision
   },
+  /** Masks of older photographs: they hold for those of now, or are set aside as .old. */
+  holdMasks: (pose: string, names: string[], hold: boolean) =>
+    send<{ done: boolean }>('POST', '/api/masks/hold', { pose, names, hold }),
   cameras: (pose: string) => get<CameraView[]>(`/api/cameras?${q({ pose })}`),
 
   /** See view/mesh_data.ts for the bytes. */

@@ -8,8 +8,10 @@ import { outlinePath } from '../src/pages/landmarks/mask_outline'
 import { connected, neighboursOf, Painting } from '../src/pages/landmarks/painting'
 import {
   contradictionOf,
+  isOlder,
   residualsOf,
   stateWords,
+  withOlderHeld,
   worstPlaces,
 } from '../src/pages/landmarks/photo_model'
 import { PickFiles } from '../src/pages/landmarks/pick_files'
@@ -204,6 +206,8 @@ const photograph = (name: string, distance_px: number): PhotoFit['photographs'][
   name,
   width: 1000,
   height: 800,
+  photograph: `${name} now`,
+  shot_again: false,
   placed: true,
   iou: 0.9,
   worst: { pixel: [5, 6], distance_px, beyond: 'mask' },
@@ -242,6 +246,26 @@ test('a residual is the distance to the fitted model, and wrong if far or refuse
   const meets = [photoPick('nose', 'a.jpg', 100, 106)]
   assert.equal(contradictionOf(pair, 'a.jpg', photoFit({ meets })), 6)
   assert.equal(contradictionOf(pair, 'c.jpg', photoFit({ meets })), null)
+})
+
+test('a pick in an older photograph is told apart, has no residual, and can be held', () => {
+  const old = { ...photoPick('nose', 'a.jpg', 100, 100), photograph: 'a.jpg then' }
+  const fresh = { ...photoPick('nose', 'b.jpg', 3, 4), photograph: 'b.jpg now' }
+  const unknown = photoPick('nose', 'c.jpg', 5, 6)
+  const gone = { ...photoPick('nose', 'd.jpg'), photograph: 'd.jpg then' }
+  const picks = [old, fresh, unknown, gone]
+  const fit = photoFit({ shown: picks.map((one) => ({ ...one, hidden: false })) })
+  assert.deepEqual(
+    picks.map((one) => isOlder(one, fit)),
+    [true, false, false, false],
+  )
+  const pair = { name: 'nose', template: pick('nose'), pixels: picks }
+  assert.deepEqual(
+    residualsOf(pair, fit).map((one) => one.pick.image),
+    ['b.jpg', 'c.jpg'],
+  )
+  const held = withOlderHeld(picks, fit)
+  assert.deepEqual(held, [{ ...old, photograph: 'a.jpg now' }, fresh, unknown, gone])
 })
 
 test('the worst places come first, and small gaps not at all', () => {

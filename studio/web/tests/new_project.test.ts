@@ -7,7 +7,7 @@ import { emptyRow, fewOf, withFiles } from '../src/pages/new_project/rows'
 const found = (path: string, bytes = 1) => ({ file: new File([new Uint8Array(bytes)], path), path })
 
 test('only what the server takes is offered and sent', () => {
-  assert.equal(kAccept, '.jpg,.jpeg,.png,.tif,.tiff,.heic,.heif,.hif')
+  assert.equal(kAccept, '.jpg,.jpeg,.jfif,.png,.tif,.tiff,.heic,.heif,.hif')
   const { photos } = sorted(
     ['b10.JPG', 'b9.heic', 'a.tiff', 'c.webp', 'd.CR2'].map((path) => found(path)),
   )

@@ -2,6 +2,7 @@
 import type { PhotoFit } from '../../api'
 import { RowTools } from './bench_pieces'
 import { RenameField, RowButton, UndoButtons } from './pair_list'
+import { OlderPicks } from './older_picks'
 import { colorOf, residualsOf, stateWords } from './photo_model'
 import type { PhotoPicking } from './photo_picking'
 import type { PhotoPair } from './pick_history'
@@ -123,6 +124,7 @@ export function PhotoPairList(props: {
         />
       </div>
       {general && <p class="small bad">{general}</p>}
+      <OlderPicks picking={picking} fit={props.fit} />
       {pairs.length === 0 && picking.files.loaded && (
         <p class="small soft">
           None yet, and often none is needed: run the fit first, then pick what it has wrong. Click

@@ -35,6 +35,20 @@ export interface Residual {
 
 const apart = (a: readonly number[], b: readonly number[]) => Math.hypot(a[0] - b[0], a[1] - b[1])
 
+/** Whether it was picked in an older photograph of that name: the fit leaves it out. */
+export function isOlder(pick: PhotoPick, fit: PhotoFit | null): boolean {
+  const now = fit?.photographs.find((one) => one.name === pick.image)
+  return now !== undefined && !!pick.photograph && pick.photograph !== now.photograph
+}
+
+/** The picks, with older ones as made in the photographs of now. */
+export function withOlderHeld(picks: readonly PhotoPick[], fit: PhotoFit): PhotoPick[] {
+  return picks.map((pick) => {
+    const now = fit.photographs.find((one) => one.name === pick.image)
+    return now && isOlder(pick, fit) ? { ...pick, photograph: now.photograph } : pick
+  })
+}
+
 /** Of the photographs in which the pair was picked, and whose cameras are known. */
 export function residualsOf(pair: PhotoPair, fit: PhotoFit | null): Residual[] {
   const found: Residual[] = []
@@ -43,7 +57,7 @@ export function residualsOf(pair: PhotoPair, fit: PhotoFit | null): Residual[] {
       one.name === pair.name && one.image === pick.image
     const shown = fit?.shown.find(same)
     const photograph = fit?.photographs.find((one) => one.name === pick.image)
-    if (!fit || !shown || !photograph) continue
+    if (!fit || !shown || !photograph || isOlder(pick, fit)) continue
     const off_px = apart(pick.pixel, shown.pixel)
     const far = off_px > kFar * Math.max(photograph.width, photograph.height)
     found.push({ pick, shown: shown.pixel, off_px, wrong: far || fit.refused.some(same) })

@@ -130,7 +130,7 @@ export function PhotoSide(props: {
   return (
     <div class="ph-side">
       <FrameView
-        src={api.photoUrl(picking.pose, name)}
+        src={api.photoUrl(picking.pose, name, 0, true, photograph.photograph)}
         width={width}
         height={height}
         label={`${picking.pose}: ${name}`}
@@ -154,6 +154,7 @@ export function PhotoSide(props: {
         current={name}
         choose={props.show}
         note={note}
+        captured
       />
     </div>
   )

@@ -1,10 +1,10 @@
 // What was dropped or chosen, as photographs of poses; the rest is told, never sent.
 
 /** What the server takes, as core/io/photograph_files.cpp says. */
-const kPhotographs = 'jpg jpeg png tif tiff heic heif hif'.split(' ')
+const kPhotographs = 'jpg jpeg jfif png tif tiff heic heif hif'.split(' ')
 /** What a camera writes beside or instead of them. */
 const kRaw = 'dng cr2 cr3 nef arw raf orf rw2'.split(' ')
-const kOtherPictures = 'webp avif bmp gif psd ppm pgm pbm pnm jxl jp2 tga exr hdr jfif'.split(' ')
+const kOtherPictures = 'webp avif bmp gif psd ppm pgm pbm pnm jxl jp2 tga exr hdr'.split(' ')
 /** Kinds that a browser cannot draw as thumbnails. */
 const kUndrawn = 'tif tiff heic heif hif'.split(' ')
 

@@ -8,6 +8,7 @@ import { count, percent } from '../../words'
 import { Flags } from './flags'
 import { nextByKey } from './keys'
 import { drawVeil } from './mask_picture'
+import { OlderMasks } from './older_masks'
 import { ordered, signedPercent } from './quality'
 import type { Judged, Order } from './quality'
 
@@ -45,6 +46,12 @@ export function ContactSheet(props: {
         </div>
       </div>
       <div class="scroll">
+        <OlderMasks
+          pose={props.pose.name}
+          names={shown
+            .filter((one) => one.photograph.mask_of_another)
+            .map((one) => one.photograph.name)}
+        />
         <Warnings warnings={warnings} />
         <Grid {...props} shown={shown} veiled={veiled} />
       </div>
@@ -152,7 +159,11 @@ function Tile(props: {
     <li>
       <button class="tile" tabIndex={props.reached ? 0 : -1} onClick={props.open}>
         <span class="thumb" style={{ aspectRatio: shape }}>
-          <img src={api.photoUrl(pose, photograph.name, 320)} alt="" loading="lazy" />
+          <img
+            src={api.photoUrl(pose, photograph.name, 320, false, photograph.photograph)}
+            alt=""
+            loading="lazy"
+          />
           <canvas ref={veil} width={1} height={1} />
           {judged.flags.length > 0 && (
             <span class="marks">
@@ -165,6 +176,11 @@ function Tile(props: {
           {photograph.mask_given && (
             <span class="given" title="This mask is your own">
               own mask
+            </span>
+          )}
+          {photograph.mask_of_another && (
+            <span class="given" title="Your mask is of an older photograph: it is not used">
+              older mask
             </span>
           )}
         </span>
@@ -194,9 +210,12 @@ function Figures({ judged }: { judged: Judged }) {
 /** Draws the mask when the tile comes near the window, and again when the pose was made anew. */
 function useVeil(pose: string, judged: Judged, results: string) {
   const canvas = useRef<HTMLCanvasElement>(null)
-  const { name, captured, mask_given: given } = judged.photograph
+  const { name, captured, mask_given: given, photograph } = judged.photograph
   useEffect(() => {
-    if (!captured && !given) return
+    if (!captured && !given) {
+      canvas.current!.width = canvas.current!.height = 1 // that of an older photograph
+      return
+    }
     let wanted = true
     const observer = new IntersectionObserver(
       (entries) => {
@@ -211,6 +230,6 @@ function useVeil(pose: string, judged: Judged, results: string) {
       wanted = false
       observer.disconnect()
     }
-  }, [pose, name, captured, given, results])
+  }, [pose, name, captured, given, photograph, results])
   return canvas
 }

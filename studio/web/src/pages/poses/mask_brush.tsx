@@ -12,6 +12,7 @@ import { inField } from './keys'
 import { useLoaded } from './load'
 import type { MaskCanvas } from './mask_canvas'
 import { MaskModel } from './mask_model'
+import { OlderMasks } from './older_masks'
 import { loadMask, loadPhotograph } from './mask_picture'
 import { greyPng } from './png'
 import type { Judged } from './quality'
@@ -31,16 +32,18 @@ interface Painting {
   model: MaskModel
   /** of the mask that the strokes are on; '': there was none */
   revision: string
+  /** SHA-256 of the photograph under the strokes */
+  photograph: string
 }
 
 async function load(pose: string, { photograph }: Judged): Promise<Painting> {
-  const picture = await loadPhotograph(pose, photograph.name)
+  const picture = await loadPhotograph(pose, photograph.name, photograph.photograph)
   // Before capture nobody has measured the photograph but the browser.
   const width = photograph.width || picture.width
   const height = photograph.height || picture.height
   const mask = await loadMask(pose, photograph.name, width, height)
   const model = new MaskModel(width, height, mask?.values)
-  return { picture, model, revision: mask?.revision ?? '' }
+  return { picture, model, revision: mask?.revision ?? '', photograph: photograph.photograph }
 }
 
 /** The tool stays from photograph to photograph; the rest begins anew with each. */
@@ -59,8 +62,14 @@ export function MaskBrush(sheet: Sheet) {
 
 function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) => void }) {
   const { pose, one, name, tool, setTool } = props
-  const painting = useLoaded(() => load(pose.name, one), [pose.name, name])
+  const [decisions, setDecisions] = useState(0)
+  const [shot, setShot] = useState(one.photograph.photograph)
+  const painting = useLoaded(() => load(pose.name, one), [pose.name, name, decisions, shot])
   const model = painting.value?.model ?? null
+  // One that is shot again is shown at once, unless that would take strokes away.
+  useEffect(() => {
+    if (!model?.changed) setShot(one.photograph.photograph)
+  }, [one.photograph.photograph])
   const canvas = useRef<MaskCanvas | null>(null)
   const [zoom, setZoom] = useState(1)
   const [, setStrokes] = useState(0)
@@ -108,6 +117,12 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
             {one.photograph.mask_given && <span class="tag soft">own mask</span>}
           </div>
           <Measures judged={one} />
+          <OlderMasks
+            pose={pose.name}
+            names={one.photograph.mask_of_another ? [name] : []}
+            disabled={model?.changed}
+            decided={() => setDecisions((old) => old + 1)}
+          />
         </div>
         <BrushTools tool={tool} change={setTool} />
         <BrushHistory
@@ -184,7 +199,8 @@ function useSaving(
       if (model.changed) {
         const mark = model.mark()
         const png = await greyPng(model.width, model.height, model.values)
-        painting.revision = await api.saveMask(pose.name, name, png, painting.revision)
+        const { revision, photograph } = painting
+        painting.revision = await api.saveMask(pose.name, name, png, revision, photograph)
         model.markSavedAt(mark)
       }
       if (rerun) await api.run({ until: [bake?.id ?? `bake/${pose.name}`] })

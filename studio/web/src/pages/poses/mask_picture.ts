@@ -90,8 +90,12 @@ export async function drawVeil(
 }
 
 /** The photograph at its full size. */
-export async function loadPhotograph(pose: string, name: string): Promise<ImageBitmap> {
-  const answer = await fetch(api.photoUrl(pose, name), { headers: { 'X-Keypose': '1' } })
+export async function loadPhotograph(
+  pose: string,
+  name: string,
+  version: string,
+): Promise<ImageBitmap> {
+  const answer = await fetch(api.photoUrl(pose, name, 0, false, version), { headers: { 'X-Keypose': '1' } })
   if (!answer.ok) throw new ApiError(answer.status, `${name} cannot be read`)
   return createImageBitmap(await answer.blob())
 }

@@ -10,6 +10,8 @@ export function Strip(props: {
   names: string[]
   current: string
   choose: (name: string) => void
+  /** as captured, even where there are newer ones */
+  captured?: boolean
   /** a short word on a photograph, over its picture */
   note?: (name: string) => string
 }) {
@@ -36,7 +38,7 @@ export function Strip(props: {
               title={name}
               onClick={() => props.choose(name)}
             >
-              <img src={api.photoUrl(props.pose, name, 320)} alt="" loading="lazy" />
+              <img src={api.photoUrl(props.pose, name, 320, props.captured)} alt="" loading="lazy" />
               <span>{name}</span>
               {props.note?.(name) && <em>{props.note(name)}</em>}
             </button>

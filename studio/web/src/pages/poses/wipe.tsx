@@ -76,7 +76,7 @@ function Pair(props: { pose: Pose; results: string; camera: CameraView; behind: 
     <div ref={element} class="room">
       <div class="pair" style={box}>
         <img
-          src={api.photoUrl(pose.name, camera.name, 1600)}
+          src={api.photoUrl(pose.name, camera.name, 1600, true)}
           alt={`Photograph ${camera.name}`}
           draggable={false}
         />
