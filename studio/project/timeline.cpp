@@ -29,11 +29,19 @@ double GapOf(Snapshot& snapshot) {
   return (between + 1) / snapshot.file().fps;
 }
 
-json KeysInOrder(Snapshot& snapshot) {
-  json keys = json::array();
-  const double gap = GapOf(snapshot);
-  for (const std::string& pose : snapshot.graph().keys)
-    keys.push_back({{"pose", pose}, {"at", gap * static_cast<double>(keys.size())}});
+/// Keys with what the file says of them, and with the times that `interpolate` gives those of which
+/// it only tells the order: `steps` frames between two, after the first one's hold.
+json KeysWithTimes(Snapshot& snapshot, json keys) {
+  if (keys.empty())
+    for (const std::string& pose : snapshot.graph().keys) keys.push_back({{"pose", pose}});
+  const double gap = GapOf(snapshot), fps = snapshot.file().fps;
+  double next = 0;
+  for (json& key : keys) {
+    key["at"] = key.value("time", next);
+    key.erase("time");
+    const json hold = key.value("hold", json());
+    next += gap + (hold.is_number() ? std::round(hold.get<double>() * fps) / fps : 0);
+  }
   return keys;
 }
 
@@ -79,15 +87,19 @@ std::string WithSetting(const std::string& text, const std::string& name, const 
   return value.is_null() ? WithoutValue(text, path) : WithValue(text, path, FlowText(value));
 }
 
-/// A timeline that is only a list becomes a map with the list under `keys`.
-std::string AsMap(const std::string& text, const std::vector<std::string>& keys) {
+/// A timeline that is only a list becomes a map with the list under `keys`. Where the file has
+/// none, it gets one, with the pace that the project had without it.
+std::string AsMap(const std::string& text, const std::vector<std::string>& keys,
+                  const json& before) {
   const YAML::Node timeline = YAML::Load(text)["timeline"];
   if (timeline && timeline.IsMap()) return text;
+  if (timeline && timeline.IsSequence()) return WithListUnder(text, {"timeline"}, "keys");
   std::string list;
   for (const std::string& key : keys) list += "\n    - " + key;
   const std::string without = WithoutValue(text, {"timeline"});
   const std::string gap = without.empty() || without.back() == '\n' ? "" : "\n";
-  return without + gap + "timeline:\n  keys:" + list + "\n";
+  const std::string whole = without + gap + "timeline:\n  keys:" + list + "\n";
+  return WithSetting(whole, "interpolation", before.value("interpolation", json()));
 }
 
 /// Names of the regions that pins, paths and turns are about.
@@ -140,10 +152,15 @@ json PaintedRegions(Snapshot& snapshot) {
   }
 }
 
+/// What the timeline said until now; of a filmed shot without one, what its frames say.
+json TimelineOf(Snapshot& snapshot) {
+  const std::string& written = snapshot.graph().timeline_json;
+  return written.empty() ? json::object() : json::parse(written);
+}
+
 /// Pins as the page has them, and the painted regions that they and the turns need.
 std::string WithRules(Snapshot& snapshot, const std::string& text, const json& timeline) {
-  const std::string& written = snapshot.graph().timeline_json;
-  const json before = written.empty() ? json::object() : json::parse(written);
+  const json before = TimelineOf(snapshot);
   const json none = json::array(), other = timeline.value("other", json::object());
   const json painted = PaintedRegions(snapshot);
   const json regions = before.value("regions", none);
@@ -157,7 +174,7 @@ void CheckTimeline(const std::string& text) {
   const YAML::Node root = YAML::Load(text);
   const double fps = root["fps"] ? root["fps"].as<double>() : 24;
   const std::string parsed = pipeline::TimelineJson(root["timeline"], fps);
-  if (!parsed.empty()) ParseTimeline(parsed, "the timeline");
+  if (!parsed.empty()) RequirePlayable(ParseTimeline(parsed, "the timeline"), "the timeline");
 }
 
 void CheckPoses(Snapshot& snapshot, const json& keys) {
@@ -172,7 +189,7 @@ std::string WithTimeline(Snapshot& snapshot, const json& timeline) {
   std::string text = ReadFile(snapshot.project() / "pipeline.yaml");
   std::vector<std::string> keys;
   for (const json& key : timeline.at("keys")) keys.push_back(KeyText(key));
-  text = AsMap(text, keys);
+  text = AsMap(text, keys, TimelineOf(snapshot));
   text = WithItems(text, {"timeline", "keys"}, keys);
   const bool loop = timeline.value("loop", false);
   const int step = timeline.value("step", 1);
@@ -193,17 +210,9 @@ json TimelineToPage(Snapshot& snapshot) {
                {"step", 1},
                {"timed", false},
                {"other", json::object()}};
-  const std::string& written = snapshot.graph().timeline_json;
-  const json parsed = written.empty() ? json::object() : json::parse(written);
-  page["keys"] = json::array();
-  for (json key : parsed.value("keys", json::array())) {
-    if (!key.contains("time")) break;
-    page["timed"] = true;
-    key["at"] = key["time"];
-    key.erase("time");
-    page["keys"].push_back(key);
-  }
-  if (page["keys"].empty()) page["keys"] = KeysInOrder(snapshot);
+  const json parsed = TimelineOf(snapshot), keys = parsed.value("keys", json::array());
+  page["timed"] = !keys.empty() && keys.front().contains("time");
+  page["keys"] = KeysWithTimes(snapshot, keys);
   for (const auto& [name, value] : parsed.items()) {
     if (name == "loop" || name == "step")
       page[name] = value;
@@ -221,9 +230,8 @@ void SaveTimeline(Snapshot& snapshot, const json& timeline) {
 }
 
 void FollowPaintedRegions(Snapshot& snapshot, const json& painted) {
-  const std::string& written = snapshot.graph().timeline_json;
-  if (written.empty()) return;
-  const json before = json::parse(written);
+  const json before = TimelineOf(snapshot);
+  if (before.empty()) return;
   const json regions = before.value("regions", json::array());
   const std::set<std::string> used = UsedRegions(before.at("keys"), before);
   const json after = WithPainted(regions, painted, used);

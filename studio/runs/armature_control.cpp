@@ -197,12 +197,13 @@ void ArmatureControl::FollowBake() {
   while (!leave_ && heard != TalkingChild::Heard::kEnd) heard = baker_->Hear(&line);
   if (heard != TalkingChild::Heard::kEnd) return;
   const int code = baker_->Wait();
-  const std::string said = code == 0 ? "" : WhatItSaid(PageFolder() / "bake.txt", code);
+  const fs::path log = PageFolder() / "bake.txt";
+  const std::string said = WhatItSaid(log, code), told = code == 0 ? WarningsIn(said) : said;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     baking_ = false;
   }
-  listener_.baked(code, said);
+  listener_.baked(code, told);
 }
 
 }  // namespace keypose::studio

@@ -213,6 +213,17 @@ std::string ErrorIn(const std::string& said, int exit_code) {
              : text;
 }
 
+std::string WarningsIn(const std::string& said) {
+  // "armature bake: warning: ...".
+  const std::string mark = ": warning: ";
+  std::string warnings;
+  std::istringstream lines(WithoutOddBytes(said));
+  for (std::string line; std::getline(lines, line);)
+    if (const auto at = line.find(mark); at != std::string::npos)
+      warnings += (warnings.empty() ? "" : "\n") + line.substr(at + mark.size());
+  return warnings;
+}
+
 TalkingChild::TalkingChild(const std::vector<std::string>& arguments, const fs::path& folder,
                            const fs::path& error) {
   int err = OpenToWrite(error);

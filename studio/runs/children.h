@@ -50,6 +50,9 @@ void LetGo(const std::vector<std::string>& arguments, const std::filesystem::pat
 /// The words of the error in what a program that failed has said.
 std::string ErrorIn(const std::string& said, int exit_code);
 
+/// The warnings in what a stage has said, a line each; "" if there are none.
+std::string WarningsIn(const std::string& said);
+
 /// What a program that failed has said, without the lines that only a terminal needs.
 /// @param error  the file of its standard error
 std::string WhatItSaid(const std::filesystem::path& error, int exit_code);

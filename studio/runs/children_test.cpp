@@ -166,6 +166,13 @@ TEST_F(Warm, AnAnswerStandsThoughTheNextOneCannotBeStarted) {
   EXPECT_EQ(warm.Run({"y"}, 20).output, "one --await\ny ");
 }
 
+TEST(WarningsIn, AreThoseOfAStageThatSucceeded) {
+  EXPECT_EQ(WarningsIn("armature bake: 12 frames\n"), "");
+  EXPECT_EQ(WarningsIn("armature bake: reading\narmature bake: warning: a joint is left out\n"
+                       "armature bake: warning: a chain misses its anchor\n"),
+            "a joint is left out\na chain misses its anchor");
+}
+
 TEST(WhatItSaid, ExitCodeSpeaksForThoseWhoSayNothing) {
   EXPECT_EQ(WhatItSaid("/nonexistent/file", 5), "the program ended with exit code 5");
   EXPECT_EQ(WhatItSaid("/nonexistent/file", 0), "");

@@ -2,6 +2,7 @@ import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
 import type { Frames, Timeline } from '../src/api'
+import { addPin, keyOfPin, pinsOf, setPin } from '../src/pages/timeline/region_model'
 import * as model from '../src/pages/timeline/timeline_model'
 import { numbers } from './random'
 
@@ -18,7 +19,10 @@ const timelineOf = (fps: number): Timeline => ({
   ],
 })
 
-/** The engine's rules (core/io/timeline.cpp): rising times, holds that end before the next key. */
+/**
+ * The engine's rules (core/io/timeline.cpp): rising times, holds that end before the next key, loops
+ * that close, pins from key to key.
+ */
 function assertUsable(timeline: Timeline): void {
   const frames = model.framesOf(timeline)
   timeline.keys.forEach((key, i) => {
@@ -27,6 +31,13 @@ function assertUsable(timeline: Timeline): void {
     const next = timeline.keys[i + 1]
     if (next) assert.ok(key.at + (key.hold ?? 0) <= next.at, 'a hold ends before the next key')
   })
+  const last = timeline.keys[timeline.keys.length - 1]
+  if (timeline.loop) assert.equal(last.pose, timeline.keys[0].pose, 'a loop closes')
+  for (const { from, to } of pinsOf(timeline)) {
+    const [begin, end] = [from ?? timeline.keys[0].at, to ?? last.at]
+    assert.ok(begin <= end, 'a pin does not end before it begins')
+    for (const time of [begin, end]) assert.ok(keyOfPin(timeline, time) >= 0, 'a key is there')
+  }
 }
 
 /** One edit, chosen by numbers. */
@@ -43,6 +54,10 @@ function edited(timeline: Timeline, pick: (below: number) => number): Timeline {
     () => model.setFps(timeline, [12, 24, 25, 30][pick(4)]),
     () => model.setHold(timeline, key, model.holdUntil(timeline, key, frame)),
     () => model.setLoop(timeline, pick(2) === 1).timeline,
+    () => model.setPose(timeline, key, ['a', 'b', 'c'][pick(3)]),
+    () => addPin(timeline, 'foot'),
+    () => setPin(timeline, pick(pinsOf(timeline).length), { from: timeline.keys[key].at }),
+    () => setPin(timeline, pick(pinsOf(timeline).length), { to: timeline.keys[key].at }),
   ]
   return edits[pick(edits.length)]()
 }
@@ -64,6 +79,30 @@ test('whatever is edited, the engine can use the timeline', () => {
     }
   }
   assert.ok(done > 6000, `only ${done} edits were possible`)
+})
+
+test('a loop stays closed, whatever is done to its first and last key', () => {
+  const loop = model.setLoop(timelineOf(24), true).timeline
+  const poses = (timeline: Timeline) => timeline.keys.map((key) => key.pose).join(' ')
+  assert.equal(poses(loop), 'a b a')
+  assert.equal(poses(model.setPose(loop, 0, 'c')), 'c b c')
+  assert.equal(poses(model.setPose(loop, 2, 'c')), 'c b c')
+  assert.equal(poses(model.setPose(loop, 1, 'c')), 'a c a')
+  assert.equal(poses(model.deleteKey(loop, 0)), 'b b')
+  assert.throws(() => model.deleteKey(loop, 2), /turn Loop off/)
+  assert.throws(() => model.addKey(loop, 80, 'c'), /ends with its first pose/)
+})
+
+test('pins leave a key that is deleted for its neighbours', () => {
+  let timeline = model.addKey(model.addKey(timelineOf(24), 48, 'c').timeline, 72, 'd').timeline
+  timeline = setPin(addPin(timeline, 'foot'), 0, { from: 1, to: 2 })
+  timeline = setPin(addPin(timeline, 'hand'), 1, { to: 2 })
+  timeline = setPin(addPin(timeline, 'ear'), 2, { from: 2 })
+  const spans = (after: Timeline) =>
+    pinsOf(after).map(({ region, from, to }) => `${region} ${from ?? '-'} ${to ?? '-'}`)
+  assert.deepEqual(spans(model.deleteKey(timeline, 2)), ['hand - 1'])
+  assert.deepEqual(spans(model.deleteKey(timeline, 1)), ['hand - 2', 'ear 2 -'])
+  assert.deepEqual(spans(model.deleteKey(timeline, 0)), ['foot 0 1', 'hand - 1', 'ear 1 -'])
 })
 
 test('keys that move together keep their distances, and earlier ones their places', () => {

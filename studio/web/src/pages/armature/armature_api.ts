@@ -1,5 +1,10 @@
 // Requests of the armature page; docs/studio-api.md lists them.
 import { ask, get, send } from '../../api'
+import { sentence } from '../../words'
+
+/** `warnings`: what baking has said, a line each. */
+export const bakedWords = (warnings: string): string =>
+  ['The frames are baked.', ...warnings.split('\n').map(sentence)].filter((one) => one).join(' ')
 
 /** Files are named from the project's folder; '' is not given. */
 export interface ArmatureSetup {

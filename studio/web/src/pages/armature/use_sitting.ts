@@ -5,7 +5,7 @@ import type { StudioEvent } from '../../api'
 import { useStudio } from '../../state'
 import { useToldSession } from '../../use_told_session'
 import type { ToldBy } from '../../use_told_session'
-import { armatureApi } from './armature_api'
+import { armatureApi, bakedWords } from './armature_api'
 import type { ArmatureEvent, ArmaturePose, ArmatureStory } from './armature_api'
 import { afterEnd, afterEvent, fromStory, kNoSitting } from './sitting'
 import type { Sitting } from './sitting'
@@ -44,7 +44,7 @@ export function useSitting(): AtPuppet {
         if (event.type === 'armature_ended') void load()
         if (event.type !== 'armature_baked') return
         setBaking(false)
-        if (event.exit_code === 0) tell('The frames are baked.')
+        if (event.exit_code === 0) tell(bakedWords(event.message))
         else complain(event.message)
       }),
     [follow, load, tell, complain],

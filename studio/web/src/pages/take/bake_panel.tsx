@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks'
 
 import { useStudio } from '../../state'
-import { armatureApi } from '../armature/armature_api'
+import { armatureApi, bakedWords } from '../armature/armature_api'
 import { BakeChoice } from '../armature/bake_choice'
 import type { TakeDesk } from './desk'
 import { ProjectUses } from './project_uses'
@@ -22,7 +22,7 @@ export function BakePanel({ desk }: { desk: TakeDesk }) {
         if (event.exit_code !== 0) return complain(event.message)
         setBaked(between)
         setBakes((old) => old + 1)
-        tell('The frames are baked.')
+        tell(bakedWords(event.message))
       }),
     [follow, tell, complain, between],
   )

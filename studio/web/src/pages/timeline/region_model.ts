@@ -70,6 +70,35 @@ export function keyOfPin(timeline: Timeline, seconds: number): number {
   return timeline.keys.findIndex((key) => Math.abs(key.at - seconds) * timeline.fps < 0.5)
 }
 
+/**
+ * Pins without a key that was taken out: one that began with it begins with the next, one that
+ * ended with it ends with the one before. Without a span to hold, it goes as well.
+ * @param after  the keys without that of `index`, which may have moved
+ */
+export function withPinsOff(timeline: Timeline, after: Timeline, index: number): Timeline {
+  const pins = pinsOf(timeline)
+  if (pins.length === 0) return after
+  const last = after.keys.length - 1
+  const at = (seconds: number | undefined, otherwise: number, ifGone: number) => {
+    if (seconds === undefined) return otherwise
+    const key = keyOfPin(timeline, seconds)
+    // A time within a hold is no key's own; it stays.
+    if (key < 0) return null
+    return key === index ? ifGone : key > index ? key - 1 : key
+  }
+  const kept: Pin[] = []
+  for (const pin of pins) {
+    const from = at(pin.from, 0, Math.min(index, last))
+    const to = at(pin.to, last, Math.max(index - 1, 0))
+    if (from !== null && to !== null && from >= to) continue
+    const next: Pin = { ...pin }
+    if (pin.from !== undefined && from !== null) next.from = after.keys[from].at
+    if (pin.to !== undefined && to !== null) next.to = after.keys[to].at
+    kept.push(next)
+  }
+  return withPins(after, kept)
+}
+
 /** Pins follow the keys that they hang on; `moved` has the same keys in the same order. */
 export function withPinsOn(timeline: Timeline, moved: Timeline): Timeline {
   const pins = pinsOf(timeline)

@@ -3,7 +3,7 @@
 // Times are rounded to frames as interpolate does (interpolate/timing/timeline.cpp): frame 0 is
 // the first key, and a key with a hold of h frames is seen in h + 1 frames.
 import type { Frames, Timeline, TimelineKey } from '../../api'
-import { withPinsOn } from './region_model'
+import { withPinsOff, withPinsOn } from './region_model'
 
 /** A key with the fields of the file that TimelineKey does not list; the server passes them on. */
 export interface Key extends TimelineKey {
@@ -167,8 +167,14 @@ export function holdUntil(timeline: Timeline, index: number, end: number): numbe
   return hold + 1 >= mostHold(timeline, index) ? mostHold(timeline, index) : Math.max(0, hold)
 }
 
+/** In a loop the last key is the first one again: both change. */
 export function setPose(timeline: Timeline, index: number, pose: string): Timeline {
-  return withKey(timeline, index, { ...timeline.keys[index], pose })
+  const last = timeline.keys.length - 1
+  const ends = timeline.loop && (index === 0 || index === last)
+  const keys = keysOf(timeline).map((key, i) =>
+    i === index || (ends && (i === 0 || i === last)) ? { ...key, pose } : key,
+  )
+  return withKeys(timeline, keys)
 }
 
 /** The nearest frame without a key, later ones first. */
@@ -190,6 +196,8 @@ function insert(
   if (frame < 0 || frame > kMostFrames) throw new Refusal('A key must lie on the ruler.')
   if (frames.includes(frame)) throw new Refusal(`Frame ${frame} has a key already.`)
   const index = keyAt(timeline, frame) + 1
+  if (timeline.loop && index === frames.length && key.pose !== timeline.keys[0].pose)
+    throw new Refusal('A loop ends with its first pose: move its last key out first.')
   let before = keysOf(timeline)[index - 1]
   // A key inside of a hold ends it.
   const gap = frame - frames[index - 1]
@@ -227,12 +235,16 @@ export function copyKey(
 export function deleteKey(timeline: Timeline, index: number): Timeline {
   if (timeline.keys.length <= 2) throw new Refusal('An animation needs two keys.')
   const keys = keysOf(timeline).filter((_, i) => i !== index)
-  if (index > 0) return withKeys(timeline, keys)
+  const last = keys[keys.length - 1]
+  if (timeline.loop && index === keys.length && last.pose !== keys[0].pose)
+    throw new Refusal('A loop ends with its first pose: turn Loop off first.')
+  if (index > 0) return withPinsOff(timeline, withKeys(timeline, keys), index)
+  if (timeline.loop) keys[keys.length - 1] = { ...last, pose: keys[0].pose }
   // Without its first key the animation begins with the second: all move to the same start, by
   // frames, as seconds would be rounded anew.
   const frames = framesOf(timeline)
   const moved = keys.map((key, i) => placed(timeline, key, frames[i + 1] - frames[1]))
-  return withKeys(timeline, moved)
+  return withPinsOff(timeline, withKeys(timeline, moved), index)
 }
 
 /** Another rate; times in seconds stay. */
