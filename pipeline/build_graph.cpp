@@ -13,6 +13,7 @@
 #include "pipeline/references.h"
 #include "pipeline/shown_frames.h"
 #include "pipeline/text.h"
+#include "pipeline/timeline_yaml.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -139,6 +140,8 @@ class GraphBuilder {
     graph_.timeline_json = file_.timeline_json;
     for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
     if (graph_.keys.empty()) graph_.keys = graph_.poses;
+    if (graph_.timeline_json.empty() && !performance)
+      graph_.timeline_json = OrderJson(graph_.keys, file_.fps);
     if (!performance) CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
@@ -230,6 +233,7 @@ class GraphBuilder {
     step.source_pose = source_pose;
     step.id = pose.empty() ? rule.name : rule.name + "/" + pose;
     step.program = program_of_.at(rule.name);
+    step.is_own_program = rule.program.has_value();
     step.info = &catalog_.Get(step.program);
     step.cost = rule.cost;
     step.where = rule.where;

@@ -55,11 +55,21 @@ void CompareFolders(const RecipeInput& before, const RecipeInput& now,
         fmt::format("and {} more files of {}", lines.size() - kShown, now.origin));
 }
 
+void CompareTimelines(const RecipeInput& before, const RecipeInput& now,
+                      std::vector<std::string>* differences) {
+  const std::size_t count = differences->size();
+  CompareFields(now.origin + ",", before.content.settings, now.content.settings, differences);
+  if (differences->size() == count)
+    differences->push_back(now.origin + " says the same in another order or spelling");
+}
+
 /// What became of one thing that an input gets.
 void CompareOne(const RecipeInput& before, const RecipeInput& now,
                 std::vector<std::string>* differences) {
   if (before.content.hash == now.content.hash) return;
-  if (before.origin != now.origin)
+  if (!before.content.settings.empty() && !now.content.settings.empty())
+    CompareTimelines(before, now, differences);
+  else if (before.origin != now.origin)
     differences->push_back(
         fmt::format("input {} was {}, and is {} now", now.port, before.origin, now.origin));
   else if (before.content.files.empty() || now.content.files.empty())
@@ -150,6 +160,7 @@ json ToJson(const Recipe& recipe) {
   for (const RecipeInput& input : recipe.inputs) {
     json entry = {{"port", input.port}, {"origin", input.origin}, {"sha256", input.content.hash}};
     if (!input.content.files.empty()) entry["files"] = input.content.files;
+    if (!input.content.settings.empty()) entry["settings"] = input.content.settings;
     inputs.push_back(std::move(entry));
   }
   return {{"stage", recipe.stage},
@@ -170,6 +181,7 @@ Recipe RecipeFromJson(const json& value) {
                       entry.at("origin").get<std::string>(),
                       {entry.at("sha256").get<std::string>(), {}}};
     if (entry.contains("files")) input.content.files = entry["files"].get<Fields>();
+    if (entry.contains("settings")) input.content.settings = entry["settings"].get<Fields>();
     recipe.inputs.push_back(std::move(input));
   }
   return recipe;

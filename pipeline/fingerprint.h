@@ -14,6 +14,8 @@ struct Content {
   /// of a file: SHA-256; of a folder: SHA-256 over sorted names and hashes of `files`
   std::string hash;
   std::map<std::string, std::string> files;  ///< of a folder: relative name -> hash
+  /// of the timeline, for messages: what is said -> value
+  std::map<std::string, std::string> settings = {};
   bool operator==(const Content&) const = default;
 };
 /// @return content with a hash over `files`

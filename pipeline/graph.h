@@ -53,6 +53,7 @@ struct Step {
   std::string pose;         ///< empty for steps of the animation and the project
   std::string source_pose;  ///< of a pair: the template
   std::filesystem::path program;
+  bool is_own_program = false;      ///< of the project, not one of Keypose's stages
   const StageInfo* info = nullptr;  ///< owned by the catalog; shared, since a project of 1,000
                                     ///< poses has 13,000 steps but a dozen stages
   std::vector<PortFlows> inputs;    ///< in the stage's order of ports
@@ -75,8 +76,8 @@ struct Graph {
   std::vector<std::string> poses;
   /// poses in the order of the timeline, with repeats; `poses` without a timeline
   std::vector<std::string> keys;
-  std::string timeline_json;  ///< the content of $timeline; empty if the timeline only gives the
-                              ///< order of poses
+  std::string timeline_json;  ///< the content of $timeline; empty if the project only gives the
+                              ///< order of poses, at 24 frames a second
   std::vector<Step> steps;    ///< each after all steps that it needs
 
   /// Steps that match STEP or STEP/POSE, ascending.

@@ -39,6 +39,29 @@ std::vector<bool> WithNeeds(const Graph& graph, std::vector<bool> marked) {
   return marked;
 }
 
+/// What a timeline says, by the words of pipeline.yaml; long lists are only told apart.
+std::map<std::string, std::string> TimelineSettings(const std::string& text) {
+  constexpr std::size_t kShown = 60;
+  std::map<std::string, std::string> settings;
+  const auto add = [&](const std::string& name, const nlohmann::json& value) {
+    const std::string all = value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    settings[name] = all.size() <= kShown
+                         ? all
+                         : fmt::format("{}... ({:.6})", all.substr(0, kShown), Sha256Of(all));
+  };
+  const nlohmann::json timeline = nlohmann::json::parse(text);
+  for (const auto& [name, value] : timeline.items()) {
+    if (name != "keys" && name != "schema") add(name, value);
+  }
+  int number = 0;
+  for (nlohmann::json key : timeline.at("keys")) {
+    if (key.contains("time")) key["at"] = key["time"];
+    key.erase("time");
+    add(fmt::format("key {}", number++), key);
+  }
+  return settings;
+}
+
 }  // namespace
 
 Plan::Plan(const Graph& graph, Workshop& workshop, const Selection& selection)
@@ -171,7 +194,7 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
     case Flow::Kind::kSource:
       return workshop_.hasher.Of(SourceOf(flow));
     case Flow::Kind::kTimeline:
-      return {Sha256Of(graph_.timeline_json), {}};
+      return {Sha256Of(graph_.timeline_json), {}, TimelineSettings(graph_.timeline_json)};
     case Flow::Kind::kOutput: {
       const auto& outputs = steps_[flow.step].artifact->outputs;
       const auto it = outputs.find(flow.port);

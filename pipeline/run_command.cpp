@@ -11,6 +11,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/display.h"
 #include "pipeline/project_lock.h"
+#include "pipeline/run_checks.h"
 #include "pipeline/session.h"
 #include "pipeline/terminal.h"
 
@@ -77,6 +78,7 @@ RunResult RunOnce(const std::filesystem::path& project, const std::vector<Overri
   if (lock) session.processes().KeepOpen(lock->fd());
   if (lock) session.disk().Remove(session.state() / "writing");
   Plan plan(session.graph(), session.workshop(), options.selection);
+  RequireRunnable(plan, session.file(), session.processes());
   if (options.dry_run) {
     PrintPlan(plan);
     return {};

@@ -77,12 +77,11 @@ Session::Session(const fs::path& project, const std::vector<Override>& overrides
       records_(disk_, project / ".keypose"),
       workshop_{disk_, hasher_, store_, records_, project} {
   hasher_.SetCancel([this] { return processes_.interrupted(); });
-  const PipelineFile own =
-      ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
+  file_ = ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
   const PipelineFile defaults =
-      ParsePipelineFile(disk_.Read(DefaultPipelineFile(own.kind)), "the default pipeline");
+      ParsePipelineFile(disk_.Read(DefaultPipelineFile(file_.kind)), "the default pipeline");
   graph_ =
-      BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);
+      BuildGraph(Overlay(defaults, file_), overrides, {project, ProgramFolder()}, disk_, catalog_);
 }
 
 }  // namespace keypose::pipeline

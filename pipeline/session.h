@@ -42,6 +42,8 @@ class Session {
   const std::filesystem::path& project() const { return project_; }
   std::filesystem::path state() const { return project_ / ".keypose"; }
   std::filesystem::path out() const { return project_ / "out"; }
+  /// pipeline.yaml as the project has it, without the default pipeline.
+  const PipelineFile& file() const { return file_; }
   const Graph& graph() const { return graph_; }
   RealDisk& disk() { return disk_; }
   RealProcessRunner& processes() { return processes_; }
@@ -59,6 +61,7 @@ class Session {
   ContentHasher hasher_;
   ArtifactStore store_;
   Records records_;
+  PipelineFile file_;
   Graph graph_;
   Workshop workshop_;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -43,6 +44,26 @@ void CheckShownFrames(const PipelineFile& file, const fs::path& project, const D
           "{} frame {}",
           shown.pose.where.Text(), shown.frame, PrintableName(pictures.front().path.filename()),
           PrintableName(pictures.back().path.filename()), pictures.back().frame));
+  }
+}
+
+void CheckShownTimes(const PipelineFile& file) {
+  if (!file.shot || file.timeline.empty() || !file.timeline.front().at_s) return;
+  const double start = *file.timeline.front().at_s;
+  const int first = file.shot->shows.front().frame;
+  for (const ShotRule::Shows& shown : file.shot->shows) {
+    const double seconds = (shown.frame - first) / file.shot->fps;
+    const auto is_there = [&](const TimelineKey& key) {
+      return key.pose.text == shown.pose.text &&
+             std::round((*key.at_s - start) * file.fps) == std::round(seconds * file.fps);
+    };
+    if (std::any_of(file.timeline.begin(), file.timeline.end(), is_there)) continue;
+    throw UsageError(fmt::format(
+        "{}: the film shows '{}' in frame {}, {:.6g} s after the first shown frame, but the "
+        "timeline has no key of it there; give it {{pose: {}, at: {:.6g}}}, or take the timeline "
+        "out: then the film's frames are its keys",
+        shown.pose.where.Text(), shown.pose.text, shown.frame, seconds, shown.pose.text,
+        start + seconds));
   }
 }
 

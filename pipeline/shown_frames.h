@@ -1,4 +1,5 @@
-// Whether the film of a shot has the frames that it is said to show poses in.
+// Whether the film of a shot has the frames that it is said to show poses in, and the timeline keys
+// there.
 #pragma once
 
 #include <filesystem>
@@ -13,5 +14,11 @@ namespace keypose::pipeline {
 /// count
 void CheckShownFrames(const PipelineFile& file, const std::filesystem::path& project,
                       const Disk& disk);
+
+/// A timeline of the project's own must have a key where the film shows a pose: what is rendered
+/// stands between what was filmed. Without times, the frames between keys decide, which `composite`
+/// compares.
+/// @throws UsageError  a shown pose without a key at its frame's time; names the line and the time
+void CheckShownTimes(const PipelineFile& file);
 
 }  // namespace keypose::pipeline

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/timeline.h"
+
 namespace keypose::pipeline {
 namespace {
 
@@ -69,6 +71,14 @@ std::string TimelineJson(const YAML::Node& node, double fps) {
   timeline["fps"] = fps;
   timeline["keys"] = std::move(keys);
   return says_more ? timeline.dump(1, ' ', false, Json::error_handler_t::replace) : "";
+}
+
+std::string OrderJson(const std::vector<std::string>& poses, double fps) {
+  if (poses.size() < 2 || fps == Timeline().fps) return "";
+  Json keys = Json::array();
+  for (const std::string& pose : poses) keys.push_back({{"pose", pose}});
+  const Json timeline = {{"schema", 2}, {"fps", fps}, {"keys", keys}};
+  return timeline.dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace keypose::pipeline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace YAML {
 class Node;
@@ -14,5 +15,9 @@ namespace keypose::pipeline {
 /// @return {"schema": 2, "fps": fps, "keys": [...], ...} as in core/io/timeline.h, with a key's
 /// `at` as "time"; empty if the list only gives the order of poses
 std::string TimelineJson(const YAML::Node& node, double fps);
+
+/// The same for keys of which only the order is known: frames have times by the project's rate.
+/// Empty at the rate that stages take without a timeline, and for fewer than two keys.
+std::string OrderJson(const std::vector<std::string>& poses, double fps);
 
 }  // namespace keypose::pipeline

@@ -46,8 +46,14 @@ std::vector<ProcessRunner::Answer> FakeProcesses::Ask(
   for (const auto& command : commands) {
     ++asked;
     const auto it = stages.find(command[0]);
-    answers.push_back(it == stages.end() ? Answer{127, "", "no such program"}
-                                         : Answer{0, it->second.describe.dump(), ""});
+    if (it == stages.end()) {
+      answers.push_back({127, "", "no such program"});
+    } else if (command.at(1) == "--check_options") {
+      checked.push_back(command);
+      answers.push_back({it->second.refused.empty() ? 0 : 2, "", it->second.refused});
+    } else {
+      answers.push_back({0, it->second.describe.dump(), ""});
+    }
   }
   return answers;
 }

@@ -30,6 +30,7 @@ struct FakeStage {
   std::function<int(const FakeCall&, MemoryDisk&)> run;  ///< @return exit code
   double seconds = 1;
   std::int64_t peak_bytes = 1000;
+  std::string refused = {};  ///< what --check_options says is wrong; empty: nothing
 };
 
 class FakeProcesses final : public ProcessRunner {
@@ -48,6 +49,7 @@ class FakeProcesses final : public ProcessRunner {
   std::vector<FakeCall> calls;                         ///< all started processes, in order
   int most_at_once = 0;
   int asked = 0;
+  std::vector<std::vector<std::string>> checked;  ///< the command lines with --check_options
   int interrupt_after = -1;  ///< simulates an interrupt after this many processes have ended
 
  private:

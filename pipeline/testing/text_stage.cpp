@@ -171,6 +171,7 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, OnSignal);
   const std::string stage = fs::path(argv[0]).filename().string().substr(8);
   if (argc == 2 && std::string(argv[1]) == "--describe") return Describe(stage);
+  if (argc > 1 && std::string(argv[1]) == "--check_options") return 0;
   std::map<std::string, std::vector<std::string>> flags;
   for (int i = 1; i + 1 < argc; i += 2) flags[argv[i] + 2].push_back(argv[i + 1]);
   return Run(stage, flags);

@@ -143,12 +143,20 @@ def timeline_cases():
         case('pin ends before it begins', 5, ('later than from',), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, from: 1, to: 0}]')),
         case('volume of a word', 5, ("'volume'",), whole('volume: kept')),
         case('table of a word', 5, ("'table'", 'number'), whole('table: oak')),
+        case('loop that does not close', 6, ("begins with pose 'rest' and ends with 'bent'",), whole('loop: true')),
+        case('two keys in one frame', 4, ('same frame', '0.01 s'), ': [{pose: rest, at: 0}, {pose: bent, at: 0.01}]\n'),
+        case('pin where no key is', 7, ("the pin of 'arm'", '0.5 s', 'no key'), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, to: 0.5}]')),
     ]
 
 
 def option_cases(stages):
     """Per stage of the default pipeline: an unknown option, and an invalid value for each kind of option."""
-    cases = []
+    cases = [
+        Case('option: formats that are none', USAGE, ("options of step 'export'", "names 'mpp4'", 'mp4'),
+             yaml=POSES + 'options:\n  export: {formats: "glb,mpp4"}\n'),
+        Case('option: two that contradict', USAGE, ("options of step 'register/bent'", 'good_fit must not be above poor_fit'),
+             yaml=POSES + 'options:\n  register: {good_fit: 0.5}\n'),
+    ]
     for stage, described in stages.items():
         kinds = {}
         for option in described['options']:
