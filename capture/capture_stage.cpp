@@ -292,7 +292,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "7",
+    .version = "8",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",
