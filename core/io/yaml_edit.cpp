@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/io/yaml_text.h"
+#include "core/io/yaml_text.inc"
 
 namespace keypose {
 

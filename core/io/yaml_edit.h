@@ -1,19 +1,12 @@
 // Changes single values of a YAML file and keeps every other byte: comments, order, quotes.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/io/yaml_place.h"
+
 namespace keypose {
-
-/// Thrown when a file is written in a way that cannot be changed safely, such as by anchors.
-struct YamlEditError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// A key for each level of maps: {"options", "dense", "levels"}.
-using YamlPath = std::vector<std::string>;
 
 /// `text` with the value at `path`. Missing maps on the way are made.
 /// @param value  YAML in flow style: a scalar as YamlScalar writes it, [..] or {..}

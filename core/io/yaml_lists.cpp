@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/io/yaml_edit.h"
-#include "core/io/yaml_text.h"
+#include "core/io/yaml_text.inc"
 
 namespace keypose {
 
