@@ -196,6 +196,38 @@ TEST_F(SynthFiles, UnknownDamageAndUnknownPhotographThrow) {
       InputError);
 }
 
+TEST(SynthAgain, FewerPhotographsInOneFolderLeaveNoneOfTheWorldBefore) {
+  const TestingFolder own;
+  PhotosCommand command;
+  command.output = own.path();
+  command.world.spacing_m = 0.008;
+  command.poses = {"rest"};
+  command.photographer.views = 4;
+  command.photographer.width = 64, command.photographer.height = 48;
+  RunPhotos(command, nullptr);
+  const fs::path photos = own.path() / "photos/rest", masks = own.path() / "truth/rest/masks";
+  WriteFile(photos / "notes.txt", "mine");
+  ASSERT_TRUE(fs::exists(photos / "IMG_0004.jpg") && fs::exists(masks / "IMG_0004.jpg.png"));
+  command.photographer.views = 3;
+  RunPhotos(command, nullptr);
+  EXPECT_TRUE(fs::exists(photos / "IMG_0003.jpg"));
+  EXPECT_FALSE(fs::exists(photos / "IMG_0004.jpg")) << "of the world before";
+  EXPECT_FALSE(fs::exists(masks / "IMG_0004.jpg.png"));
+  EXPECT_EQ(ReadFile(photos / "notes.txt"), "mine");
+}
+
+TEST(SynthAgain, PhotographsOfSomebodyElseAreNotWrittenOver) {
+  const TestingFolder own;
+  fs::create_directories(own.path() / "photos/rest");
+  WriteFile(own.path() / "photos/rest/IMG_0001.jpg", "a real one");
+  PhotosCommand command;
+  command.output = own.path();
+  command.world.spacing_m = 0.008;
+  command.poses = {"rest"};
+  EXPECT_THROW(RunPhotos(command, nullptr), UsageError);
+  EXPECT_EQ(ReadFile(own.path() / "photos/rest/IMG_0001.jpg"), "a real one");
+}
+
 TEST(SynthProgram, ExitCodesNameTheFault) {
   const std::string program = std::string(KEYPOSE_BIN_DIR) + "/keypose-synth";
   const auto run = [&](const std::string& arguments) {

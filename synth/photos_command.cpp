@@ -11,6 +11,7 @@
 #include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "synth/fresh_folder.h"
 #include "synth/lying.h"
 #include "synth/truth_files.h"
 
@@ -129,8 +130,11 @@ std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const
 
 PoseFolders MakeFolders(const PhotosCommand& command, const std::string& pose) {
   const PoseFolders folders{command.output / "photos" / pose, command.output / "truth" / pose};
-  MakeFolder(folders.photos);
-  MakeFolder(folders.truth / "masks");
+  MakeFreshFolder(folders.photos, folders.truth / "masks");
+  MakeFreshFolder(folders.truth / "masks", folders.truth / "masks");
+  // Only some worlds have these.
+  for (const char* file : {"smooth.ply", "outer.ply"})
+    std::filesystem::remove(folders.truth / file);
   return folders;
 }
 

@@ -15,6 +15,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
 #include "core/io/shot_io.h"
+#include "synth/fresh_folder.h"
 #include "synth/pose_between.h"
 
 namespace keypose::synth {
@@ -78,10 +79,12 @@ class ShotFilming {
         world_(world),
         story_(command, world),
         set_(story_.SetAt(story_.first())) {
-    MakeShotFolder(command.output / "film");
-    for (const char* part : {"mattes", "frames", "between"}) MakeShotFolder(Truth() / part);
+    const fs::path mattes = Truth() / "mattes";
+    MakeFreshFolder(command.output / "film", mattes);
+    for (const char* part : {"mattes", "frames", "between"})
+      MakeFreshFolder(Truth() / part, Truth() / part);
     if (command.meshes) MakeShotFolder(Truth() / "meshes");
-    if (HasPlates()) MakeShotFolder(command.output / "plates");
+    if (HasPlates()) MakeFreshFolder(command.output / "plates", mattes);
     shot_.camera = set_.view().camera, shot_.fps = command.fps;
     shot_.still = !story_.camera_moves();
   }

@@ -87,6 +87,17 @@ TEST_F(SyntheticShot, TruthLiesOnThePictures) {
   EXPECT_EQ(FilmPictures(command_.output / "truth/shot/frames").size(), 2u);
 }
 
+TEST_F(SyntheticShot, AShorterFilmInOneFolderHasNoPictureOfTheOneBefore) {
+  command_.set.width = 160, command_.set.height = 90;
+  RunShot(command_, nullptr);
+  ASSERT_TRUE(std::filesystem::exists(command_.output / "film/0004.png"));
+  command_.shows = {{2, "rest"}, {3, "wave"}};
+  RunShot(command_, nullptr);
+  EXPECT_TRUE(std::filesystem::exists(command_.output / "film/0003.png"));
+  EXPECT_FALSE(std::filesystem::exists(command_.output / "film/0004.png"));
+  EXPECT_FALSE(std::filesystem::exists(command_.output / "truth/shot/mattes/0004.png"));
+}
+
 TEST_F(SyntheticShot, KeysAloneLeaveTheirTimesOpen) {
   command_.keys_only = true, command_.clean_plate = false;
   RunShot(command_, nullptr);
