@@ -1,6 +1,9 @@
 """Faults in pipeline.yaml: its keys, steps, timeline and options."""
 from wrong_cases.case import Case, INPUT, POSES, TOOL, USAGE
 
+# What only a run would come upon, an hour later.
+DRY_RUN = ('run', '--dry-run')
+
 
 def file_cases():
     """Faults in pipeline.yaml as a whole, its poses, template and steps; each word list starts with the line."""
@@ -103,8 +106,8 @@ def file_cases():
 
 
 def timeline_cases():
-    def case(name, line, words, timeline):
-        return Case(f'timeline: {name}', USAGE, (f'pipeline.yaml:{line}',) + words, yaml=POSES + 'timeline' + timeline)
+    def case(name, line, words, timeline, **more):
+        return Case(f'timeline: {name}', USAGE, (f'pipeline.yaml:{line}',) + words, yaml=POSES + 'timeline' + timeline, **more)
     timed = lambda more: f':\n  keys:\n    - {{pose: rest, at: 0{more}}}\n    - {{pose: bent, at: 1}}\n'  # noqa: E731
     whole = lambda more: f':\n  {more}\n  keys: [{{pose: rest, at: 0}}, {{pose: bent, at: 1}}]\n'  # noqa: E731
     return [
@@ -143,19 +146,19 @@ def timeline_cases():
         case('pin ends before it begins', 5, ('later than from',), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, from: 1, to: 0}]')),
         case('volume of a word', 5, ("'volume'",), whole('volume: kept')),
         case('table of a word', 5, ("'table'", 'number'), whole('table: oak')),
-        case('loop that does not close', 6, ("begins with pose 'rest' and ends with 'bent'",), whole('loop: true')),
-        case('two keys in one frame', 4, ('same frame', '0.01 s'), ': [{pose: rest, at: 0}, {pose: bent, at: 0.01}]\n'),
-        case('pin where no key is', 7, ("the pin of 'arm'", '0.5 s', 'no key'), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, to: 0.5}]')),
+        case('loop that does not close', 6, ("begins with pose 'rest' and ends with 'bent'",), whole('loop: true'), command=DRY_RUN),
+        case('two keys in one frame', 4, ('same frame', '0.01 s'), ': [{pose: rest, at: 0}, {pose: bent, at: 0.01}]\n', command=DRY_RUN),
+        case('pin where no key is', 7, ("the pin of 'arm'", '0.5 s', 'no key'), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, to: 0.5}]'), command=DRY_RUN),
     ]
 
 
 def option_cases(stages):
     """Per stage of the default pipeline: an unknown option, and an invalid value for each kind of option."""
     cases = [
-        Case('option: formats that are none', USAGE, ("options of step 'export'", "names 'mpp4'", 'mp4'),
-             yaml=POSES + 'options:\n  export: {formats: "glb,mpp4"}\n'),
+        Case('option: formats that are none', USAGE, ("options of step 'export'", "names 'mpp4'", 'video'),
+             yaml=POSES + 'options:\n  export: {formats: "glb,mpp4"}\n', command=DRY_RUN),
         Case('option: two that contradict', USAGE, ("options of step 'register/bent'", 'good_fit must not be above poor_fit'),
-             yaml=POSES + 'options:\n  register: {good_fit: 0.5}\n'),
+             yaml=POSES + 'options:\n  register: {good_fit: 0.5}\n', command=DRY_RUN),
     ]
     for stage, described in stages.items():
         kinds = {}
