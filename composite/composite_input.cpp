@@ -11,6 +11,7 @@
 #include "core/io/files.h"
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
+#include "core/io/image_levels.h"
 #include "core/io/mesh_io.h"
 #include "core/same_faces.h"
 #include "core/size_of.h"
@@ -95,7 +96,7 @@ void ReadLooks(StageContext& stage, CompositeInput* input) {
     of_key.push_back(static_cast<int>(same - contents.begin()));
     if (same != contents.end()) continue;
     contents.push_back(bytes);
-    looks.textures.push_back(LinearOf(ReadImage(path, 3)));
+    looks.textures.push_back(LinearOfLevels(ReadLevels(path)));
     const ImageF &texture = looks.textures.back(), &one = looks.textures.front();
     if (texture.width != one.width || texture.height != one.height)
       throw InputError(
@@ -115,8 +116,20 @@ void ReadLooks(StageContext& stage, CompositeInput* input) {
     looks.weights.push_back(WeightsAt(t, of_key, SizeOf(looks.textures)));
 }
 
+/// Words where a frame has another number in its name than when it was located: pictures at the
+/// film's beginning are missing, or came since.
+void WarnOfOtherNumber(StageContext& stage, const ShotFrame& frame, const FilmPicture& picture) {
+  const long located = FrameNumberIn(fs::path(frame.picture).stem().string());
+  if (located < 0 || located == picture.number) return;
+  stage.Warn(fmt::format(
+      "composite: frame {} of the shot was located in {}, but frame {} of this film is {}: frames "
+      "count from the first picture. If the film was not just renamed, pictures at its beginning "
+      "are missing or new, and all in-betweens are at wrong times; locate the shot in this film",
+      frame.frame, frame.picture, frame.frame, PrintableName(picture.path.filename())));
+}
+
 /// The film's frames must be those in which the shot was located.
-void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
+void RequireSameFilm(StageContext& stage, const CompositeInput& input, const fs::path& folder) {
   for (const ShotFrame& frame : input.shot.frames) {
     const auto found = std::find_if(input.film.begin(), input.film.end(),
                                     [&](const FilmPicture& p) { return p.frame == frame.frame; });
@@ -125,17 +138,104 @@ void RequireSameFilm(const CompositeInput& input, const fs::path& folder) {
           fmt::format("composite: the shot was located in frame {} ({}), which {} does "
                       "not have; pass the film that it was located in",
                       frame.frame, frame.picture, PrintableName(folder)));
+    if (!input.film_files->is_video() && &frame == &input.shot.frames.front())
+      WarnOfOtherNumber(stage, frame, *found);
   }
 }
 
-void ReadFilm(const fs::path& path, std::unique_ptr<FilmFiles> files, CompositeInput* input,
-              Progress* progress) {
+std::string LowerEnding(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+/// The share of a picture that is not opaque.
+double TransparentShare(const fs::path& path) {
+  const Image8 alpha = ReadAlpha(path);
+  const auto opaque = std::count(alpha.data.begin(), alpha.data.end(), 255);
+  return alpha.empty() ? 0 : 1 - static_cast<double>(opaque) / SizeOf(alpha.data);
+}
+
+FilmKind KindOf(const fs::path& path) {
+  const StoredLevels stored = StoredLevelsOf(path);
+  FilmKind kind{stored.bits > 8 ? 16 : 8, stored.profile};
+  if (const std::string ending = LowerEnding(path); ending == ".tif" || ending == ".tiff")
+    kind.ending = ending;
+  return kind;
+}
+
+/// How the film is stored, and words where its pictures do not go together.
+void LookAtKind(StageContext& stage, CompositeInput* input) {
+  FilmKind& kind = input->kind;
+  int deep = 0, keyed = 0;
+  double most = 0;
+  std::string clearest;
+  for (const FilmPicture& picture : input->film) {
+    const StoredLevels stored = StoredLevelsOf(picture.path);
+    deep += stored.bits > 8;
+    const double share = stored.alpha ? TransparentShare(picture.path) : 0;
+    keyed += share > 0;
+    if (share > most) most = share, clearest = PrintableName(picture.path.filename());
+  }
+  kind = KindOf(input->film.front().path);
+  kind.bits = deep > 0 ? 16 : 8, kind.keyed = keyed > 0;
+  if (deep > 0 && deep < SizeOf(input->film))
+    stage.Warn(fmt::format(
+        "composite: {} of {} filmed frames have more than 8 bits, the others 8; what is rendered "
+        "has 16, and filmed frames stay as they are",
+        deep, input->film.size()));
+  if (kind.keyed)
+    stage.Warn(fmt::format(
+        "composite: {} of {} filmed frames are transparent in part (at most {:.0f} %, {}), as "
+        "after a key; colours are read as stored, not multiplied by alpha, and in-betweens are as "
+        "transparent where the set is{}. If the set was filmed too, pass the frames before keying: "
+        "in-betweens with alpha lie in layers/ in any case",
+        keyed, input->film.size(), 100 * most, clearest,
+        input->shot.still ? "" : " (not of a moving camera, whose in-betweens are opaque)"));
+}
+
+/// A number that is missing where the others follow each other is a picture that was lost.
+void WarnOfGaps(StageContext& stage, const std::vector<FilmPicture>& film) {
+  std::vector<int> steps;
+  for (int i = 1; i < SizeOf(film); ++i) steps.push_back(film[i].frame - film[i - 1].frame);
+  if (steps.empty()) return;
+  const int usual = *std::min_element(steps.begin(), steps.end());
+  const auto even = std::count(steps.begin(), steps.end(), usual);
+  if (even == std::ssize(steps) || 2 * even <= std::ssize(steps)) return;
+  int lost = 0;
+  std::string where;
+  for (int i = 1; i < SizeOf(film); ++i) {
+    if (steps[i - 1] == usual) continue;
+    if (lost == 0) where = PrintableName(film[i - 1].path.filename());
+    lost += (steps[i - 1] - 1) / usual;
+  }
+  stage.Warn(fmt::format(
+      "composite: {} of the film's numbers have no picture (first after {}); what the animation "
+      "reaches is rendered in their place, elsewhere the frame before stands: look whether they "
+      "were lost",
+      lost, where));
+}
+
+void ReadFilm(StageContext& stage, const fs::path& path, std::unique_ptr<FilmFiles> files,
+              CompositeInput* input) {
   input->film_files = std::move(files);
-  input->film_files->DecodeAll(progress);
+  input->film_files->DecodeAll(stage.progress());
   input->film = input->film_files->pictures();
   for (const FilmPicture& picture : input->film)
     RequireSize(picture.path, input->shot.camera, "the filmed frame");
-  RequireSameFilm(*input, path);
+  RequireSameFilm(stage, *input, path);
+  LookAtKind(stage, input);
+  if (input->film_stays) WarnOfGaps(stage, input->film);
+}
+
+/// A plate of less depth than the film's is seen in every in-between.
+void WarnOfShallowPlate(StageContext& stage, const CompositeInput& input, const fs::path& plate) {
+  if (input.film.empty() || input.kind.bits == 8 || StoredLevelsOf(plate).bits > 8) return;
+  stage.Warn(fmt::format(
+      "composite: the film has 16 bits, but the plate {} has 8, and its steps are in the "
+      "in-betweens; pass a plate that was developed as the film was",
+      PrintableName(plate.filename())));
 }
 
 /// Several pictures are the film itself, from which the plate is made, unless there is a film
@@ -159,7 +259,7 @@ void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
         "same move: one numbered plate for each filmed frame, or one for each picture of the "
         "finished shot");
   input->film_stays = true;
-  ReadFilm(film, std::make_unique<FilmFiles>(film), input, stage.progress());
+  ReadFilm(stage, film, std::make_unique<FilmFiles>(film), input);
 }
 
 void ReadPlate(StageContext& stage, CompositeInput* input) {
@@ -169,8 +269,8 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
   input->film_stays = stage.Has("filmed");
   const fs::path folder = input->film_stays ? stage.Input("filmed") : plate;
   if (input->film_stays || is_film) {
-    ReadFilm(folder, folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder),
-             input, stage.progress());
+    ReadFilm(stage, folder,
+             folder == plate ? std::move(plate_files) : std::make_unique<FilmFiles>(folder), input);
   }
   if (!is_film) {
     plate_files->Decode({0}, stage.progress());
@@ -180,7 +280,9 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
           fmt::format("composite: of {} plates the first one, {}, is taken: the camera stands",
                       plate_files->pictures().size(), PrintableName(path)));
     RequireSize(path, input->shot.camera, "the plate");
-    input->given_plate = ReadImage(path, 3);
+    input->given_plate = ReadLevels(path);
+    WarnOfShallowPlate(stage, *input, path);
+    if (input->film.empty()) input->kind = KindOf(path), input->kind.ending = ".png";
   }
 }
 
@@ -192,6 +294,19 @@ void ReadSet(const fs::path& path, CompositeInput* input) {
     throw InputError(
         fmt::format("composite: the set {} has a vertex that is not finite", PrintableName(path)));
   input->set = std::make_shared<SetGeometry>(set);
+}
+
+/// 0 to 1; 1 all over where there is none.
+ImageF AlphaOf(const fs::path& path) {
+  const Image8 stored = ReadAlpha(path);
+  if (stored.empty()) {
+    const ImageInfo info = ReadImageInfo(path);
+    return ImageF(info.width, info.height, 1, 1.0f);
+  }
+  ImageF alpha(stored.width, stored.height, 1);
+  std::transform(stored.data.begin(), stored.data.end(), alpha.data.begin(),
+                 [](std::uint8_t level) { return static_cast<float>(level) / 255; });
+  return alpha;
 }
 
 std::string Digits(int frames) { return fmt::format("{} frame{}", frames, frames == 1 ? "" : "s"); }
@@ -206,7 +321,7 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   input.shot.still ? ReadPlate(stage, &input) : ReadMovingFilm(stage, &input);
   if (stage.Has("holdout")) {
     RequireSize(stage.Input("holdout"), input.shot.camera, "the holdout");
-    input.holdout = ReadImage(stage.Input("holdout"), 1);
+    input.holdout = ReadMatte(stage.Input("holdout"));
     if (!input.shot.still)
       stage.Warn(
           "composite: the camera of this shot moves, but the holdout is one picture, which stays "
@@ -220,6 +335,7 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   if (!input.shot.still)
     input.passing = std::make_unique<PassingPlates>(stage.Input("plate"), input.plan, numbers,
                                                     input.shot.camera, stage.progress());
+  if (input.passing) WarnOfShallowPlate(stage, input, input.passing->first());
   stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
                          input.plan.between, input.plan.held));
   return input;
@@ -230,7 +346,8 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   film.given_plate = input.given_plate, film.holdout = input.holdout, film.set = input.set;
   if (input.passing)
     film.plate_at = [plates = input.passing.get()](int animation) { return plates->At(animation); };
-  film.read = [&input](int i) { return ReadImage(input.film[i].path, 3); };
+  film.read = [&input](int i) { return ReadLevels(input.film[i].path); };
+  if (input.kind.keyed) film.alpha = [&input](int i) { return AlphaOf(input.film[i].path); };
   for (int i = 0; i < SizeOf(input.film); ++i) {
     FilmedPicture picture{i, 0, -1};
     const int shown = (input.film[i].frame - input.plan.first_frame) * input.plan.per_frame;

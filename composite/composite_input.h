@@ -14,6 +14,14 @@
 
 namespace keypose::composite {
 
+/// How rendered pictures are stored, so that they go with those that were filmed.
+struct FilmKind {
+  int bits = 8;                 ///< per channel: 16 where a filmed picture has more than 8
+  std::string profile;          ///< ICC colour profile of the first; empty: none
+  std::string ending = ".png";  ///< of the files: .tif or .tiff beside filmed TIFFs
+  bool keyed = false;           ///< filmed frames are transparent in part
+};
+
 /// All of a shot, read and checked.
 struct CompositeInput {
   FilmedShot shot;
@@ -24,7 +32,9 @@ struct CompositeInput {
   std::vector<FilmPicture> film;  ///< the filmed pictures that teach; may be empty
   bool film_stays = false;        ///< they are pictures of the finished shot too
   FilmPlan plan;
-  Image8 given_plate, holdout;
+  FilmKind kind;
+  ImageF given_plate;  ///< stored levels of 255
+  Image8 holdout;
   std::shared_ptr<const SetGeometry> set;
   std::unique_ptr<PassingPlates> passing;  ///< of a moving camera
 };

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,11 +12,11 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/image_levels.h"
 #include "core/io/png_io.h"
 #include "core/sha256.h"
 #include "core/size_of.h"
 #include "views/film/mp4.h"
-#include "views/film/picture.h"
 
 namespace keypose::composite {
 namespace {
@@ -27,19 +27,42 @@ constexpr const char* kParts[] = {"layers", "compare", "blender", "plates"};
 
 std::string Number(int n) { return fmt::format("{:04}", n); }
 
-/// Straight alpha, sRGB, from premultiplied linear light.
-Image8 StraightOf(const ImageF& layer) {
+/// Levels of 255 with straight alpha, from premultiplied linear light.
+ImageF StraightOf(const ImageF& layer) {
   ImageF straight = layer;
   for (std::size_t i = 0; i < straight.data.size(); i += 4) {
     const float alpha = straight.data[i + 3];
     for (std::size_t c = 0; c < 3; ++c)
       straight.data[i + c] = alpha > 1e-4f ? straight.data[i + c] / alpha : 0;
   }
-  Image8 out = SrgbOf(straight);
-  for (std::size_t i = 0; i < out.data.size(); i += 4)
-    out.data[i + 3] =
-        static_cast<std::uint8_t>(std::lround(255 * std::clamp(layer.data[i + 3], 0.0f, 1.0f)));
+  ImageF out = LevelsOf(straight);
+  for (std::size_t i = 3; i < out.data.size(); i += 4)
+    out.data[i] = 255 * std::clamp(layer.data[i], 0.0f, 1.0f);
   return out;
+}
+
+/// RGBA. Alpha is `scale` times the given one; colours are multiplied by it if `premultiplied`.
+ImageF WithAlpha(const ImageF& colours, const ImageF& alpha, float scale, bool premultiplied) {
+  ImageF out(colours.width, colours.height, 4);
+  for (std::size_t i = 0; i < alpha.data.size(); ++i) {
+    const float factor = premultiplied ? alpha.data[i] : 1;
+    for (std::size_t c = 0; c < 3; ++c) out.data[4 * i + c] = factor * colours.data[3 * i + c];
+    out.data[4 * i + 3] = scale * alpha.data[i];
+  }
+  return out;
+}
+
+/// As it looks over black; an empty alpha is opaque.
+Image8 Shown(ImageF levels, const ImageF& alpha) {
+  for (std::size_t i = 0; i < alpha.data.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) levels.data[3 * i + c] *= alpha.data[i];
+  return Rounded(levels);
+}
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
 }
 
 Image8 Even(const Image8& picture) {
@@ -69,7 +92,7 @@ class ShotWriter {
 
   Written WriteAll(Progress* progress) {
     const int count = SizeOf(input_.plan.pictures);
-    if (geometry_.still()) WritePng(folder_ / "plate.png", SrgbOf(lessons_.plate.light));
+    if (geometry_.still()) Write(folder_ / "plate.png", LevelsOf(lessons_.plate.light));
     for (int n = 0; n < count; ++n) {
       if (progress && progress->cancelled()) throw Cancelled();
       ReportProgress(progress, 0.5 + 0.5 * n / count, "pictures");
@@ -90,17 +113,23 @@ class ShotWriter {
       throw DiskError("composite: cannot create " + folder.string() + ": " + error.message());
   }
 
+  /// As the filmed pictures are stored.
+  void Write(const fs::path& path, const ImageF& levels) const {
+    WriteLevels(path, levels, input_.kind.bits, input_.kind.profile);
+  }
+
   void WritePicture(int n) {
     const PlannedPicture& planned = input_.plan.pictures[n];
     if (planned.kind == PictureKind::kBetween) return WriteBetween(n, planned);
     if (planned.filmed < 0) return;
     const fs::path& from = input_.film[planned.filmed].path;
     const std::string bytes = ReadFile(from);
-    const fs::path to = folder_ / (Number(n) + from.extension().string());
+    const fs::path to = folder_ / (Number(n) + Lower(from.extension().string()));
     WriteFile(to, bytes);
     if (planned.kind == PictureKind::kFilmed && Sha256Of(ReadFile(to)) == Sha256Of(bytes))
       ++written_.filmed_unchanged;
-    const Image8 picture = film_.read(planned.filmed);
+    const Image8 picture =
+        Shown(film_.read(planned.filmed), film_.alpha ? film_.alpha(planned.filmed) : ImageF());
     Show(n, picture);
     if (planned.kind == PictureKind::kFilmed) Join(n, planned, picture);
   }
@@ -109,16 +138,20 @@ class ShotWriter {
     const ComposedPicture composed =
         Compose(geometry_, input_.looks, film_, lessons_, planned.animation, ExposureAt(n),
                 options_.compose, static_cast<std::uint64_t>(n) + 1);
-    if (options_.exr) {
-      WriteLinearImage(folder_ / (Number(n) + ".exr"), composed.light);
-      WriteLinearImage(folder_ / "layers" / (Number(n) + ".exr"), composed.layer);
+    const bool keyed = !composed.alpha.empty();
+    const fs::path name = Number(n) + options_.ending;
+    if (options_.ending == ".exr") {
+      WriteLinearImage(folder_ / name,
+                       keyed ? WithAlpha(composed.light, composed.alpha, 1, true) : composed.light);
+      WriteLinearImage(folder_ / "layers" / name, composed.layer);
     } else {
-      WritePng(folder_ / (Number(n) + ".png"), composed.picture);
-      WriteFile(folder_ / "layers" / (Number(n) + ".png"), EncodePng(StraightOf(composed.layer)));
+      Write(folder_ / name,
+            keyed ? WithAlpha(composed.picture, composed.alpha, 255, false) : composed.picture);
+      Write(folder_ / "layers" / (Number(n) + ".png"), StraightOf(composed.layer));
     }
     if (!geometry_.still())
-      WritePng(folder_ / "plates" / (Number(n) + ".png"), composed.passing.picture);
-    Show(n, composed.picture);
+      Write(folder_ / "plates" / (Number(n) + ".png"), composed.passing.picture);
+    Show(n, Shown(composed.picture, composed.alpha));
   }
 
   /// Where a located frame was filmed, it is rendered too, to be compared.
@@ -130,11 +163,12 @@ class ShotWriter {
     const ComposedPicture composed =
         Compose(geometry_, input_.looks, film_, lessons_, planned.animation,
                 lessons_.exposures[planned.filmed], still, static_cast<std::uint64_t>(n) + 1);
+    const Image8 rendered = Shown(composed.picture, composed.alpha);
     const Anchor& anchor = geometry_.anchors()[picture.anchor];
     written_.joins.push_back({n, input_.shot.frames[anchor.shot_frame].pose,
-                              MeasureJoin(composed.picture, filmed, composed.coverage)});
+                              MeasureJoin(rendered, filmed, composed.coverage)});
     if (options_.compare)
-      WritePng(folder_ / "compare" / (Number(n) + ".png"), SideBySide(filmed, composed.picture));
+      WritePng(folder_ / "compare" / (Number(n) + ".png"), SideBySide(filmed, rendered));
   }
 
   /// Between the filmed frames on both sides.
@@ -162,6 +196,22 @@ class ShotWriter {
     WriteImage(folder_ / "blender" / ("film_" + Number(n) + ".jpg"), flat, 95);
   }
 
+  BlenderLight LightForBlender() const {
+    const Ground table = geometry_.Table();
+    const ShadowStrength& strength = lessons_.shadow.strength;
+    BlenderLight light{lessons_.light.harmonics,
+                       strength.sky,
+                       strength.lamp,
+                       strength.light.direction,
+                       strength.light.radius_rad,
+                       table.origin,
+                       table.right,
+                       table.up,
+                       table.diagonal};
+    if (!options_.compose.shadow) light.sky = light.lamp = 0;
+    return light;
+  }
+
   void WriteBlender() {
     const fs::path folder = folder_ / "blender";
     BlenderShot shot{geometry_.ViewAt(0),
@@ -171,7 +221,8 @@ class ShotWriter {
                      SizeOf(input_.plan.pictures),
                      {},
                      "",
-                     "film_0000.jpg"};
+                     "film_0000.jpg",
+                     LightForBlender()};
     if (geometry_.still()) {
       shot.plate = "plate.png";
       const Image8 plate = SrgbOf(lessons_.plate.light);

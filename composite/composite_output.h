@@ -13,7 +13,8 @@ namespace keypose::composite {
 
 struct OutputOptions {
   ComposeOptions compose;
-  bool exr = false, video = true, compare = true, blender = true;
+  std::string ending = ".png";  ///< of rendered pictures: .png, .tif, .tiff or .exr
+  bool video = true, compare = true, blender = true;
 };
 
 /// How one key's render joins its filmed frame.
@@ -30,7 +31,7 @@ struct Written {
 
 /// Writes into the folder:
 /// - 0000.png and on: the finished shot; filmed frames as they were filmed, under their own kind of
-///   file; in-betweens as PNG or EXR
+///   file; in-betweens as options.ending says, with the film's bits and colour profile
 /// - layers/: character and shadow of the rendered pictures alone, with alpha
 /// - plate.png (of a moving camera: plates/, those of the rendered pictures), shot.mp4, compare/
 /// (filmed, rendered, difference), blender/, composite.json

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "composite/composite_input.h"
@@ -20,7 +21,7 @@ struct CompositeOptions {
   int samples = 4;
   double shutter = 0;
   double fps = 24;
-  std::string format = "png";
+  std::string format = "film";
   bool follow = false;
   StatedLight light;
   bool shadow = true, grain = true, video = true, compare = true, blender = true;
@@ -36,9 +37,10 @@ struct CompositeOptions {
            {}});
     visit("fps", fps, {"of the frames, where their folder does not say", "1/s", 0.1, 1000, {}});
     visit("format", format,
-          {.help = "of rendered pictures; exr is linear light without grain, layers premultiplied",
+          {.help = "of rendered pictures; film: TIFF beside filmed TIFFs, else PNG; exr is linear "
+                   "light without grain, layers premultiplied",
            .unit = "",
-           .choices = {"png", "exr"}});
+           .choices = {"film", "png", "tiff", "exr"}});
     visit("follow", follow,
           {"bend the frames that were filmed until they lie on the film, and in-betweens as the "
            "filmed frames beside them",
@@ -77,7 +79,7 @@ struct CompositeOptions {
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "5",
+    .version = "6",
     .summary = "Renders in-betweens into a filmed shot.",
     .inputs = {{.name = "frames",
                 .kind = "folder",
@@ -207,6 +209,26 @@ void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
       good ? figures : figures + "; look at compare/, and locate the shot again where it is off");
 }
 
+/// Of rendered pictures.
+std::string EndingOf(const std::string& format, const CompositeInput& input) {
+  const std::string& filmed = input.kind.ending;
+  if (format == "film") return filmed;
+  if (format == "tiff") return filmed == ".png" ? ".tif" : filmed;
+  return "." + format;
+}
+
+/// Programs that read numbered pictures take one ending.
+void NoteEndings(StageContext& stage, const CompositeInput& input, const std::string& rendered) {
+  if (!input.film_stays) return;
+  std::string filmed = input.film.front().path.extension().string();
+  for (char& c : filmed) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (filmed != rendered)
+    stage.Note(fmt::format(
+        "composite: filmed frames stay {} and rendered ones are {}; for one ending, make the film "
+        "PNG or TIFF before (without loss), or take shot.mp4",
+        filmed, rendered));
+}
+
 void Run(StageContext& stage, const CompositeOptions& options) {
   const CompositeInput input = ReadCompositeInput(stage, options.fps);
   ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
@@ -218,7 +240,8 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   ReportLessons(stage, lessons);
   OutputOptions output;
   output.compose = {options.samples, options.shutter, options.shadow, options.grain};
-  output.exr = options.format == "exr", output.video = options.video;
+  output.ending = EndingOf(options.format, input), output.video = options.video;
+  NoteEndings(stage, input, output.ending);
   output.compare = options.compare, output.blender = options.blender;
   const std::filesystem::path folder = stage.Output("pictures");
   const Written written =
@@ -229,6 +252,7 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   stage.Report("between", input.plan.between);
   stage.Report("held", input.plan.held);
   stage.Report("filmed_unchanged", written.filmed_unchanged);
+  stage.Report("bits", input.kind.bits);
   ReportPlates(stage, input);
   stage.ReportJson("joins", joins.dump());
   const ordered_json root = {{"schema", 1},

@@ -35,7 +35,10 @@ std::vector<std::string> SplitByCommas(const std::string& text) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
+    const std::size_t first = text.find_first_not_of(' ', begin);
+    std::string part = first < end ? text.substr(first, end - first) : "";
+    part.erase(part.find_last_not_of(' ') + 1);
+    parts.push_back(std::move(part));
     begin = end + 1;
   }
   return parts;
@@ -126,7 +129,10 @@ class Shows {
           fmt::format("locate: --shows has pose '{}', which is neither one of --poses "
                       "nor the number of a mesh from 0 to {}",
                       pose, meshes_ - 1));
-    given_[*frame] = mesh;
+    const auto [at, added] = given_.emplace(*frame, mesh);
+    if (!added && at->second != mesh)
+      throw UsageError(
+          fmt::format("locate: --shows gives frame {} two poses; name each frame once", *frame));
   }
   /// The animation's frame between two keys; -1: before, after, or at no whole frame of it.
   int MeshBetween(int frame) const {
@@ -299,6 +305,16 @@ void AddClicks(StageContext& stage, LocateInput& input) {
   }
 }
 
+/// A film that was keyed has its mattes within.
+void NoteAlpha(StageContext& stage, const fs::path& first) {
+  if (stage.Has("matte")) return;
+  const Image8 alpha = ReadAlpha(first);
+  if (std::any_of(alpha.data.begin(), alpha.data.end(), [](int level) { return level < 255; }))
+    stage.Note(
+        "locate: the film's pictures are transparent in part, as after a key; pass the film as "
+        "--matte too, and its alpha tells the outline");
+}
+
 void RequireClicksEverywhere(const LocateInput& input) {
   for (const LocateFrame& frame : input.shot.frames)
     if (frame.clicks.size() < 4)
@@ -370,6 +386,7 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   const std::vector<int> frames = FramesOf(chosen);
   input.film->Decode(frames, stage.progress());  // of a video only the pictures that are used
   SetCamera(stage, options, chosen[0].first.path, input);
+  NoteAlpha(stage, chosen[0].first.path);
   input.shot.quick = options.quick;
   const Partners partners(stage, options, pictures, frames);
   for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, partners, input);

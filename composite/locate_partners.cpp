@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/errors.h"
-#include "core/io/image_io.h"
 
 namespace keypose::composite {
 
@@ -37,13 +34,6 @@ const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const 
   throw InputError(
       fmt::format("locate: there is no {} for {}; {}s are numbered as the pictures are", what_,
                   picture.path.filename().string(), what_));
-}
-
-Image8 ReadMatte(const fs::path& path) {
-  Image8 alpha = ReadAlpha(path);
-  const bool opaque = std::all_of(alpha.data.begin(), alpha.data.end(),
-                                  [](std::uint8_t value) { return value == 255; });
-  return opaque ? ReadImage(path, 1) : alpha;
 }
 
 }  // namespace keypose::composite

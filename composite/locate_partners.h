@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "composite/film/film_files.h"
-#include "core/image.h"
 
 namespace keypose::composite {
 
@@ -35,8 +34,5 @@ class PartnerFilm {
   bool single_;
   int offset_ = 0;  // the filmed frame of this film's first picture
 };
-
-/// The alpha of a picture that has one which is not opaque all over, else its grey values.
-Image8 ReadMatte(const std::filesystem::path& path);
 
 }  // namespace keypose::composite

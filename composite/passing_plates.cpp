@@ -8,7 +8,7 @@
 #include "composite/plate/plate_between.h"
 #include "core/errors.h"
 #include "core/io/files.h"
-#include "core/io/image_io.h"
+#include "core/io/image_levels.h"
 
 namespace keypose::composite {
 
@@ -43,8 +43,8 @@ const fs::path* PassingPlates::Find(int picture) const {
   return found == files_.pictures().end() ? nullptr : &found->path;
 }
 
-Image8 PassingPlates::Read(const fs::path& path) const {
-  Image8 picture = ReadImage(path, 3);
+ImageF PassingPlates::Read(const fs::path& path) const {
+  ImageF picture = ReadLevels(path);
   if (picture.width != camera_.width || picture.height != camera_.height)
     throw InputError(fmt::format(
         "composite: the plate {} has {} x {} pixels, but the shot was located in pictures of {} x "

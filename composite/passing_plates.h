@@ -20,13 +20,14 @@ class PassingPlates {
                 const std::vector<int>& film_frames, const Camera& camera, Progress* progress);
   /// @throws InputError  of another size than the camera's
   PassingPlate At(int animation);
+  const std::filesystem::path& first() const { return files_.pictures().front().path; }
 
   int made = 0;         ///< so far, from their neighbours
   double doubtful = 0;  ///< of the worst of them
 
  private:
   const std::filesystem::path* Find(int picture) const;
-  Image8 Read(const std::filesystem::path& path) const;
+  ImageF Read(const std::filesystem::path& path) const;
 
   FilmFiles files_;
   int step_, start_, per_frame_;

@@ -7,15 +7,18 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 
 namespace keypose::composite {
 namespace {
 
+constexpr double kTableSide = 10;  // half of it, over the character's diagonal
+
 /// Builds the scene in Blender; reads the files beside it.
 constexpr const char* kScript =
-    R"PY("""Builds this shot in Blender: its camera, the film behind it, and the character.
+    R"PY("""Builds this shot in Blender: its camera, the film behind it, the character, and its light.
 
 Open it in Blender's text editor and run it, or: blender --python shot.py
 """
@@ -82,6 +85,51 @@ def show_film(data):
         bpy.data.images.load(str(HERE / SHOT["plate"])).use_fake_user = True
 
 
+class Gains:
+    """Nodes for the light of the set on the character: a quadratic of the normal, per channel."""
+
+    def __init__(self, tree):
+        self.tree = tree
+        self.normal = tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"]
+
+    def node(self, kind, operation, first, second, output):
+        node = self.tree.nodes.new(kind)
+        node.operation = operation
+        for socket, value in zip(node.inputs, (first, second)):
+            if isinstance(value, bpy.types.NodeSocket):
+                self.tree.links.new(value, socket)
+            else:
+                socket.default_value = value
+        return node.outputs[output]
+
+    def number(self, operation, first, second):
+        return self.node("ShaderNodeMath", operation, first, second, "Value")
+
+    def dot(self, first, second):
+        return self.node("ShaderNodeVectorMath", "DOT_PRODUCT", first, second, "Value")
+
+    def joined(self, numbers):
+        node = self.tree.nodes.new("ShaderNodeCombineXYZ")
+        for socket, number in zip(node.inputs, numbers):
+            self.tree.links.new(number, socket)
+        return node.outputs["Vector"]
+
+    def channel(self, h):
+        """Of 1, x, y, z, xy, yz, xz, xx - yy, 3 zz - 1."""
+        rows = (
+            ((h[7], h[4] / 2, h[6] / 2), h[1]),
+            ((h[4] / 2, -h[7], h[5] / 2), h[2]),
+            ((h[6] / 2, h[5] / 2, 3 * h[8]), h[3]),
+        )
+        sums = [self.number("ADD", self.dot(self.normal, row), line) for row, line in rows]
+        light = self.number("ADD", self.dot(self.normal, self.joined(sums)), h[0] - h[8])
+        return self.number("MINIMUM", self.number("MAXIMUM", light, 0.05), 8)
+
+    def times(self, colour):
+        gains = self.joined([self.channel(h) for h in SHOT["light"]["on_character"]])
+        return self.node("ShaderNodeVectorMath", "MULTIPLY", colour, gains, "Vector")
+
+
 def make_material():
     material = bpy.data.materials.new("character")
     material.use_nodes = True
@@ -92,12 +140,89 @@ def make_material():
         texture = nodes.new("ShaderNodeTexImage")
         texture.image = bpy.data.images.load(str(HERE / SHOT["textures"][0]))
         links.new(texture.outputs["Color"], shader.inputs["Base Color"])
-        # The texture holds the light of the photographs, and the scene has no lamp. To light it
-        # anew, join the Principled BSDF to the Material Output.
+        # The texture holds the light of the photographs; the set's light over it was learnt from
+        # the film, by the normal. Both glow for the camera alone, so that nothing falls on the
+        # table. To light the character by the scene's lamps, join the Principled BSDF to the
+        # Material Output.
         glow = nodes.new("ShaderNodeEmission")
-        links.new(texture.outputs["Color"], glow.inputs["Color"])
+        colour = texture.outputs["Color"]
+        if SHOT["light"]:
+            colour = Gains(material.node_tree).times(colour)
+            seen = nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"]
+            links.new(seen, glow.inputs["Strength"])
+        links.new(colour, glow.inputs["Color"])
         links.new(glow.outputs["Emission"], nodes["Material Output"].inputs["Surface"])
     return material
+
+
+def make_sun(scene, name, energy, towards, angle):
+    data = bpy.data.lights.new(name, "SUN")
+    data.energy, data.angle = energy, angle
+    sun = bpy.data.objects.new(name, data)
+    sun.rotation_mode = "QUATERNION"
+    sun.rotation_quaternion = mathutils.Vector(towards).to_track_quat("Z", "Y")
+    table = SHOT["light"]["table"]
+    sun.location = mathutils.Vector(table["middle"]) + table["diagonal"] * mathutils.Vector(towards)
+    scene.collection.objects.link(sun)
+    return data
+
+
+def make_table(scene):
+    """Catches the shadow, and is not seen itself."""
+    mesh = bpy.data.meshes.new("table")
+    mesh.from_pydata(SHOT["light"]["table"]["corners"], [], [(0, 1, 2, 3)])
+    table = bpy.data.objects.new("table", mesh)
+    scene.collection.objects.link(table)
+    if hasattr(table, "is_shadow_catcher"):
+        table.is_shadow_catcher = True
+    else:
+        table.cycles.is_shadow_catcher = True
+
+
+def make_light(scene):
+    """Sky and lamp as the film's shadow tells; together they make a white table white."""
+    light = SHOT["light"]
+    if not light:
+        return
+    sky = bpy.data.worlds.new("sky")
+    sky.use_nodes = True
+    background = sky.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    background.inputs["Strength"].default_value = light["sky"]
+    scene.world = sky
+    if light["lamp"]:
+        make_sun(scene, "lamp", light["lamp"], light["towards_lamp"], light["lamp_angle"])
+    if light["even"]:  # what the set gives back into its shadows
+        even = make_sun(scene, "even light", light["even"], light["table"]["up"], 0)
+        if hasattr(even, "cycles") and hasattr(even.cycles, "cast_shadow"):
+            even.cycles.cast_shadow = False
+        even.use_shadow = False
+    if light["shadow"]:
+        make_table(scene)
+    # Only Cycles catches shadows.
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples = 128
+    scene.cycles.use_denoising = False  # some builds have none, and would not render
+
+
+def lay_over_plate(scene):
+    """F12 shows the character over the set. Of a moving camera the set is left to you."""
+    if not SHOT["plate"]:
+        return
+    scene.use_nodes = True
+    tree = getattr(scene, "node_tree", None)
+    if tree is None:
+        print("lay the render over", SHOT["plate"], "in the compositor of this Blender")
+        return
+    tree.nodes.clear()
+    render, plate, over, result = (
+        tree.nodes.new("CompositorNode" + kind)
+        for kind in ("RLayers", "Image", "AlphaOver", "Composite")
+    )
+    plate.image = bpy.data.images.load(str(HERE / SHOT["plate"]), check_existing=True)
+    tree.links.new(plate.outputs["Image"], over.inputs[1])
+    tree.links.new(render.outputs["Image"], over.inputs[2])
+    tree.links.new(over.outputs["Image"], result.inputs["Image"])
 
 
 def show_colours_as_filmed(scene):
@@ -143,6 +268,8 @@ def build():
     show_colours_as_filmed(scene)
     show_film(make_camera(scene))
     make_character(scene)
+    make_light(scene)
+    lay_over_plate(scene)
     scene.frame_set(SHOT["first_picture"])
 
 
@@ -183,6 +310,39 @@ std::vector<double> NumbersOf(const Eigen::Matrix4d& matrix) {
   for (int r = 0; r < 4; ++r)
     for (int c = 0; c < 4; ++c) numbers.push_back(matrix(r, c));
   return numbers;
+}
+
+std::vector<double> ListOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// In Blender's units: a sun's strength is the light on a face that is turned to it, of which a
+/// white one gives back 1 / pi; a sky of strength 1 makes it white.
+nlohmann::ordered_json LightNode(const BlenderLight& light) {
+  const double all = light.sky + light.lamp, scale = all > 1 ? 1 / all : 1;
+  const double facing = std::max(0.05, light.towards_lamp.dot(light.up));
+  const bool shadow = all > 0;
+  const double half = kTableSide * light.diagonal;
+  nlohmann::ordered_json corners = nlohmann::ordered_json::array(),
+                         harmonics = nlohmann::ordered_json::array();
+  const Eigen::Vector3d right = half * light.right, back = half * light.up.cross(light.right);
+  for (const Eigen::Vector3d& corner :
+       {Eigen::Vector3d(-right - back), Eigen::Vector3d(right - back),
+        Eigen::Vector3d(right + back), Eigen::Vector3d(back - right)})
+    corners.push_back(ListOf(light.middle + corner));
+  for (int c = 0; c < 3; ++c)
+    harmonics.push_back(
+        std::vector<double>(light.on_character.col(c).begin(), light.on_character.col(c).end()));
+  return {{"on_character", harmonics},
+          {"shadow", shadow},
+          {"sky", shadow ? scale * light.sky : 1},
+          {"lamp", kPi * scale * light.lamp / facing},
+          {"even", shadow ? kPi * std::max(0.0, 1 - all) : 0},
+          {"towards_lamp", ListOf(light.towards_lamp)},
+          {"lamp_angle", 2 * light.lamp_radius_rad},
+          {"table",
+           {{"middle", ListOf(light.middle)},
+            {"up", ListOf(light.up)},
+            {"diagonal", light.diagonal},
+            {"corners", corners}}}};
 }
 
 nlohmann::ordered_json CameraNode(const BlenderShot& shot, const std::vector<PointsX3>& frames) {
@@ -258,6 +418,7 @@ std::vector<BlenderFile> BlenderFiles(const BlenderShot& shot, const FacesX3& fa
                                  {"plate", shot.plate},
                                  {"film", shot.film}};
   root["camera"] = CameraNode(shot, frames);
+  root["light"] = shot.light ? LightNode(*shot.light) : nlohmann::ordered_json();
   return {{"shot.py", kScript},
           {"shot.json", root.dump(1) + "\n"},
           {"character.bin", CornersOf(faces, uvs, uv_faces)},

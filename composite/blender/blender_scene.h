@@ -4,6 +4,7 @@
 // same focal length and centre, so plates for it are undistorted.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,14 +27,28 @@ BlenderCamera BlenderCameraOf(const View& view);
 /// What the lens did not see repeats the border.
 Image8 Undistorted(const Image8& picture, const Camera& camera);
 
+/// The light of a shot, as `composite` has learnt it or was told.
+struct BlenderLight {
+  /// Of the character over its texture, by the normal n in world: rows 1, x, y, z, xy, yz, xz,
+  /// xx - yy, 3 zz - 1; columns red, green, blue.
+  Eigen::Matrix<double, 9, 3> on_character;
+  /// Of the table's light; the rest is not shadowed. Both 0: no shadow.
+  double sky = 0, lamp = 0;
+  Eigen::Vector3d towards_lamp = Eigen::Vector3d::UnitZ();  ///< unit
+  double lamp_radius_rad = 0.1;                             ///< of its disk
+  Eigen::Vector3d middle, right, up;  ///< of the table, below the character; axes are unit
+  double diagonal = 1;                ///< of the character
+};
+
 struct BlenderShot {
   View view;
   std::vector<View> path;  ///< of a moving camera: its place in each picture; else empty
   double fps = 24;
-  int first_picture = 0;              ///< Blender's frame of the animation's frame 0
-  int pictures = 0;                   ///< of the whole shot
-  std::vector<std::string> textures;  ///< files beside the script; the first shows
-  std::string plate, film;            ///< clean plate; first picture of the numbered film
+  int first_picture = 0;                   ///< Blender's frame of the animation's frame 0
+  int pictures = 0;                        ///< of the whole shot
+  std::vector<std::string> textures;       ///< files beside the script; the first shows
+  std::string plate, film;                 ///< clean plate; first picture of the numbered film
+  std::optional<BlenderLight> light = {};  ///< none: the texture glows as it is
 };
 
 /// Names and contents of shot.py, shot.json, character.bin and character.pc2.

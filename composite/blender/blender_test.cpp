@@ -8,8 +8,10 @@
 
 #include "composite/blender/blender_scene.h"
 #include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/io/testing_folder.h"
 #include "core/render.h"
+#include "core/testing_shapes.h"
 
 namespace keypose::composite {
 namespace {
@@ -111,6 +113,60 @@ TEST(BlenderScene, ShowsPointsWhereOurCameraDoes) {
     EXPECT_NEAR(pixels[i][0], ours.x(), 1e-3) << i;
     EXPECT_NEAR(pixels[i][1], ours.y(), 1e-3) << i;
   }
+}
+
+const char* const kRender = R"PY(
+import pathlib, sys
+import bpy
+here = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
+scene = bpy.context.scene
+lamp = bpy.data.objects["lamp"]
+towards = lamp.matrix_world.to_quaternion() @ __import__("mathutils").Vector((0, 0, 1))
+assert abs(towards.x - 0.5 ** 0.5) < 1e-5 and abs(towards.z - 0.5 ** 0.5) < 1e-5, towards
+assert lamp.data.type == "SUN" and abs(lamp.data.angle - 0.04) < 1e-6
+assert bpy.data.objects["table"].is_shadow_catcher
+scene.cycles.samples = 24
+scene.render.filepath = str(here / "f12.png")
+bpy.ops.render.render(write_still=True)
+)PY";
+
+TEST(BlenderScene, F12LooksLikeTheComposite) {
+  if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no Blender here";
+  const TestingFolder own;
+  const fs::path folder = own.path();
+  Mesh box = MakeBox(0.4, 0.4, 0.4);
+  box.points.leftCols(2).array() -= 0.2;
+  // Straight from above; 20 pixels are a tenth.
+  View view{"", {160, 120, 600, 600, 80, 60}, {}};
+  view.camera_from_world = LookAt({0, -1e-4, 3}, {0, 0, 0});
+  BlenderShot shot{view, {}, 24, 0, 1, {"grey.png"}, "grey.png", ""};
+  BlenderLight light;
+  light.on_character.setZero();
+  light.on_character.row(0).setConstant(1), light.on_character.row(3).setConstant(0.5);
+  light.lamp = 0.6, light.lamp_radius_rad = 0.02;
+  light.towards_lamp = Eigen::Vector3d(1, 0, 1).normalized();
+  light.middle.setZero(), light.right = Eigen::Vector3d::UnitX();
+  light.up = Eigen::Vector3d::UnitZ();
+  shot.light = light;
+  const UvsX2 uvs = UvsX2::Constant(1, 2, 0.5);
+  const FacesX3 uv_faces = FacesX3::Zero(box.faces.rows(), 3);
+  for (const BlenderFile& file : BlenderFiles(shot, box.faces, uvs, uv_faces, {box.points}))
+    WriteFile(folder / file.name, file.bytes);
+  WriteImage(folder / "grey.png", Image8(160, 120, 3, 188));  // half of white's light
+  WriteFile(folder / "render.py", kRender);
+  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python " +
+                              (folder / "shot.py").string() + " --python " +
+                              (folder / "render.py").string() + " -- " + folder.string() + " > " +
+                              (folder / "log.txt").string() + " 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log.txt");
+  const Image8 picture = ReadImage(folder / "f12.png", 3);
+  const auto at = [&](double x, double y, double height) {
+    const Eigen::Vector2d pixel = view.Project({x, y, height});
+    return int{picture.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()))[1]};
+  };
+  EXPECT_NEAR(at(0.02, 0.01, 0.4), 224, 3) << "the texture, half as bright again to the top";
+  EXPECT_NEAR(at(0.35, 0.25, 0), 188, 2) << "the plate";
+  EXPECT_NEAR(at(-0.35, 0, 0), 124, 4) << "0.4 of its light";
 }
 
 }  // namespace

@@ -11,7 +11,8 @@
 namespace keypose::composite {
 namespace {
 
-constexpr int kShutterMoments = 8;  // shapes that a blurred picture is the mean of
+constexpr int kShutterMoments = 8;    // shapes that a blurred picture is the mean of
+constexpr float kLeastAlpha = 1e-4f;  // below it a keyed pixel has no colour
 
 /// The character over the time that the shutter is open.
 ImageF LayerOver(const ShotGeometry& geometry, const Looks& looks, const FilmLessons& lessons,
@@ -60,6 +61,8 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
   const int width = view.camera.width, height = view.camera.height;
   composed.light = ImageF(width, height, 3);
   composed.coverage = ImageF(width, height, 1);
+  const bool keyed = !lessons.plate_alpha.empty();
+  if (keyed) composed.alpha = ImageF(width, height, 1);
   ImageF lacking(width, height, 1);
   const auto pixel = [&](int x, int y) {
     const float shown =
@@ -69,11 +72,15 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
     const float alpha = over[3], left = kept.empty() ? 1.0f : 1 - shown * (1 - *kept.at(x, y));
     *composed.coverage.at(x, y) = alpha;
     *lacking.at(x, y) = alpha + (1 - alpha) * *plate.grain_lacking.at(x, y);
+    // A shadow darkens the set, and is gone where the set was keyed out.
+    const float set = keyed ? *lessons.plate_alpha.at(x, y) : 1.0f,
+                all = keyed ? alpha + (1 - alpha) * set : 1.0f;
+    if (keyed) *composed.alpha.at(x, y) = all;
     for (int c = 0; c < 3; ++c) {
-      const float behind = plate.light.at(x, y)[c] * left;
-      const float factor = static_cast<float>(exposure[c]);
+      const float behind = plate.light.at(x, y)[c] * left * set;
+      const float factor = static_cast<float>(exposure[c]) / std::max(all, kLeastAlpha);
       composed.light.at(x, y)[c] = factor * (over[c] + (1 - alpha) * behind);
-      over[c] *= factor;
+      over[c] *= static_cast<float>(exposure[c]);
     }
     over[3] = 1 - (1 - alpha) * left;  // the shadow is black, and lies behind the character
   };

@@ -13,7 +13,8 @@ struct ComposeOptions {
 
 struct ComposedPicture {
   ImageF light;     ///< RGB, linear, with exposure, without grain
-  Image8 picture;   ///< RGB, sRGB, with grain
+  ImageF picture;   ///< RGB, stored levels of 255 (sRGB), with grain, not rounded
+  ImageF alpha;     ///< 1 channel, 0 to 1: of the picture, where the film was keyed; else empty
   ImageF layer;     ///< RGBA, linear, premultiplied: the character and its shadow (black) alone
   ImageF coverage;  ///< 1 channel: of the character, after props
   PassingPlate passing;  ///< of a moving camera: the plate that was used

@@ -94,6 +94,7 @@ class Lesson {
     LookAtFrames();
     lessons_.exposures.assign(film_.pictures.size(), Vector3d::Ones());
     LearnPlate();
+    if (film_.alpha && !moves()) LearnPlateAlpha();
     LearnShadow();
     LearnLight();
     LearnGrain();
@@ -120,10 +121,11 @@ class Lesson {
       ReportProgress(progress_, 0.5 * SizeOf(looked_) / SizeOf(chosen), "looking at the film");
       Looked look;
       look.picture = picture;
-      look.stored = film_.read(picture->film);
-      look.light = LinearOf(look.stored);
+      const ImageF levels = film_.read(picture->film);
+      look.stored = Rounded(levels);
+      look.light = LinearOfLevels(levels);
       look.view = geometry_.ViewAt(picture->animation);
-      if (moves()) look.passing = LinearOf(film_.plate_at(picture->animation).picture);
+      if (moves()) look.passing = LinearOfLevels(film_.plate_at(picture->animation).picture);
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
       look.layer = RenderLayer(
@@ -152,7 +154,7 @@ class Lesson {
       for (Looked& look : looked_) Normalise(&look);
       return;
     }
-    given_ = LinearOf(film_.given_plate);
+    given_ = LinearOfLevels(film_.given_plate);
     lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
     if (looked_.empty()) return;
     for (Looked& look : looked_) Normalise(&look);
@@ -161,6 +163,23 @@ class Lesson {
       given_ = Scaled(std::move(given_), exposure);
     }
     lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+  }
+
+  /// What the key left of the set: the mean of the frames that show it; what none shows, as most of
+  /// the set.
+  void LearnPlateAlpha() {
+    ImageF sum(camera_.width, camera_.height, 1), count = sum;
+    for (const Looked& look : looked_) {
+      const ImageF alpha = film_.alpha(look.picture->film);
+      for (std::size_t i = 0; i < sum.data.size(); ++i)
+        if (look.away.data[i] <= 127) sum.data[i] += alpha.data[i], count.data[i] += 1;
+    }
+    double all = 0, seen = 0;
+    for (std::size_t i = 0; i < sum.data.size(); ++i) all += sum.data[i], seen += count.data[i];
+    const float most = 2 * all > seen ? 1.0f : 0.0f;
+    for (std::size_t i = 0; i < sum.data.size(); ++i)
+      sum.data[i] = count.data[i] > 0 ? sum.data[i] / count.data[i] : most;
+    lessons_.plate_alpha = std::move(sum);
   }
 
   static ImageF Scaled(ImageF image, const Vector3d& factors) {
@@ -219,9 +238,13 @@ class Lesson {
       for (const Looked& look : looked_)
         if (look.picture->anchor < 0) located.push_back(&look);
     std::vector<ShadowSamples> samples;
-    for (const Looked* look : located)
-      if (has_plate() && SizeOf(samples) < kMostShadowFrames)
-        samples.push_back(SamplesOf(*look, nullptr));
+    // Spread over the shot: the first ones alone say little of a lamp when the character has hardly
+    // moved, and an error that fits their shadow shows at the far end of later ones.
+    const int count = SizeOf(located),
+              chosen = has_plate() ? std::min(count, kMostShadowFrames) : 0;
+    for (int i = 0; i < chosen; ++i)
+      samples.push_back(
+          SamplesOf(*located[chosen > 1 ? i * (count - 1) / (chosen - 1) : 0], nullptr));
     for (int apart = SizeOf(located) - 1; !has_plate() && apart > 0; --apart)
       for (int i = 0; i + apart < SizeOf(located) && SizeOf(samples) < kMostShadowFrames; ++i)
         samples.push_back(SamplesOf(*located[i], located[i + apart]));
@@ -344,7 +367,7 @@ class Lesson {
                                    [&](const Looked& l) { return l.picture == &picture; });
     const Image8 away = look == looked_.end() ? Image8() : look->away;
     lessons_.exposures[&picture - film_.pictures.data()] =
-        ExposureOf(LinearOf(film_.read(picture.film)), SetAt(picture), away);
+        ExposureOf(LinearOfLevels(film_.read(picture.film)), SetAt(picture), away);
   }
 
   /// Bends all frames of the animation that were filmed until they lie on the film, and observes
@@ -370,7 +393,7 @@ class Lesson {
                  std::vector<ObservedGains>* observed) {
     const std::size_t index = &picture - film_.pictures.data();
     const ImageF light =
-        Scaled(LinearOf(film_.read(picture.film)), lessons_.exposures[index].cwiseInverse());
+        Scaled(LinearOfLevels(film_.read(picture.film)), lessons_.exposures[index].cwiseInverse());
     PointsX3 points = geometry_.Points(picture.animation);
     const Character character = looks_.At(picture.animation);
     const PointsX3 gains =
@@ -391,7 +414,8 @@ class Lesson {
   }
 
   ImageF SetAt(const FilmedPicture& picture) const {
-    return moves() ? LinearOf(film_.plate_at(picture.animation).picture) : lessons_.plate.light;
+    return moves() ? LinearOfLevels(film_.plate_at(picture.animation).picture)
+                   : lessons_.plate.light;
   }
 
   /// The plate with the figure's shadow.

@@ -32,9 +32,9 @@ Character Looks::At(int frame) const {
 }
 
 CleanPlate PlateOf(const PassingPlate& passing) {
-  const Image8& picture = passing.picture;
-  return {LinearOf(picture), ImageF(picture.width, picture.height, 1, passing.grain_lacking), 0, 0,
-          0};
+  const ImageF& picture = passing.picture;
+  return {LinearOfLevels(picture), ImageF(picture.width, picture.height, 1, passing.grain_lacking),
+          0, 0, 0};
 }
 
 ImageF ShadowPicture(const RayScene& figure, const Ground& table, const ShadowStrength& strength,

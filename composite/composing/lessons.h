@@ -43,15 +43,17 @@ struct FilmedPicture {
 
 /// The set as a camera sees it that is at one place for one picture only.
 struct PassingPlate {
-  Image8 picture;           ///< RGB
+  ImageF picture;           ///< RGB, stored levels of 255
   float grain_lacking = 0;  ///< as CleanPlate's, of all pixels
   double doubtful = 0;      ///< PlateBetweenTwo's, where it was made from its neighbours
 };
 
 struct Film {
   std::vector<FilmedPicture> pictures;
-  std::function<Image8(int film)> read;  ///< RGB, of the camera's size
-  Image8 given_plate;                    ///< RGB; empty: none
+  std::function<ImageF(int film)> read;  ///< RGB, stored levels of 255, of the camera's size
+  /// Of a film that was keyed: how much of each pixel is there, 1 channel, 0 to 1. Else none.
+  std::function<ImageF(int film)> alpha;
+  ImageF given_plate;  ///< RGB, stored levels of 255; empty: none
   /// Of a moving camera: the plate of a frame of the animation, of the camera's size. Else none.
   std::function<PassingPlate(int animation)> plate_at;
   /// Props and furniture before and around the character, besides its table; may be null.
@@ -61,7 +63,8 @@ struct Film {
 };
 
 struct FilmLessons {
-  CleanPlate plate;                        ///< of a still camera
+  CleanPlate plate;    ///< of a still camera
+  ImageF plate_alpha;  ///< of a still camera and a keyed film: of the set; else empty
   std::vector<Eigen::Vector3d> exposures;  ///< per picture of the film, over the plate's
   ShotLight light;                         ///< its frames are those of light_frames
   std::vector<int> light_frames;           ///< of the animation, ascending

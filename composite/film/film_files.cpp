@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/io/movie_header.h"
 #include "core/io/png_io.h"
 #include "core/size_of.h"
@@ -30,6 +31,13 @@ fs::path NewFolder() {
 
 int PlatesAFrame(int last_plate, int last_frame) {
   return last_frame > 0 ? std::max(1, last_plate / last_frame) : 1;
+}
+
+Image8 ReadMatte(const fs::path& path) {
+  Image8 alpha = ReadAlpha(path);
+  const bool opaque = std::all_of(alpha.data.begin(), alpha.data.end(),
+                                  [](std::uint8_t value) { return value == 255; });
+  return opaque ? ReadImage(path, 1) : alpha;
 }
 
 FilmFiles::FilmFiles(const fs::path& film) : film_(film) {

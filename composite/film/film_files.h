@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/image.h"
 #include "core/io/shot_io.h"
 #include "core/progress.h"
 
@@ -14,6 +15,10 @@ namespace keypose::composite {
 /// a finished shot, whose plates reach twice as far or more.
 /// @param last_plate, last_frame  numbers, counted from 0
 int PlatesAFrame(int last_plate, int last_frame);
+
+/// Of a matte or a holdout: the alpha of a picture that has one which is not opaque all over, else
+/// its grey values.
+Image8 ReadMatte(const std::filesystem::path& path);
 
 /// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
 /// removed with this object. They are what the decoder gives, bit for bit.

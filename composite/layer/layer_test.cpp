@@ -116,6 +116,23 @@ TEST(TableShadow, FallsAwayFromTheLamp) {
   EXPECT_EQ(shadow.Kept({50, 50, 0}), 1) << "far away";
 }
 
+TEST(TableShadow, ALowLampsShadowIsAsLongAsItIs) {
+  // A post of a tenth by a tenth, one high.
+  Mesh post = MakeBox(0.1, 0.1, 1);
+  post.points.leftCols(2).array() -= 0.05;
+  const RayScene scene(post.points, post.faces);
+  for (const double degrees : {12.0, 20.0, 35.0, 60.0}) {
+    const double height = degrees * M_PI / 180, end = 1 / std::tan(height);
+    const TableShadow shadow(
+        scene, TableOf(post),
+        {0, 0.8, {Eigen::Vector3d(std::cos(height), 0, std::sin(height)), 0.01}});
+    for (const double share : {0.3, 0.6, 0.9})
+      EXPECT_NEAR(shadow.Kept({-share * end, 0, 0}), 0.2, 0.15) << degrees << " " << share;
+    EXPECT_EQ(shadow.Kept({-1.2 * end - 0.1, 0, 0}), 1) << degrees;
+    EXPECT_EQ(shadow.Kept({-0.5 * end, 0.3, 0}), 1) << degrees;
+  }
+}
+
 TEST(TableShadow, TheSkyMakesAContactShadow) {
   Mesh ball = MakeIcosphere(3);
   ball.points.col(2).array() += 1;

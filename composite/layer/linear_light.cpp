@@ -54,6 +54,19 @@ ImageF LinearOf(const Image8& srgb) {
   return linear;
 }
 
+ImageF LinearOfLevels(const ImageF& levels) {
+  ImageF linear(levels.width, levels.height, levels.channels);
+  const auto& table = LinearTable();
+  ForAll(levels.data.size(), [&](std::int64_t i) {
+    const double level = std::clamp(static_cast<double>(levels.data[i]), 0.0, 255.0);
+    const auto whole = static_cast<std::size_t>(level);
+    linear.data[i] = static_cast<double>(whole) == level
+                         ? table[whole]
+                         : static_cast<float>(LinearFromSrgb(level / 255));
+  });
+  return linear;
+}
+
 ImageF LevelsOf(const ImageF& linear) {
   ImageF levels(linear.width, linear.height, linear.channels);
   ForAll(linear.data.size(), [&](std::int64_t i) {
@@ -63,13 +76,15 @@ ImageF LevelsOf(const ImageF& linear) {
   return levels;
 }
 
-Image8 SrgbOf(const ImageF& linear) {
-  const ImageF levels = LevelsOf(linear);
-  Image8 srgb(linear.width, linear.height, linear.channels);
+Image8 SrgbOf(const ImageF& linear) { return Rounded(LevelsOf(linear)); }
+
+Image8 Rounded(const ImageF& levels) {
+  Image8 rounded(levels.width, levels.height, levels.channels);
   ForAll(levels.data.size(), [&](std::int64_t i) {
-    srgb.data[i] = static_cast<std::uint8_t>(std::lround(levels.data[i]));
+    rounded.data[i] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(levels.data[i], 0.0f, 255.0f)));
   });
-  return srgb;
+  return rounded;
 }
 
 ImageF Blurred(const ImageF& image, double sigma_px) {

@@ -10,11 +10,13 @@
 namespace keypose::composite {
 namespace {
 
-constexpr int kSide = 192;  // points along the side of the lamp's grid
 constexpr int kLampRays = 24;
 constexpr double kGolden = 2.399963229728653;  // [rad]
-/// The lamp's grid reaches so many of the ground's reach to each side, and fades at its border.
-constexpr double kGridReach = 2.6, kInner = 0.85;
+// The lamp's grid, over the figure's diagonal.
+constexpr double kCell = 0.011, kMargin = 0.15, kFade = 0.1;
+/// A lower lamp's shadow has no end on a table.
+constexpr double kLowest = 0.09;  // [rad] of the lower edge of its disk
+constexpr double kLongest = 6;
 
 }  // namespace
 
@@ -31,44 +33,51 @@ std::vector<Eigen::Vector3d> RaysTo(const SoftLamp& lamp, int count) {
 
 TableShadow::TableShadow(const RayScene& figure, const Ground& ground,
                          const ShadowStrength& strength)
-    : ground_(ground),
-      strength_(strength),
-      sky_(figure, ground),
-      half_side_(kGridReach * ground.reach),
-      lamp_(static_cast<std::size_t>(kSide) * kSide) {
-  // A low lamp throws the shadow to the far side: the grid moves there.
+    : ground_(ground), strength_(strength), sky_(figure, ground) {
   const Eigen::Vector3d& to = strength.light.direction;
-  const double rise = std::max(0.2, to.dot(ground.up));
-  const Eigen::Vector2d away(-to.dot(ground.right), -to.dot(ground.back));
-  middle_ = std::min(1.5 * ground.reach, 0.5 * ground.diagonal / rise) * away;
+  const double rise = std::clamp(to.dot(ground.up), -1.0, 1.0);
+  const Eigen::Vector3d flat = rise * ground.up - to;
+  away_ = flat.norm() > 1e-6 ? flat.normalized() : ground.right;
+  across_ = ground.up.cross(away_);
+  // The figure lies within half a diagonal of the origin, and is not higher than one: its shadow
+  // reaches so much farther.
+  const double low = std::max(kLowest, std::asin(rise) - strength.light.radius_rad);
+  const double thrown = std::min(kLongest, 1 / std::tan(low));
+  const double spread = thrown * std::tan(strength.light.radius_rad);
+  near_ = -(0.5 + kMargin) * ground.diagonal;
+  half_width_ = (0.5 + kMargin + spread) * ground.diagonal;
+  cell_ = kCell * ground.diagonal;
+  columns_ = static_cast<int>(std::ceil((1 + 2 * kMargin + thrown) / kCell)) + 1;
+  rows_ = static_cast<int>(std::ceil(2 * half_width_ / cell_)) + 1;
+  lamp_.resize(static_cast<std::size_t>(rows_) * columns_);
   const std::vector<Eigen::Vector3d> rays = RaysTo(strength.light, kLampRays);
-  const Eigen::Vector3d start = ground.origin - 1e-5 * ground.diagonal * ground.up;
-  ParallelFor(kSide, [&](std::int64_t j) {
-    for (int i = 0; i < kSide; ++i) {
-      const double x = middle_.x() + half_side_ * (2.0 * i / (kSide - 1) - 1),
-                   y = middle_.y() + half_side_ * (2.0 * static_cast<double>(j) / (kSide - 1) - 1);
-      const Eigen::Vector3d from = start + x * ground.right + y * ground.back;
+  const Eigen::Vector3d start =
+      ground.origin - 1e-5 * ground.diagonal * ground.up + near_ * away_ - half_width_ * across_;
+  ParallelFor(rows_, [&](std::int64_t j) {
+    for (int i = 0; i < columns_; ++i) {
+      const Eigen::Vector3d from =
+          start + i * cell_ * away_ + static_cast<double>(j) * cell_ * across_;
       int hidden = 0;
       for (const Eigen::Vector3d& ray : rays)
         hidden += figure.Occluded(from, ray, 0, std::numeric_limits<double>::infinity());
-      lamp_[j * kSide + i] = static_cast<float>(hidden) / kLampRays;
+      lamp_[static_cast<std::size_t>(j) * columns_ + i] = static_cast<float>(hidden) / kLampRays;
     }
   });
 }
 
 double TableShadow::HiddenLamp(const Eigen::Vector3d& point) const {
-  const Eigen::Vector2d local = ground_.Local(point).head<2>() - middle_;
-  const double rim = local.cwiseAbs().maxCoeff() / half_side_;
-  if (rim >= 1) return 0;
-  const double x = (local.x() / half_side_ + 1) * 0.5 * (kSide - 1),
-               y = (local.y() / half_side_ + 1) * 0.5 * (kSide - 1);
-  const int i = std::min(static_cast<int>(x), kSide - 2),
-            j = std::min(static_cast<int>(y), kSide - 2);
+  const Eigen::Vector3d local = point - ground_.origin;
+  const double x = (local.dot(away_) - near_) / cell_,
+               y = (local.dot(across_) + half_width_) / cell_;
+  const double border = std::min(std::min(x, columns_ - 1 - x), std::min(y, rows_ - 1 - y));
+  if (border <= 0) return 0;
+  const int i = std::min(static_cast<int>(x), columns_ - 2),
+            j = std::min(static_cast<int>(y), rows_ - 2);
   const double fx = x - i, fy = y - j;
-  const float* at = lamp_.data() + static_cast<std::size_t>(j) * kSide + i;
-  const double hidden =
-      (1 - fy) * ((1 - fx) * at[0] + fx * at[1]) + fy * ((1 - fx) * at[kSide] + fx * at[kSide + 1]);
-  return hidden * std::clamp((1 - rim) / (1 - kInner), 0.0, 1.0);
+  const float* at = lamp_.data() + static_cast<std::size_t>(j) * columns_ + i;
+  const double hidden = (1 - fy) * ((1 - fx) * at[0] + fx * at[1]) +
+                        fy * ((1 - fx) * at[columns_] + fx * at[columns_ + 1]);
+  return hidden * std::min(1.0, border * kCell / kFade);
 }
 
 double TableShadow::Kept(const Eigen::Vector3d& point) const {

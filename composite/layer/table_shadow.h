@@ -41,9 +41,11 @@ class TableShadow {
   Ground ground_;
   ShadowStrength strength_;
   GroundShadow sky_;
-  double half_side_ = 0;
-  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
-  std::vector<float> lamp_;  ///< kSide^2
+  // The grid of the lamp's shadow: columns lead away from the lamp, as far as the shadow goes.
+  Eigen::Vector3d away_, across_;  // unit, on the table
+  double near_ = 0, half_width_ = 0, cell_ = 1;
+  int columns_ = 0, rows_ = 0;
+  std::vector<float> lamp_;  ///< rows_ x columns_
 };
 
 }  // namespace keypose::composite

@@ -138,9 +138,9 @@ std::optional<Grain> MeasureGrain(const Image8& a, const Image8& b, const Image8
   return grain;
 }
 
-Image8 WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
+ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
                  std::uint64_t seed) {
-  Image8 out(levels.width, levels.height, 3);
+  ImageF out(levels.width, levels.height, 3);
   const double w = grain.neighbours > 0.03 ? NeighbourWeight(grain.neighbours) : 0;
   const double norm = 1 / (1 + 2 * w * w);  // of the filter along rows and columns
   const std::uint64_t stream = Mixed(seed) << 16;
@@ -163,7 +163,7 @@ Image8 WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
         const double lacks = share.empty() ? 1 : std::clamp(*share.at(x, y), 0.0f, 1.0f);
         const double sigma = grain.SigmaAt(c, level) * std::sqrt(lacks);
         const double value = sigma > 0 ? level + sigma * grainy(x, y, c) : level;
-        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+        out.at(x, y)[c] = static_cast<float>(std::clamp(value, 0.0, 255.0));
       }
   });
   return out;

@@ -29,13 +29,14 @@ struct Grain {
 std::optional<Grain> MeasureGrain(const Image8& a, const Image8& b, const Image8& away,
                                   double share_b = 1);
 
-/// Adds grain to stored levels and rounds.
+/// Adds grain to stored levels.
 ///
 /// @param levels  RGB, 0 to 255
 /// @param share   1 channel, 0 to 1: how much of the grain's variance a pixel lacks; empty: all of
 /// it
 /// @param seed    the same gives the same grain
+/// @return levels, 0 to 255, not rounded: they may be stored with more than 8 bits
 /// Same bits for any thread count.
-Image8 WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share, std::uint64_t seed);
+ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share, std::uint64_t seed);
 
 }  // namespace keypose::composite

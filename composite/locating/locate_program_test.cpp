@@ -330,6 +330,12 @@ TEST_F(LocateProgram, WrongSizesPosesAndPortsAreNamed) {
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --poses rest --shows 0=wave"),
             2);
   EXPECT_THAT(Log(), HasSubstr("pose 'wave'"));
+  EXPECT_EQ(Run("--mesh %/body.ply --mesh %/body.ply --plate %/film --matte %/mattes "
+                "--poses rest,wave --shows 0=rest,2=wave,0=wave"),
+            2);
+  EXPECT_THAT(Log(), HasSubstr("frame 0 two poses"));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --poses 'rest' --shows '0=rest , 7=rest'"), 3);
+  EXPECT_THAT(Log(), HasSubstr("frame 7")) << "spaces do no harm";
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --shows 7=0"), 3);
   EXPECT_THAT(Log(), HasSubstr("frame 7"));
 }

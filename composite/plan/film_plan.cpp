@@ -12,10 +12,13 @@
 namespace keypose::composite {
 namespace {
 
+/// 23.976 is typed for 24000 / 1001, which a video says; 24 is another rate.
+constexpr double kSameRate = 1e-4;
+
 int PicturesPerFrame(double film_fps, double animation_fps) {
   const double ratio = animation_fps / film_fps;
   const int whole = static_cast<int>(std::lround(ratio));
-  if (whole < 1 || std::abs(ratio - whole) > 1e-6)
+  if (whole < 1 || std::abs(ratio - whole) > kSameRate * whole)
     throw InputError(fmt::format(
         "composite: the animation has {:g} frames a second and the film {:g}; the first must be a "
         "multiple of the second, such as 24 and 12: set `fps` of the project or of its shot",

@@ -53,6 +53,22 @@ TEST(PlanFilm, TwelveBecomeTwentyFour) {
   EXPECT_EQ(plan.between, 2);
 }
 
+TEST(PlanFilm, RatesOfTelevisionAreAsTyped) {
+  const double ntsc = 24000.0 / 1001;
+  for (const auto& [film, animation] :
+       {std::pair{ntsc / 2, 23.976}, {11.988, ntsc}, {14.985, 29.97}})
+    EXPECT_EQ(
+        PlanFilm(ShotWith({{0, "rest"}, {2, "wave"}}, film), {0, 1, 2}, {animation, 5, {0, 4}, {}})
+            .per_frame,
+        2)
+        << film;
+  EXPECT_THAT(FaultOf([&] {
+                PlanFilm(ShotWith({{0, "rest"}}), {0}, {23.976, 5, {0, 4}, {}});
+              }),
+              HasSubstr("must be a multiple"))
+      << "a film of 12 would run away from it";
+}
+
 TEST(PlanFilm, GapsInTheFilmAreFilledAndEndsStand) {
   // The character enters at frame 1; frame 3 was not filmed; frame 5 comes after the last key.
   const FilmPlan plan =

@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/photo.hpp>
 
-#include "composite/layer/linear_light.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
@@ -72,19 +71,25 @@ int RobustMean(const std::vector<Sample>& samples, bool shadows_known, double* l
   return count;
 }
 
-/// Paints in what `missing` marks, in stored levels of 8 bit.
+/// Paints in what `missing` marks, in stored levels of 16 bits: steps of 8 would show once a
+/// picture without grain is graded. OpenCV paints channels of that depth one by one.
 void Inpaint(const Image8& missing, ImageF* light) {
-  Image8 stored = SrgbOf(*light);
-  cv::Mat picture(stored.height, stored.width, CV_8UC3, stored.data.data());
+  constexpr double kSteps = 257;  // a level of 255 in 16 bits
   const cv::Mat mask(missing.height, missing.width, CV_8UC1,
                      const_cast<std::uint8_t*>(missing.data.data()));
-  cv::Mat painted;
-  cv::inpaint(picture, mask, painted, kPaintRadius, cv::INPAINT_TELEA);
-  for (int y = 0; y < stored.height; ++y)
-    for (int x = 0; x < stored.width; ++x)
-      if (*missing.at(x, y))
-        for (int c = 0; c < 3; ++c)
-          light->at(x, y)[c] = static_cast<float>(LightOf(painted.at<cv::Vec3b>(y, x)[c]));
+  for (int c = 0; c < 3; ++c) {
+    cv::Mat stored(missing.height, missing.width, CV_16UC1), painted;
+    for (int y = 0; y < missing.height; ++y)
+      for (int x = 0; x < missing.width; ++x)
+        stored.at<std::uint16_t>(y, x) =
+            static_cast<std::uint16_t>(std::lround(kSteps * LevelOf(light->at(x, y)[c])));
+    cv::inpaint(stored, mask, painted, kPaintRadius, cv::INPAINT_TELEA);
+    for (int y = 0; y < missing.height; ++y)
+      for (int x = 0; x < missing.width; ++x)
+        if (*missing.at(x, y))
+          light->at(x, y)[c] =
+              static_cast<float>(LightOf(painted.at<std::uint16_t>(y, x) / kSteps));
+  }
 }
 
 void RequireSizes(const std::vector<PlateFrame>& frames, const ImageF& given) {

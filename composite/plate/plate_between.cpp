@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "composite/layer/linear_light.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 
@@ -19,9 +20,9 @@ constexpr double kPolynomialSigma = 1.5;
 constexpr int kDoubtfulLevels = 24;  // more than grain
 constexpr int kWays = 3;             // rounds of looking up a flow where its pixel comes from
 
-cv::Mat GreyOf(const Image8& picture) {
-  const cv::Mat rgb(picture.height, picture.width, CV_8UC3,
-                    const_cast<std::uint8_t*>(picture.data.data()));
+cv::Mat GreyOf(const ImageF& picture) {
+  Image8 whole = Rounded(picture);
+  const cv::Mat rgb(picture.height, picture.width, CV_8UC3, whole.data.data());
   cv::Mat grey;
   cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
   return grey;
@@ -49,7 +50,7 @@ std::array<float, kChannels> Sampled(int width, int height, double x, double y, 
 }
 
 /// What a picture shows at a place that its pixels have moved to by a share of their flow.
-std::array<float, 3> Moved(const Image8& picture, const cv::Mat& flow, double share, int x, int y) {
+std::array<float, 3> Moved(const ImageF& picture, const cv::Mat& flow, double share, int x, int y) {
   double from_x = x, from_y = y;
   for (int round = 0; round < kWays; ++round) {
     const auto way =
@@ -63,12 +64,12 @@ std::array<float, 3> Moved(const Image8& picture, const cv::Mat& flow, double sh
 
 }  // namespace
 
-PlateBetweenTwo PlateBetween(const Image8& before, const Image8& after, double share) {
+PlateBetweenTwo PlateBetween(const ImageF& before, const ImageF& after, double share) {
   if (before.width != after.width || before.height != after.height)
     throw InputError("composite: two plates of a moving camera differ in size");
   const cv::Mat a = GreyOf(before), b = GreyOf(after);
   const cv::Mat there = FlowOf(a, b), back = FlowOf(b, a);
-  Image8 mixed(before.width, before.height, 3);
+  ImageF mixed(before.width, before.height, 3);
   std::atomic<std::int64_t> doubtful = 0;
   ParallelFor(before.height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
@@ -78,8 +79,7 @@ PlateBetweenTwo PlateBetween(const Image8& before, const Image8& after, double s
       float most = 0;
       for (int c = 0; c < 3; ++c) {
         most = std::max(most, std::abs(one[c] - two[c]));
-        mixed.at(x, y)[c] =
-            static_cast<std::uint8_t>(std::lround((1 - share) * one[c] + share * two[c]));
+        mixed.at(x, y)[c] = static_cast<float>((1 - share) * one[c] + share * two[c]);
       }
       differ += most > kDoubtfulLevels;
     }

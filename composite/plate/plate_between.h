@@ -6,7 +6,7 @@
 namespace keypose::composite {
 
 struct PlateBetweenTwo {
-  Image8 picture;       ///< RGB, stored levels
+  ImageF picture;       ///< RGB, stored levels, not rounded
   double doubtful = 0;  ///< share of pixels for which the two plates give different colours: what
                         ///< one of them hides, or what was matched wrongly
 };
@@ -18,6 +18,6 @@ struct PlateBetweenTwo {
 /// @throws InputError  two sizes
 /// Same bits for any thread count.
 /// Source: flow by Farneback, SCIA 2003, as in OpenCV.
-PlateBetweenTwo PlateBetween(const Image8& before, const Image8& after, double share);
+PlateBetweenTwo PlateBetween(const ImageF& before, const ImageF& after, double share);
 
 }  // namespace keypose::composite

@@ -88,23 +88,23 @@ TEST(CleanPlate, BadInputIsRefused) {
 }
 
 /// A wall of soft spots that is moved to the left by `shift` pixels.
-Image8 SpotsAt(double shift) {
-  Image8 picture(160, 100, 3);
+ImageF SpotsAt(double shift) {
+  ImageF picture(160, 100, 3);
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 160; ++x) {
       const double u = x + shift;
       const double level = 120 + 45 * std::sin(0.21 * u + 0.6 * std::sin(0.13 * y)) +
                            40 * std::sin(0.17 * y + 0.11 * u);
       for (int c = 0; c < 3; ++c)
-        picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(level - 10 * c));
+        picture.at(x, y)[c] = static_cast<float>(std::lround(level - 10 * c));
     }
   return picture;
 }
 
 TEST(PlateBetween, LiesOnTheWayOfTheCamera) {
   const PlateBetweenTwo between = PlateBetween(SpotsAt(0), SpotsAt(6), 0.25);
-  const ImageF truth = LevelsOf(LinearOf(SpotsAt(1.5))), mine = LevelsOf(LinearOf(between.picture)),
-               mixed = LevelsOf(LinearOf(SpotsAt(0)));
+  const ImageF truth = SpotsAt(1.5), mixed = SpotsAt(0);
+  const ImageF& mine = between.picture;
   double error = 0, unmoved = 0;
   int count = 0;
   for (int y = 12; y < 88; ++y)
@@ -118,12 +118,12 @@ TEST(PlateBetween, LiesOnTheWayOfTheCamera) {
 }
 
 TEST(PlateBetween, WhatTheTwoDoNotShareIsCounted) {
-  Image8 other = SpotsAt(0);
+  ImageF other = SpotsAt(0);
   for (int y = 30; y < 70; ++y)
     for (int x = 40; x < 80; ++x)
       for (int c = 0; c < 3; ++c) other.at(x, y)[c] = 255;
   EXPECT_GT(PlateBetween(SpotsAt(0), other, 0.5).doubtful, 0.05);
-  EXPECT_THROW(PlateBetween(SpotsAt(0), Image8(20, 20, 3), 0.5), InputError);
+  EXPECT_THROW(PlateBetween(SpotsAt(0), ImageF(20, 20, 3), 0.5), InputError);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <new>
@@ -17,6 +16,7 @@
 #include "core/io/files.h"
 #include "core/io/heif_io.h"
 #include "core/io/image_kind.h"
+#include "core/io/image_levels.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -63,6 +63,11 @@ std::string RequireKnownKind(const fs::path& path) {
                    ": copy it from the camera again, or leave it out");
 }
 
+[[noreturn]] void ThrowNoMemory(const fs::path& path) {
+  throw DiskError("not enough memory to read image " + path.string() +
+                  "; close other programs, or make the pictures smaller");
+}
+
 [[noreturn]] void ThrowTooLarge(const fs::path& path, const std::string& size) {
   throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " +
                    std::to_string(kMostPixels / 1000000) +
@@ -90,10 +95,10 @@ void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
 
 /// Requires memory for twice the pixels: while they are rotated or converted, there are two copies.
 /// Small pictures are not checked.
-void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
+void RequireMemoryFor(const fs::path& path, const ImageSpec& spec, std::int64_t bytes_each) {
   constexpr std::int64_t kSmall = 64 << 20;
   const std::int64_t bytes =
-      std::int64_t{2} * spec.width * spec.height * std::max(3, spec.nchannels);
+      2 * bytes_each * spec.width * spec.height * std::max(3, spec.nchannels);
   if (bytes > kSmall)
     RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " +
                              std::to_string(spec.height) + " pixels)");
@@ -108,15 +113,17 @@ void RequireModestHeif(const fs::path& path) {
 
 /// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
 /// of its readers, and some of them write past their buffers.
-std::unique_ptr<ImageInput> Open(const fs::path& path) {
+/// @param straight  colours as they are stored; else multiplied by alpha
+std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
   if (kind == "heif") RequireModestHeif(path);
   // libpng allocates memory for any length that a chunk claims.
   if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
-  ImageSpec spec;
+  ImageSpec spec, wishes;
+  if (straight) wishes.attribute("oiio:UnassociatedAlpha", 1);
   auto input = ImageInput::create(kind);
-  if (!input || !input->open(path.string(), spec)) {
+  if (!input || !input->open(path.string(), spec, wishes)) {
     const std::string reason = input ? input->geterror() : OIIO::geterror();
     throw InputError("cannot read image " + path.string() + ": " + reason +
                      "; it is truncated or not a " + kKinds);
@@ -147,32 +154,36 @@ std::optional<double> SensorWidth(const ImageSpec& spec) {
   return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;
 }
 
-Image8 Oriented(const Image8& in, int orientation) {
+template <class T>
+ImageT<T> Oriented(const ImageT<T>& in, int orientation) {
   if (orientation == 1) return in;
   const bool swap = orientation >= 5;
-  Image8 out(swap ? in.height : in.width, swap ? in.width : in.height, in.channels);
+  ImageT<T> out(swap ? in.height : in.width, swap ? in.width : in.height, in.channels);
   for (int y = 0; y < in.height; ++y)
     for (int x = 0; x < in.width; ++x) {
       const int rx = in.width - 1 - x, ry = in.height - 1 - y;
       const std::array<std::array<int, 2>, 9> to{
           {{x, y}, {x, y}, {rx, y}, {rx, ry}, {x, ry}, {y, x}, {ry, x}, {ry, rx}, {y, rx}}};
-      std::memcpy(out.at(to[orientation][0], to[orientation][1]), in.at(x, y),
-                  static_cast<std::size_t>(in.channels));
+      std::copy_n(in.at(x, y), in.channels, out.at(to[orientation][0], to[orientation][1]));
     }
   return out;
 }
 
-Image8 WithChannels(const Image8& in, int channels) {
+/// BT.601.
+std::uint8_t LumaOf(const std::uint8_t* p) {
+  return static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+}
+float LumaOf(const float* p) { return 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2]; }
+
+template <class T>
+ImageT<T> WithChannels(const ImageT<T>& in, int channels) {
   if (in.channels == channels) return in;
-  Image8 out(in.width, in.height, channels);
+  ImageT<T> out(in.width, in.height, channels);
   const std::size_t pixels = static_cast<std::size_t>(in.width) * in.height;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const std::uint8_t* p = in.data.data() + i * in.channels;
-    if (channels == 1)  // BT.601 luma
-      out.data[i] =
-          in.channels < 3
-              ? p[0]
-              : static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+    const T* p = in.data.data() + i * in.channels;
+    if (channels == 1)
+      out.data[i] = in.channels < 3 ? p[0] : LumaOf(p);
     else
       for (int c = 0; c < channels; ++c) out.data[i * channels + c] = in.channels < 3 ? p[0] : p[c];
   }
@@ -235,11 +246,13 @@ ImageInfo ReadImageInfo(const fs::path& path) {
 
 namespace {
 
-/// All channels as they are stored.
-Image8 ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec) {
-  RequireMemoryFor(path, spec);
-  Image8 raw(spec.width, spec.height, spec.nchannels);
-  const bool complete = input.read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
+/// All channels. Floats are in [0, 1].
+template <class T = std::uint8_t>
+ImageT<T> ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec) {
+  RequireMemoryFor(path, spec, sizeof(T));
+  ImageT<T> raw(spec.width, spec.height, spec.nchannels);
+  const bool complete =
+      input.read_image(0, 0, 0, spec.nchannels, OIIO::BaseTypeFromC<T>::value, raw.data.data());
   // libjpeg fills missing parts with grey and only warns.
   const bool is_jpeg = std::string_view(input.format_name()) == "jpeg";
   if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
@@ -274,8 +287,62 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
   return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
 } catch (const std::bad_alloc&) {
-  throw DiskError("not enough memory to read image " + path.string() +
-                  "; close other programs, or make the pictures smaller");
+  ThrowNoMemory(path);
+}
+
+StoredLevels StoredLevelsOf(const fs::path& path) {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return {};
+  const auto input = Open(path);
+  const ImageSpec& spec = input->spec();
+  StoredLevels stored;
+  stored.bits = spec.get_int_attribute("oiio:BitsPerSample", 0);
+  if (stored.bits <= 0) stored.bits = static_cast<int>(8 * spec.format.size());
+  stored.alpha = spec.alpha_channel >= 0;
+  const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
+  if (profile)
+    stored.profile.assign(static_cast<const char*>(profile->data()),
+                          static_cast<std::size_t>(profile->datasize()));
+  return stored;
+}
+
+ImageF ReadLevels(const fs::path& path, int channels) try {
+  RequireReadable(path);
+  const bool heif = RequireKnownKind(path) == "heif";
+  const auto input = heif ? nullptr : Open(path, true);
+  if (heif || input->spec().format == TypeDesc::UINT8) {
+    // Whole levels stay whole.
+    const Image8 stored = heif ? ReadImage(path, channels) : ReadRaw(path, *input, input->spec());
+    ImageF levels(stored.width, stored.height, stored.channels);
+    std::copy(stored.data.begin(), stored.data.end(), levels.data.begin());
+    return Oriented(WithChannels(levels, channels), heif ? 1 : OrientationOf(input->spec()));
+  }
+  ImageF levels = ReadRaw<float>(path, *input, input->spec());
+  for (float& level : levels.data) level = 255 * std::clamp(level, 0.0f, 1.0f);
+  return Oriented(WithChannels(levels, channels), OrientationOf(input->spec()));
+} catch (const std::bad_alloc&) {
+  ThrowNoMemory(path);
+}
+
+void WriteLevels(const fs::path& path, const ImageF& levels, int bits, const std::string& profile) {
+  ImageSpec spec(levels.width, levels.height, levels.channels,
+                 bits == 16 ? TypeDesc::UINT16 : TypeDesc::UINT8);
+  spec.attribute("Compression", "zip");
+  spec.attribute("png:compressionLevel", 4);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (profile.empty())
+    spec.attribute("oiio:ColorSpace", "sRGB");
+  else
+    spec.attribute("ICCProfile", TypeDesc(TypeDesc::UINT8, static_cast<int>(profile.size())),
+                   profile.data());
+  const double steps = bits == 16 ? 257 : 1, most = 255 * steps;
+  std::vector<std::uint16_t> stored(levels.data.size());
+  std::transform(levels.data.begin(), levels.data.end(), stored.begin(), [&](float level) {
+    return static_cast<std::uint16_t>(std::lround(std::clamp(steps * level, 0.0, most)));
+  });
+  if (bits == 16) return WriteAll(path, spec, TypeDesc::UINT16, stored.data());
+  const std::vector<std::uint8_t> eight(stored.begin(), stored.end());
+  WriteAll(path, spec, TypeDesc::UINT8, eight.data());
 }
 
 void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {

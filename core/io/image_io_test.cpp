@@ -2,11 +2,13 @@
 #include <libheif/heif_cxx.h>
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/image_levels.h"
 #include "core/io/testing_folder.h"
 #include "core/size_of.h"
 
@@ -127,6 +129,35 @@ TEST_F(ImageIo, LinearLightIsWrittenAsTheExtensionAndBitsSay) {
   EXPECT_THROW(WriteLinearImage(folder_ / "l.png", linear, 32), UsageError);
   EXPECT_THROW(WriteLinearImage(folder_ / "l.jpg", linear), UsageError);
   EXPECT_THROW(WriteLinearImage(folder_ / "missing" / "l.exr", linear), DiskError);
+}
+
+TEST_F(ImageIo, LevelsOfSixteenBitsAreNotRounded) {
+  ImageF levels(64, 2, 3);
+  for (std::size_t i = 0; i < levels.data.size(); ++i)
+    levels.data[i] = static_cast<float>(i * 171 % 65536) / 257;
+  for (const char* name : {"deep.png", "deep.tif"}) {
+    WriteLevels(folder_ / name, levels, 16);
+    EXPECT_EQ(StoredLevelsOf(folder_ / name).bits, 16) << name;
+    const ImageF read = ReadLevels(folder_ / name);
+    for (std::size_t i = 0; i < levels.data.size(); ++i)
+      ASSERT_NEAR(read.data[i], levels.data[i], 1e-4) << name;
+  }
+  WriteLevels(folder_ / "eight.png", levels, 8);
+  EXPECT_EQ(StoredLevelsOf(folder_ / "eight.png").bits, 8);
+  const ImageF whole = ReadLevels(folder_ / "eight.png");
+  for (std::size_t i = 0; i < levels.data.size(); ++i)
+    ASSERT_EQ(whole.data[i], std::round(levels.data[i]));
+}
+
+TEST_F(ImageIo, LevelsAreNotMultipliedByAlpha) {
+  ImageF levels(4, 4, 4, 200);
+  for (std::size_t i = 3; i < levels.data.size(); i += 4) levels.data[i] = i % 8 == 3 ? 0 : 128;
+  for (const int bits : {8, 16}) {
+    WriteLevels(folder_ / "keyed.png", levels, bits);
+    EXPECT_TRUE(StoredLevelsOf(folder_ / "keyed.png").alpha);
+    for (const float level : ReadLevels(folder_ / "keyed.png").data) ASSERT_EQ(level, 200) << bits;
+    EXPECT_EQ(ReadAlpha(folder_ / "keyed.png").data[1], 128);
+  }
 }
 
 TEST_F(ImageIo, NoFileHoldsTheTimeOfDay) {

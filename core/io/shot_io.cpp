@@ -173,13 +173,17 @@ ordered_json JsonOf(const ShotFrame& frame) {
   return node;
 }
 
+std::string LowerEnding(const fs::path& name) {
+  std::string kind = name.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kind;
+}
+
 bool IsPicture(const fs::path& path) {
   static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".jfif", ".tif",
                                            ".tiff", ".heic", ".heif", ".hif"};
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kinds.count(kind) && path.filename().string().front() != '.';
+  return kinds.count(LowerEnding(path)) && path.filename().string().front() != '.';
 }
 
 void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
@@ -196,6 +200,27 @@ void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
         "{}: {} and {} have the same frame number {} (the last number in a "
         "name counts); rename them, or remove one",
         PrintableName(path.parent_path()), PrintableName(at->second.filename()), name, number));
+}
+
+/// Words on pictures of kinds that are not read, such as come from a compositing program.
+std::string OtherPictures(const std::vector<std::string>& names) {
+  for (const char* kind :
+       {".exr", ".dpx", ".cin", ".tga", ".webp", ".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf"}) {
+    const auto count = std::count_if(names.begin(), names.end(), [&](const std::string& name) {
+      return LowerEnding(name) == kind;
+    });
+    if (count == 0) continue;
+    const std::string how =
+        kind == std::string(".exr")
+            ? ", such as by: oiiotool --frames 1001-1024 film.#.exr --colorconvert linear sRGB -d "
+              "uint16 -o film.#.tif"
+            : "";
+    return fmt::format(
+        ", but {} {} files; make them TIFF or PNG of 16 bits with the colours as they should look "
+        "(sRGB){}",
+        count, kind, how);
+  }
+  return "";
 }
 
 }  // namespace
@@ -280,7 +305,8 @@ std::vector<FilmPicture> FilmPictures(const fs::path& path) {
   std::vector<FilmPicture> pictures = NumberedPictures(path, names);
   if (pictures.empty())
     throw InputError(PrintableName(path) +
-                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)");
+                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)" +
+                     OtherPictures(names));
   return pictures;
 }
 

@@ -137,6 +137,12 @@ TEST_F(FilmFolder, NumbersAreTimesFromTheFirstPicture) {
   EXPECT_EQ(one[0].frame, 0);
 }
 
+TEST_F(FilmFolder, PicturesOfCompositingProgramsAreCalledWhatTheyAre) {
+  Touch("film.1001.exr"), Touch("film.1002.EXR"), Touch("notes.txt");
+  EXPECT_THAT(Fault(), HasSubstr("but 2 .exr files"));
+  EXPECT_THAT(Fault(), HasSubstr("oiiotool"));
+}
+
 TEST_F(FilmFolder, WhatCannotBeNumberedIsRefused) {
   EXPECT_THAT(Fault(), HasSubstr("has no pictures"));
   Touch("a_01.png"), Touch("b_1.jpg");
