@@ -51,7 +51,7 @@ double SecondDifference(const std::vector<fs::path>& frames) {
 }
 
 void ScoreOutlines(const SurfaceScoreCommand& command, const std::vector<fs::path>& frames,
-                   SurfaceScore* score) {
+                   MovingSurfaceScore* score) {
   const View view =
       ReadRigCalibration(command.performance / "held_out" / "calibration.yml").views.front();
   std::vector<double> ious(frames.size());
@@ -67,7 +67,7 @@ void ScoreOutlines(const SurfaceScoreCommand& command, const std::vector<fs::pat
 
 }  // namespace
 
-SurfaceScore ScoreSurface(const SurfaceScoreCommand& command) {
+MovingSurfaceScore ScoreMovingSurface(const SurfaceScoreCommand& command) {
   const std::vector<fs::path> frames = NumberedFrames(command.frames, "synth"),
                               truth =
                                   NumberedFrames(command.performance / "truth" / "frames", "synth");
@@ -81,7 +81,7 @@ SurfaceScore ScoreSurface(const SurfaceScoreCommand& command) {
     distances[i] =
         DistancesFrom(ReadMesh(frames[measured[i]]), ReadMesh(truth[measured[i]]).points);
   });
-  SurfaceScore score;
+  MovingSurfaceScore score;
   score.frames = SizeOf(measured);
   std::vector<double> all;
   for (int i = 0; i < SizeOf(measured); ++i) {
@@ -101,7 +101,7 @@ SurfaceScore ScoreSurface(const SurfaceScoreCommand& command) {
   return score;
 }
 
-std::string ToJson(const SurfaceScore& score) {
+std::string ToJson(const MovingSurfaceScore& score) {
   nlohmann::ordered_json json;
   json["frames"] = score.frames;
   json["mean_mm"] = 1000 * score.mean_m;

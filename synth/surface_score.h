@@ -13,7 +13,7 @@ struct SurfaceScoreCommand {
   int every = 1;                      ///< only every n-th frame is measured
 };
 
-struct SurfaceScore {
+struct MovingSurfaceScore {
   int frames = 0;  ///< measured
   /// distance of the true surface's points from the mesh [m], over all of them
   double mean_m = 0, p95_m = 0;
@@ -25,8 +25,8 @@ struct SurfaceScore {
 };
 
 /// @throws InputError  files missing, or of different length
-SurfaceScore ScoreSurface(const SurfaceScoreCommand& command);
+MovingSurfaceScore ScoreMovingSurface(const SurfaceScoreCommand& command);
 /// As JSON.
-std::string ToJson(const SurfaceScore& score);
+std::string ToJson(const MovingSurfaceScore& score);
 
 }  // namespace keypose::synth

@@ -390,7 +390,7 @@ void AddSurfaceScore(CLI::App& app, SurfaceScoreCommand& c) {
       ->required();
   score->add_option("--frames", c.frames, "frames of the moving mesh")->required();
   score->add_option("--every", c.every, "only every n-th frame is measured")->capture_default_str();
-  score->callback([&c] { std::fputs(ToJson(ScoreSurface(c)).c_str(), stdout); });
+  score->callback([&c] { std::fputs(ToJson(ScoreMovingSurface(c)).c_str(), stdout); });
 }
 
 }  // namespace

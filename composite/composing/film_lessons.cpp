@@ -20,7 +20,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMostFrames = 24;  // of the film that are looked at
+constexpr int kMostFrames = 24, kFewFrames = 6;  // of the film that are looked at
+constexpr double kMostBytes = 6.0 * (1 << 30);  // that they may take: of 24 megapixels seven frames
+constexpr double kBytesAPixel = 36;             // that a frame takes while it is looked at
 constexpr int kMostShadowFrames = 3, kShadowSamples = 900;
 constexpr double kLeastExplained = 0.1;  // of the lost light; less is no shadow
 constexpr double kLeastLight = 0.2;      // of nine pixels' channels: enough to compare
@@ -41,8 +43,15 @@ struct Looked {
   ImageF kept;
 };
 
-/// All anchors first, then others spread evenly, at most kMostFrames; in the film's order.
-std::vector<const FilmedPicture*> ChooseFrames(const Film& film) {
+/// How many frames are looked at: the same on every machine, so that results are.
+int FramesToLookAt(const Camera& camera) {
+  const double pixels = static_cast<double>(camera.width) * camera.height;
+  return static_cast<int>(
+      std::clamp<double>(kMostBytes / (kBytesAPixel * pixels), kFewFrames, kMostFrames));
+}
+
+/// All anchors first, then others spread evenly, at most so many; in the film's order.
+std::vector<const FilmedPicture*> ChooseFrames(const Film& film, int most_frames) {
   std::vector<const FilmedPicture*> anchors, others;
   for (const FilmedPicture& picture : film.pictures)
     if (picture.shows || !film.plate_at)  // of a passing camera only what the animation reaches
@@ -53,8 +62,8 @@ std::vector<const FilmedPicture*> ChooseFrames(const Film& film) {
     for (int i = 0; i < count; ++i)
       chosen.push_back(from[static_cast<std::size_t>(i) * from.size() / count]);
   };
-  spread(anchors, kMostFrames / 2);
-  spread(others, kMostFrames - SizeOf(chosen));
+  spread(anchors, most_frames / 2);
+  spread(others, most_frames - SizeOf(chosen));
   std::sort(chosen.begin(), chosen.end(),
             [](const auto* a, const auto* b) { return a->film < b->film; });
   return chosen;
@@ -113,7 +122,7 @@ class Lesson {
   }
 
   void LookAtFrames() {
-    const std::vector<const FilmedPicture*> chosen = ChooseFrames(film_);
+    const std::vector<const FilmedPicture*> chosen = ChooseFrames(film_, FramesToLookAt(camera_));
     const int margin = std::max(3, static_cast<int>(kMargin * camera_.width));
     bool seen = false;
     for (const FilmedPicture* picture : chosen) {
