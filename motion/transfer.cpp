@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <span>
 
 #include "core/angles.h"
@@ -59,6 +60,7 @@ struct Transfer::Impl {
   Impl(const Mesh& target_mesh, const PointsX3& reference, const FacesX3& template_faces,
        const std::vector<Mark>& given, const TransferOptions& o);
 
+  std::future<PoissonSystem> SystemBeside() const;
   void Align();
   void KeepPose(const MarkPose& pose);
   Eigen::MatrixXd Stretches(const MarkPose& pose) const;
@@ -71,6 +73,7 @@ struct Transfer::Impl {
   const FacesX3 faces, template_faces;
   const std::vector<Mark> marks;
   const TransferOptions options;
+  std::future<PoissonSystem> system;  // none for the literal method
   MarkMeter meter;
   MarkTree tree;
   MarkFields fields;
@@ -100,6 +103,7 @@ Transfer::Impl::Impl(const Mesh& target_mesh, const PointsX3& reference, const F
       template_faces(tf),
       marks((RequireMarks(given, reference, tf, target_mesh), given)),
       options(o),
+      system(SystemBeside()),
       meter(marks, template_reference, template_faces),
       tree(JoinMarks(target, faces, TargetPlaces(marks))),
       fields(target, faces, TargetFaces(marks), FieldOptions(o.method)),
@@ -110,8 +114,8 @@ Transfer::Impl::Impl(const Mesh& target_mesh, const PointsX3& reference, const F
   if (options.method == TransferMethod::kLiteral) {
     literal = std::make_unique<LiteralTransfer>(target, faces, TargetFaces(marks));
   } else {
-    placed =
-        std::make_unique<PlacedPoses>(target, faces, TargetPlaces(marks), fields, *path, automatic);
+    placed = std::make_unique<PlacedPoses>(target, faces, TargetPlaces(marks), fields, *path,
+                                           system.get(), automatic);
     if (automatic && options.volume)
       kept = std::make_unique<KeptVolume>(placed->solver().system(), target);
   }
@@ -123,6 +127,15 @@ Transfer::Impl::Impl(const Mesh& target_mesh, const PointsX3& reference, const F
   follower = std::make_unique<TurnFollower>(tree, options.follow);
   report.least_weight = fields.least_weight();
   report.unmarked_parts = fields.unmarked_parts();
+}
+
+/// Factored beside the marks' fields, as each of both takes one core.
+std::future<PoissonSystem> Transfer::Impl::SystemBeside() const {
+  if (options.method == TransferMethod::kLiteral) return {};
+  const auto when = ThreadCount() > 1 ? std::launch::async : std::launch::deferred;
+  return std::async(when, [this] {
+    return FrameSolver::SystemOf(target, faces, options.method == TransferMethod::kAuto);
+  });
 }
 
 void Transfer::Impl::Align() {

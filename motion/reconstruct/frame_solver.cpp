@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/rotations.h"
@@ -152,9 +153,13 @@ FrameFields FrameFields::Turns(const MarkTurns& turns) {
   return frame;
 }
 
+PoissonSystem FrameSolver::SystemOf(const PointsX3& rest, const FacesX3& faces, bool screened) {
+  return PoissonSystem({rest}, faces, {}, {screened, true});
+}
+
 FrameSolver::FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
-                         bool screened)
-    : rest_(rest), fields_(fields), system_({rest_}, faces, {}, {screened, true}) {
+                         PoissonSystem system)
+    : rest_(rest), fields_(fields), system_(std::move(system)) {
   edges_.reserve(6 * faces.rows() + 1);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 1; k < 3; ++k)

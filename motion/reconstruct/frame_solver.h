@@ -31,10 +31,15 @@ struct FrameFields {
 /// Source: as LiteralTransfer, with which it agrees to 1e-10 of the diagonal.
 class FrameSolver {
  public:
+  /// The factored system of a mesh at rest, V x 3. It does not depend on marks, so that it can be
+  /// made beside their fields.
+  /// @param screened  as PoissonOptions::screened
+  static PoissonSystem SystemOf(const PointsX3& rest, const FacesX3& faces, bool screened);
   /// @param rest    V x 3
   /// @param fields  of the same mesh; must outlive this
-  /// @param screened  as PoissonOptions::screened
-  FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields, bool screened);
+  /// @param system  SystemOf the same mesh
+  FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
+              PoissonSystem system);
 
   /// @return a pose for each frame, V x 3, with the centroid of each connected part at the origin
   /// Same bits for any thread count.

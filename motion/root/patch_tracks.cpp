@@ -47,7 +47,8 @@ std::vector<PointsX3> TrackPatches(const PointsX3& target, const FacesX3& faces,
     marked.push_back(foot.face);
   }
   const MarkFields fields(copy.points, copy.faces, marked, {true, 1e-4});
-  const PlacedPoses placed(copy.points, copy.faces, places, fields, path, true);
+  const PlacedPoses placed(copy.points, copy.faces, places, fields, path,
+                           FrameSolver::SystemOf(copy.points, copy.faces, true), true);
   const KdTree tree(copy.points);
   std::vector<int> carrier;
   for (Eigen::Index p = 0; p < centres.rows(); ++p)

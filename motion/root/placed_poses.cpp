@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/size_of.h"
@@ -48,11 +49,12 @@ Eigen::MatrixXd CarriedBy(const PoissonSystem& system, const MarkFields& fields,
 }  // namespace
 
 PlacedPoses::PlacedPoses(const PointsX3& rest, const FacesX3& faces, std::vector<MarkPlace> places,
-                         const MarkFields& fields, const RootPath& path, bool screened)
+                         const MarkFields& fields, const RootPath& path, PoissonSystem system,
+                         bool screened)
     : faces_(faces),
       places_(std::move(places)),
       path_(path),
-      solver_(rest, faces, fields, screened),
+      solver_(rest, faces, fields, std::move(system)),
       joined_(solver_.system(), rest, faces(places_[path.central_mark()].face, 0)) {
   if (screened && fields.marks() <= kMostChained)
     carried_ = CarriedBy(solver_.system(), fields, places_);

@@ -24,9 +24,10 @@ class PlacedPoses {
  public:
   /// @param places    of the marks on this mesh
   /// @param fields    of the same mesh and marks; must outlive this, as must `path`
-  /// @param screened  as FrameSolver; needed where frames have places of marks
+  /// @param system    FrameSolver::SystemOf the mesh
+  /// @param screened  whether the system is; needed where frames have places of marks
   PlacedPoses(const PointsX3& rest, const FacesX3& faces, std::vector<MarkPlace> places,
-              const MarkFields& fields, const RootPath& path, bool screened);
+              const MarkFields& fields, const RootPath& path, PoissonSystem system, bool screened);
 
   /// Solves the frames, joins the parts, moves each pose to its root, and the marks to their places
   /// by a smooth displacement: the harmonic weights of the marks, smoothed over a tenth of the
