@@ -68,6 +68,7 @@ std::string PosesOf(const PuppetParts& parts, const Eigen::MatrixXd& values) {
 
 /// Frame after frame, in the units in which edits are written (float32, little-endian).
 std::string ValueBytes(const Armature& armature, const Eigen::MatrixXd& values) {
+  if (values.rows() == 0) return {};  // columns of nothing have no address
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(values.rows(),
                                                                                 values.cols());
   for (Eigen::Index j = 0; j < values.cols(); ++j) {

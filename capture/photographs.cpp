@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <map>
 #include <regex>
@@ -9,6 +8,7 @@
 #include "capture/shoot/develop/photograph.h"
 #include "core/errors.h"
 #include "core/exif_focal.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/photograph_files.h"
@@ -18,12 +18,6 @@ namespace keypose::capture {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::uint64_t Fnv1a(const std::string& bytes) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -105,7 +99,7 @@ std::vector<PhotographGroup> GroupsBelow(const fs::path& folder, bool with_raw) 
 /// names further ones lying2_r1_a045, lying3_r1_a045.
 std::string PlacementOf(const fs::path& file) {
   static const std::regex further("(lying[2-9])_r[0-9]+_a[0-9]+\\..*");
-  const std::string name = Lower(file.filename().string());
+  const std::string name = LowerCase(file.filename().string());
   std::smatch match;
   if (std::regex_match(name, match, further)) return match[1];
   return name.starts_with("lying") ? "lying" : "upright";

@@ -8,6 +8,7 @@
 
 #include "composite/layer/linear_light.h"
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
@@ -143,13 +144,6 @@ void RequireSameFilm(StageContext& stage, const CompositeInput& input, const fs:
   }
 }
 
-std::string LowerEnding(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
-
 /// The share of a picture that is not opaque.
 double TransparentShare(const fs::path& path) {
   const Image8 alpha = ReadAlpha(path);
@@ -160,7 +154,7 @@ double TransparentShare(const fs::path& path) {
 FilmKind KindOf(const fs::path& path) {
   const StoredLevels stored = StoredLevelsOf(path);
   FilmKind kind{stored.bits > 8 ? 16 : 8, stored.profile};
-  if (const std::string ending = LowerEnding(path); ending == ".tif" || ending == ".tiff")
+  if (const std::string ending = LowerExtension(path); ending == ".tif" || ending == ".tiff")
     kind.ending = ending;
   return kind;
 }

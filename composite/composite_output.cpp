@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "composite/blender/blender_scene.h"
 #include "composite/layer/linear_light.h"
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_levels.h"
@@ -57,12 +57,6 @@ Image8 Shown(ImageF levels, const ImageF& alpha) {
   for (std::size_t i = 0; i < alpha.data.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) levels.data[3 * i + c] *= alpha.data[i];
   return Rounded(levels);
-}
-
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 Image8 Even(const Image8& picture) {
@@ -124,7 +118,7 @@ class ShotWriter {
     if (planned.filmed < 0) return;
     const fs::path& from = input_.film[planned.filmed].path;
     const std::string bytes = ReadFile(from);
-    const fs::path to = folder_ / (Number(n) + Lower(from.extension().string()));
+    const fs::path to = folder_ / (Number(n) + LowerExtension(from));
     WriteFile(to, bytes);
     if (planned.kind == PictureKind::kFilmed && Sha256Of(ReadFile(to)) == Sha256Of(bytes))
       ++written_.filmed_unchanged;

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "composite/composite_input.h"
 #include "composite/composite_output.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -220,8 +220,7 @@ std::string EndingOf(const std::string& format, const CompositeInput& input) {
 /// Programs that read numbered pictures take one ending.
 void NoteEndings(StageContext& stage, const CompositeInput& input, const std::string& rendered) {
   if (!input.film_stays) return;
-  std::string filmed = input.film.front().path.extension().string();
-  for (char& c : filmed) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string filmed = keypose::LowerExtension(input.film.front().path);
   if (filmed != rendered)
     stage.Note(fmt::format(
         "composite: filmed frames stay {} and rendered ones are {}; for one ending, make the film "

@@ -22,4 +22,14 @@ bool IsWithin(const std::filesystem::path& inner, const std::filesystem::path& o
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
+std::string LowerCase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::string LowerExtension(const std::filesystem::path& file) {
+  return LowerCase(file.extension().string());
+}
+
 }  // namespace keypose

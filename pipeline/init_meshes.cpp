@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "core/io/photograph_files.h"
+#include "core/file_names.h"
 #include "pipeline/commands.h"
 #include "pipeline/new_project.h"
 #include "pipeline/project_paths.h"
@@ -16,13 +16,6 @@ namespace keypose::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string LowerExtension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 fs::path FileOf(const std::string& pose) {
   const auto equals = pose.find('=');

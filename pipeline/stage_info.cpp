@@ -91,8 +91,8 @@ void CheckRange(const OptionInfo& option, double value, const std::string& text)
   }
 }
 
-std::string CanonicalBool(const OptionInfo& option, std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+std::string CanonicalBool(const OptionInfo& option, const std::string& given) {
+  const std::string text = LowerCase(given);
   if (text == "true" || text == "yes" || text == "on" || text == "1") return "true";
   if (text == "false" || text == "no" || text == "off" || text == "0") return "false";
   throw UsageError(

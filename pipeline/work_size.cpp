@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/photograph_files.h"
 #include "core/size_of.h"
 
@@ -51,9 +52,7 @@ double JpegMegapixels(const std::string& content) {
 double MegapixelsOf(const std::string& name, const std::string& content) {
   if (const double exact = JpegMegapixels(content); exact > 0) return exact;
   // Typical megabytes per megapixel of cameras and phones.
-  std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = LowerExtension(name);
   const double megabytes = 1e-6 * static_cast<double>(content.size());
   if (IsHeicName(name)) return megabytes / 0.15;
   if (IsRawName(name)) return megabytes / 1.2;

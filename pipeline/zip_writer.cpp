@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -42,9 +43,7 @@ struct Descriptor {
 bool IsCompressed(const std::string& name) {
   constexpr std::array<std::string_view, 11> kEndings = {
       ".jpg", ".jpeg", ".png", ".heic", ".webp", ".mp4", ".mov", ".gif", ".zip", ".gz", ".glb"};
-  std::string ending = fs::path(name).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = LowerExtension(name);
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 

@@ -13,6 +13,7 @@
 #include <new>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/heif_io.h"
 #include "core/io/image_kind.h"
@@ -190,13 +191,6 @@ ImageT<T> WithChannels(const ImageT<T>& in, int channels) {
   return out;
 }
 
-/// Lower case, with the dot.
-std::string ExtensionOf(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 /// In [0,1]. Accurate enough for 16 bits; a table would not be.
 float SrgbFraction(float linear) {
   const float l = std::clamp(linear, 0.0f, 1.0f);
@@ -205,7 +199,7 @@ float SrgbFraction(float linear) {
 
 /// Writes the image as `spec` says. Leaves no file behind when writing fails.
 void WriteAll(const fs::path& path, ImageSpec spec, TypeDesc from, const void* data) {
-  const std::string extension = ExtensionOf(path);
+  const std::string extension = LowerExtension(path);
   // Otherwise the library writes the time of day into these.
   if (extension == ".exr" || extension == ".tif" || extension == ".tiff")
     spec.attribute("DateTime", "");
@@ -364,7 +358,7 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
 }
 
 bool CanWriteLinear(const fs::path& path, int bits) {
-  const std::string extension = ExtensionOf(path);
+  const std::string extension = LowerExtension(path);
   if (extension == ".exr") return bits == 0 || bits == 16 || bits == 32;
   return (extension == ".png" || extension == ".tif" || extension == ".tiff") &&
          (bits == 0 || bits == 8 || bits == 16);
@@ -374,7 +368,7 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   if (!CanWriteLinear(path, bits))
     throw UsageError("cannot write " + path.string() + " with " + std::to_string(bits) +
                      " bits per channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
-  const std::string extension = ExtensionOf(path);
+  const std::string extension = LowerExtension(path);
   ImageSpec spec(linear.width, linear.height, linear.channels, TypeDesc::HALF);
   spec.attribute("Compression", "zip");
   if (extension == ".exr") {

@@ -1,8 +1,8 @@
+#include "core/file_names.h"
 #include "core/io/photograph_files.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <iterator>
 #include <map>
 
@@ -10,14 +10,6 @@ namespace keypose {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string Lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-/// Lower case, with the dot.
-std::string LowerExtensionOf(const fs::path& file) { return Lower(file.extension().string()); }
 
 template <std::size_t N>
 bool IsOneOf(const std::string& extension, const std::array<const char*, N>& known) {
@@ -40,15 +32,15 @@ constexpr std::array<const char*, 13> kMeshes = {".obj",  ".ply",  ".off", ".stl
 
 }  // namespace
 
-bool IsMeshName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kMeshes); }
-bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kHeic); }
-bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kRaw); }
+bool IsMeshName(const fs::path& file) { return IsOneOf(LowerExtension(file), kMeshes); }
+bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtension(file), kHeic); }
+bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtension(file), kRaw); }
 bool IsPhotographName(const fs::path& file) {
-  return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain);
+  return IsHeicName(file) || IsOneOf(LowerExtension(file), kPlain);
 }
 
 std::string WrittenName(const fs::path& file) {
-  const bool other = IsHeicName(file) || IsRawName(file) || LowerExtensionOf(file) == ".jfif";
+  const bool other = IsHeicName(file) || IsRawName(file) || LowerExtension(file) == ".jfif";
   return other ? file.stem().string() + ".jpg" : file.filename().string();
 }
 
@@ -58,7 +50,7 @@ bool IsLitterName(const fs::path& file) {
          name == "@eaDir" || name == "__MACOSX";
 }
 
-bool IsCleanPlateName(const fs::path& file) { return Lower(file.stem().string()) == "background"; }
+bool IsCleanPlateName(const fs::path& file) { return LowerCase(file.stem().string()) == "background"; }
 
 bool IsShotName(const fs::path& file) {
   if (!IsPhotographName(file) && !IsRawName(file)) return false;
@@ -73,7 +65,7 @@ std::string KindsOf(const std::vector<fs::path>& files) {
   constexpr std::size_t kNamed = 2;
   std::map<std::string, std::vector<std::string>> kinds;
   for (const fs::path& file : files)
-    kinds[LowerExtensionOf(file)].push_back(file.filename().string());
+    kinds[LowerExtension(file)].push_back(file.filename().string());
   std::string text;
   for (auto& [kind, names] : kinds) {
     std::sort(names.begin(), names.end());
@@ -89,7 +81,7 @@ std::string KindsOf(const std::vector<fs::path>& files) {
 std::string CureFor(const std::vector<fs::path>& files) {
   const auto some = [&](const auto& known) {
     return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
-      return IsOneOf(LowerExtensionOf(file), known);
+      return IsOneOf(LowerExtension(file), known);
     });
   };
   std::string cure;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/file_names.h"
 #include "core/io/yaml_text.inc"
 
 namespace keypose {
@@ -88,9 +89,7 @@ std::string YamlScalar(const std::string& value) {
   const auto safe = [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '.' || c == '/' || c == '-' || c == '+' || c >= 0x80;
   };
-  std::string lower = value;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = LowerCase(value);
   const bool word = std::find(kWords.begin() + 2, kWords.end(), lower) != kWords.end();
   if (!value.empty() && std::all_of(value.begin(), value.end(), safe) && !word &&
       value.find_first_not_of("-.") != std::string::npos && value[0] != '-')

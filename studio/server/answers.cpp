@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <fstream>
 #include <string_view>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 
 namespace keypose::studio {
@@ -44,10 +44,7 @@ std::string TypeOf(const fs::path& file) {
       {".png", "image/png"},  {".jpg", "image/jpeg"},        {".jpeg", "image/jpeg"},
       {".html", "text/html"}, {".json", "application/json"}, {".mp4", "video/mp4"},
       {".gif", "image/gif"},  {".glb", "model/gltf-binary"}, {".txt", "text/plain"}};
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto found = kTypes.find(extension);
+  const auto found = kTypes.find(LowerExtension(file));
   return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/movie_header.h"
@@ -23,12 +24,6 @@ namespace {
 
 constexpr const char* kRateFile = "rate.json";
 constexpr double kMostRate = 1e6;  // frames per second
-
-std::string LowerExtension(const fs::path& path) {
-  std::string text = path.extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 bool IsPicture(const fs::path& path) {
   static const std::set<std::string> kinds{".jpg", ".jpeg", ".png", ".tif", ".tiff"};

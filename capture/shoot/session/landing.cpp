@@ -6,12 +6,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <set>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/photograph_files.h"
 
@@ -42,8 +42,7 @@ void SetTime(const fs::path& path, std::int64_t time) {
 
 /// ".jpg" of ".JPEG"; others in lower case.
 std::string PlainExtension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = LowerExtension(file);
   if (extension == ".jpeg") return ".jpg";
   return extension == ".tiff" ? ".tif" : extension;
 }
