@@ -236,12 +236,22 @@ struct Partners {
             frames.size()));
       mattes->MatchNumbers(film);
       mattes->Decode(frames, 1, stage.progress());
-    } else if (stage.Has("background") && !options.quick) {
-      plates.emplace(stage.Input("background"), "plate");
-      if (options.camera == "still") plates->TakeFirst();
-      if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
-      plates->Decode(frames, plates_a_frame, stage.progress());
     }
+    const bool moves = options.camera == "moving";
+    if (!stage.Has("background") || options.quick || (mattes && !moves)) return;
+    plates.emplace(stage.Input("background"), "plate");
+    if (!moves) plates->TakeFirst();
+    if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
+    plates->Decode(moves ? Numbers(frames) : frames, moves ? 1 : plates_a_frame, stage.progress());
+  }
+
+ private:
+  /// Of all plates from the first frame to the last one.
+  std::vector<int> Numbers(const std::vector<int>& frames) const {
+    std::vector<int> numbers;
+    for (int n = frames.front() * plates_a_frame; n <= frames.back() * plates_a_frame; ++n)
+      numbers.push_back(n);
+    return numbers;
   }
 };
 
@@ -251,6 +261,7 @@ void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, Lo
   LocateFrame frame;
   frame.name = picture.path.filename().string();
   frame.pose = pose;
+  frame.time = picture.frame;
   const Image8 whole = ReadImage(picture.path, 3);
   RequireSize(whole, picture.path, input.camera, first);
   frame.picture = Reduced(whole, input.shot.camera);
@@ -268,6 +279,17 @@ void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, Lo
   }
   input.shot.frames.push_back(std::move(frame));
   input.pictures.push_back(picture);
+}
+
+/// The empty set as a moving camera passed it.
+void AddPlates(const Partners& partners, LocateInput& input) {
+  if (!partners.plates || partners.plates->single()) return;
+  for (const auto& [time, path] : partners.plates->Within(
+           input.pictures.front().frame, input.pictures.back().frame, partners.plates_a_frame)) {
+    const Image8 plate = ReadImage(path, 1);
+    RequireSize(plate, path, input.camera, input.shot.frames[0].name);
+    input.shot.plates.push_back({time, Reduced(plate, input.shot.camera)});
+  }
 }
 
 /// A rate that the user gives wins over the video's own.
@@ -390,6 +412,7 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   input.shot.quick = options.quick;
   const Partners partners(stage, options, pictures, frames);
   for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, partners, input);
+  if (options.camera == "moving") AddPlates(partners, input);
   AddClicks(stage, input);
   if (options.quick) RequireClicksEverywhere(input);
   if (stage.Has("textures") && !options.quick)

@@ -105,6 +105,19 @@ double CameraJitterOf(const LocateInput& input, const FilmedShot& shot) {
   return count ? std::sqrt(sum / count) : 0;
 }
 
+/// Where plates and pictures without a place of the character show the camera.
+void SetBetween(const LocatedShot& located, std::vector<CameraBetween> cameras, FilmedShot* shot) {
+  if (located.set)
+    for (const TimedCamera& camera : located.set->between)
+      cameras.push_back({camera.time, camera.camera_from_world});
+  std::sort(cameras.begin(), cameras.end(),
+            [](const CameraBetween& a, const CameraBetween& b) { return a.frame < b.frame; });
+  for (const CameraBetween& camera : cameras)
+    if (!shot->frames.empty() && camera.frame > shot->frames.front().frame &&
+        camera.frame < shot->frames.back().frame)
+      shot->between.push_back(camera);
+}
+
 }  // namespace
 
 bool IsBetween(const LocateInput& input, int frame) {
@@ -120,14 +133,20 @@ FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
   shot.still = input.shot.still;
   shot.fps = input.fps;
   const Rigid3 world_camera = located.frames[0].at.camera_from_mesh;
+  std::vector<CameraBetween> left_out;  // the set shows the camera all the same
   for (int i = 0; i < SizeOf(located.frames); ++i) {
     const LocatedFrame& found = located.frames[i];
-    if (found.left_out) continue;
+    if (found.left_out) {
+      if (found.camera_from_world)
+        left_out.push_back({1.0 * input.pictures[i].frame, *found.camera_from_world});
+      continue;
+    }
     ShotFrame frame;
     frame.frame = input.pictures[i].frame;
     frame.picture = input.pictures[i].path.filename().string();
     frame.pose = input.pose_names[input.shot.frames[i].pose];
-    frame.camera_from_world = shot.still ? world_camera : found.at.camera_from_mesh;
+    frame.camera_from_world =
+        shot.still ? world_camera : found.camera_from_world.value_or(found.at.camera_from_mesh);
     const Rigid3 place = Compose(frame.camera_from_world.Inverse(), found.at.camera_from_mesh);
     frame.world_from_character = {1, place.rotation.toRotationMatrix(), place.translation};
     frame.method = found.method;
@@ -138,6 +157,7 @@ FilmedShot ShotOf(const LocateInput& input, const LocatedShot& located) {
     if (found.inliers > 0) frame.inliers = found.inliers;
     shot.frames.push_back(frame);
   }
+  SetBetween(located, std::move(left_out), &shot);
   return shot;
 }
 
@@ -180,6 +200,12 @@ void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot
   if (located.center_deviation_px > 0 && std::isfinite(located.center_deviation_px))
     stage.Report("center_seen_px", located.center_deviation_px / input.scale);
   stage.Report("one_place", located.one_place);
+  if (located.set) {
+    stage.Report("set_places", located.set->places);
+    stage.Report("set_places_on_table", located.set->on_table);
+    stage.Report("set_rms_px", located.set->rms_px / input.scale);
+    stage.Report("set_plates_between", SizeOf(located.set->between));
+  }
   stage.Report("jitter_px", JitterOf(input, located));
   if (!input.shot.still)
     stage.Report("camera_jitter_px", CameraJitterOf(input, ShotOf(input, located)));

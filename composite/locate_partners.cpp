@@ -27,6 +27,15 @@ void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame, Progr
   files_.Decode(frames, progress);
 }
 
+std::vector<std::pair<double, fs::path>> PartnerFilm::Within(int first, int last,
+                                                             int a_frame) const {
+  std::vector<std::pair<double, fs::path>> within;
+  for (const FilmPicture& file : files_.pictures())
+    if (const double time = 1.0 * (file.frame + offset_) / a_frame; time >= first && time <= last)
+      within.push_back({time, file.path});
+  return within;
+}
+
 const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const {
   if (single_) return files_.pictures()[0].path;
   for (const FilmPicture& file : files_.pictures())

@@ -25,6 +25,9 @@ class PartnerFilm {
   /// the picture of its own number, also when the first ones are missing. Else, and without this
   /// call, both count from their first pictures.
   void MatchNumbers(const std::vector<FilmPicture>& film);
+  /// All whose times lie between two filmed frames, with their times on the film's clock.
+  std::vector<std::pair<double, std::filesystem::path>> Within(int first, int last,
+                                                               int a_frame) const;
   /// @throws InputError  none of that number; names the picture that it belongs to
   const std::filesystem::path& For(const FilmPicture& picture, int a_frame = 1) const;
 

@@ -21,7 +21,7 @@ constexpr double kGoodContour = 1.5;  // px
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "locate";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
   spec.inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
@@ -40,7 +40,7 @@ StageSpec Spec() {
       {"shot", "file", "the camera and the character's places", "shot.json", false, false},
       {"picture", "file", "outlines over the frames: what mesh and filmed sculpt differ by",
        "located.png", true, false}};
-  spec.memory_gib = 2;
+  spec.memory_gib = 3;
   spec.common = {"shows", "poses", "focal_35mm", "camera"};
   return spec;
 }
@@ -52,8 +52,12 @@ void RequireCharacter(const LocateInput& input, const LocatedShot& located, doub
     throw InputError(fmt::format(
         "locate: no character found in {}: the best place of the mesh overlaps with the matte by "
         "{:.2f} only (IoU; --min_iou is {:.2f}); check that the picture shows this character in "
-        "this pose, or pass --clicks",
-        input.shot.frames[i].name, frame.iou, min_iou));
+        "this pose, or pass --clicks{}",
+        input.shot.frames[i].name, frame.iou, min_iou,
+        input.shot.still && i > 0
+            ? "; and if the camera moved in this shot, say so by --camera moving (in a project "
+              "`options: {locate: {camera: moving}}`)"
+            : ""));
   }
 }
 

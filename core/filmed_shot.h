@@ -23,6 +23,12 @@ struct ShotFrame {
   std::optional<int> inliers;        ///< of matched features
 };
 
+/// Where a moving camera was between filmed frames.
+struct CameraBetween {
+  double frame = 0;  ///< on the film's own clock, as ShotFrame::frame, with fractions
+  Rigid3 camera_from_world;
+};
+
 struct FilmedShot {
   Camera camera;                  ///< one lens for the whole shot
   std::string focal = "given";    ///< its focal length's source: "exif", "solved", "given", "kept"
@@ -30,6 +36,8 @@ struct FilmedShot {
   bool still = true;              ///< the camera does not move: all camera_from_world are equal
   double fps = 12;                ///< of the film's clock
   std::vector<ShotFrame> frames;  ///< at least one, ascending by `frame`
+  /// Of a moving camera, ascending, within the frames and at none of their times; may be empty.
+  std::vector<CameraBetween> between;
 };
 
 /// The character's mesh as seen from a frame's camera: x_in_camera = scale * rotation * x + t.

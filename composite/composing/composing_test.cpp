@@ -106,6 +106,10 @@ TEST(ShotGeometry, AMovingCameraGoesFromLocatedFrameToLocatedFrame) {
   EXPECT_FALSE(geometry.still());
   for (const auto& [frame, x] : {std::pair{-1.0, 0.0}, {0.0, 0.0}, {2.0, 0.2}, {4.0, 0.4}})
     EXPECT_NEAR(geometry.ViewAt(frame).Center().x(), x, 1e-12) << "by the film's clock";
+  shot.between = {{0.5, {Eigen::Quaterniond::Identity(), {-0.35, 0, 0}}}};
+  const ShotGeometry eased(shot, PlanFilm(shot, {0, 1, 2}, times), frames, times);
+  EXPECT_NEAR(eased.ViewAt(1).Center().x(), 0.35, 1e-12) << "a plate was there";
+  EXPECT_NEAR(eased.ViewAt(4).Center().x(), 0.4, 1e-12);
 }
 
 TEST(Looks, TexturesAreMixedByTheirWeights) {

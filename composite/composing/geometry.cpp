@@ -15,7 +15,8 @@ namespace {
 constexpr double kStandsOnZero = 0.05;
 
 /// Time counts in frames of the animation, as the camera moved on by the film's own clock.
-std::vector<CameraKnot> KnotsOf(const FilmedShot& shot, const std::vector<Anchor>& anchors) {
+std::vector<CameraKnot> KnotsOf(const FilmedShot& shot, const FilmPlan& plan,
+                                const std::vector<Anchor>& anchors) {
   if (anchors.size() < 2)
     throw InputError(
         "composite: the camera of this shot moves, but only one of its frames was located; locate "
@@ -23,6 +24,10 @@ std::vector<CameraKnot> KnotsOf(const FilmedShot& shot, const std::vector<Anchor
   std::vector<CameraKnot> knots;
   for (const Anchor& anchor : anchors)
     knots.push_back({1.0 * anchor.animation, shot.frames[anchor.shot_frame].camera_from_world});
+  for (const CameraBetween& camera : shot.between)
+    knots.push_back({(camera.frame - plan.first_frame) * plan.per_frame, camera.camera_from_world});
+  std::sort(knots.begin(), knots.end(),
+            [](const CameraKnot& a, const CameraKnot& b) { return a.time < b.time; });
   return knots;
 }
 
@@ -41,7 +46,7 @@ ShotGeometry::ShotGeometry(const FilmedShot& shot, const FilmPlan& plan,
   }
   if (anchors_.empty())
     throw InputError("composite: no located frame of the shot lies within the animation");
-  if (!shot.still) path_.emplace(KnotsOf(shot, anchors_));
+  if (!shot.still) path_.emplace(KnotsOf(shot, plan, anchors_));
   for (std::size_t i = 0; i + 1 < anchors_.size(); ++i)
     ways_.emplace_back(PointsOfFrame(anchors_[i].animation),
                        PointsOfFrame(anchors_[i + 1].animation));

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 
@@ -112,6 +113,10 @@ Camera CameraFrom(const ShotFields& root, const ShotFields& lens, const std::str
   return camera;
 }
 
+Rigid3 PlaceFrom(const ShotFields& fields) {
+  return {fields.Rotation(), fields.Vector<3>("translation")};
+}
+
 ShotFrame FrameFrom(const ShotFields& fields) {
   ShotFrame frame;
   frame.frame = fields.Whole("frame", 0, 1 << 24);
@@ -119,8 +124,7 @@ ShotFrame FrameFrom(const ShotFields& fields) {
   if (frame.picture.empty() || frame.picture.find('/') != std::string::npos)
     fields.Fail("has a 'picture' that is not the name of a file in the film's folder");
   if (fields.Has("pose")) frame.pose = fields.Text("pose");
-  const ShotFields camera = fields.Part("camera_from_world");
-  frame.camera_from_world = {camera.Rotation(), camera.Vector<3>("translation")};
+  frame.camera_from_world = PlaceFrom(fields.Part("camera_from_world"));
   const ShotFields place = fields.Part("world_from_character");
   frame.world_from_character = {place.Has("scale") ? place.Number("scale", 1e-9, kFarthest) : 1,
                                 place.Rotation().toRotationMatrix(),
@@ -152,15 +156,43 @@ void RequireOneSequence(const FilmedShot& shot, const std::string& source) {
   }
 }
 
+CameraBetween BetweenFrom(const ShotFields& fields) {
+  return {fields.Number("frame", 0, 1 << 24), PlaceFrom(fields.Part("camera_from_world"))};
+}
+
+void RequireBetween(const FilmedShot& shot, const std::string& source) {
+  if (shot.still && !shot.between.empty())
+    throw InputError(source + " has cameras 'between' frames, but 'still' is true");
+  for (std::size_t i = 0; i < shot.between.size(); ++i) {
+    const double time = shot.between[i].frame;
+    if (i > 0 && !(time > shot.between[i - 1].frame))
+      throw InputError(fmt::format("{}: between[{}] at {:g} comes after {:g}; sort them, each once",
+                                   source, i, time, shot.between[i - 1].frame));
+    if (!(time > shot.frames.front().frame && time < shot.frames.back().frame))
+      throw InputError(
+          fmt::format("{}: between[{}] at {:g} is not between the first and the last "
+                      "frame",
+                      source, i, time));
+    for (const ShotFrame& frame : shot.frames)
+      if (frame.frame == time)
+        throw InputError(
+            fmt::format("{}: between[{}] is at frame {}, which has a camera of its own", source, i,
+                        frame.frame));
+  }
+}
+
 ordered_json ListOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 ordered_json ListOf(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+ordered_json JsonOf(const Rigid3& place) {
+  return {{"rotation", ListOf(place.rotation)}, {"translation", ListOf(place.translation)}};
+}
 
 ordered_json JsonOf(const ShotFrame& frame) {
   ordered_json node = {{"frame", frame.frame},
                        {"picture", frame.picture},
                        {"pose", frame.pose.empty() ? ordered_json() : ordered_json(frame.pose)}};
-  node["camera_from_world"] = {{"rotation", ListOf(frame.camera_from_world.rotation)},
-                               {"translation", ListOf(frame.camera_from_world.translation)}};
+  node["camera_from_world"] = JsonOf(frame.camera_from_world);
   const Similarity3& place = frame.world_from_character;
   node["world_from_character"] = {
       {"rotation", ListOf(Eigen::Quaterniond(place.rotation).normalized())},
@@ -173,17 +205,10 @@ ordered_json JsonOf(const ShotFrame& frame) {
   return node;
 }
 
-std::string LowerEnding(const fs::path& name) {
-  std::string kind = name.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kind;
-}
-
 bool IsPicture(const fs::path& path) {
   static const std::set<std::string> kinds{".png",  ".jpg",  ".jpeg", ".jfif", ".tif",
                                            ".tiff", ".heic", ".heif", ".hif"};
-  return kinds.count(LowerEnding(path)) && path.filename().string().front() != '.';
+  return kinds.count(LowerExtension(path)) && path.filename().string().front() != '.';
 }
 
 void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
@@ -207,7 +232,7 @@ std::string OtherPictures(const std::vector<std::string>& names) {
   for (const char* kind :
        {".exr", ".dpx", ".cin", ".tga", ".webp", ".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf"}) {
     const auto count = std::count_if(names.begin(), names.end(), [&](const std::string& name) {
-      return LowerEnding(name) == kind;
+      return LowerExtension(name) == kind;
     });
     if (count == 0) continue;
     const std::string how =
@@ -255,6 +280,14 @@ FilmedShot ParseShot(const std::string& text, const std::string& source) {
     for (std::size_t i = 0; i < frames.size(); ++i)
       shot.frames.push_back(FrameFrom({frames[i], fmt::format("{}: frames[{}]", source, i)}));
     RequireOneSequence(shot, source);
+    if (root.Has("between")) {
+      const json& between = root.Get("between");
+      if (!between.is_array()) root.Fail("has 'between' that is not a list");
+      for (std::size_t i = 0; i < between.size(); ++i)
+        shot.between.push_back(
+            BetweenFrom({between[i], fmt::format("{}: between[{}]", source, i)}));
+      RequireBetween(shot, source);
+    }
     return shot;
   } catch (const json::exception& error) {
     throw InputError(fmt::format("{} is not a shot: {}", source, JsonFault(error)));
@@ -280,6 +313,9 @@ std::string ShotText(const FilmedShot& shot) {
   root["still"] = shot.still;
   root["frames"] = ordered_json::array();
   for (const ShotFrame& frame : shot.frames) root["frames"].push_back(JsonOf(frame));
+  for (const CameraBetween& camera : shot.between)
+    root["between"].push_back(
+        {{"frame", camera.frame}, {"camera_from_world", JsonOf(camera.camera_from_world)}});
   return root.dump(1) + "\n";
 }
 

@@ -74,6 +74,41 @@ TEST(ShotFile, WrittenShotReadsTheSame) {
   }
 }
 
+TEST(ShotFile, CamerasBetweenFramesAreKept) {
+  FilmedShot shot = SomeShot();
+  shot.still = false;
+  shot.between = {{0.5, shot.frames[0].camera_from_world}, {2, shot.frames[1].camera_from_world}};
+  shot.between[0].camera_from_world.translation.x() = 0.7;
+  const json root = json::parse(ShotText(shot));
+  const FilmedShot again = ParseShot(root.dump(), "shot.json");
+  ASSERT_EQ(again.between.size(), 2u);
+  EXPECT_EQ(again.between[0].frame, 0.5);
+  EXPECT_EQ(again.between[0].camera_from_world.translation.x(), 0.7);
+  const auto fault = [&](const std::function<void(json&)>& damage) {
+    json damaged = root;
+    damage(damaged);
+    try {
+      ParseShot(damaged.dump(), "shot.json");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(fault([](json& j) { j["still"] = true; }), HasSubstr("'still' is true"));
+  EXPECT_THAT(fault([](json& j) { j["between"][1]["frame"] = 0.25; }), HasSubstr("comes after"));
+  EXPECT_THAT(fault([](json& j) { j["between"][1]["frame"] = 9; }), HasSubstr("is not between"));
+  EXPECT_THAT(fault([](json& j) { j["between"][0]["frame"] = -1; }), HasSubstr("'frame' -1"));
+  EXPECT_THAT(fault([](json& j) { j["between"] = 3; }), HasSubstr("not a list"));
+  EXPECT_THAT(fault([](json& j) { j["between"][0].erase("camera_from_world"); }),
+              HasSubstr("between[0] has no 'camera_from_world'"));
+  EXPECT_THAT(fault([](json& j) {
+                j["frames"][1]["frame"] = 2, j["between"].erase(1);
+                j["frames"].push_back(j["frames"][1]), j["frames"][2]["frame"] = 4;
+                j["between"][0]["frame"] = 2;
+              }),
+              HasSubstr("has a camera of its own"));
+}
+
 TEST(ShotFile, OneFocalLengthStandsForBoth) {
   json root = json::parse(ShotText(SomeShot()));
   root["camera"].erase("fx"), root["camera"].erase("fy"), root["camera"]["f"] = 1234.5;

@@ -39,29 +39,6 @@ Placement AtWholeSize(const Placement& whole, const Placement& scaled, double st
   return result;
 }
 
-/// The lens's part of one frame's equations when its place is solved for each lens, and back.
-struct LensPart {
-  Eigen::Matrix2d h;
-  Eigen::Vector2d g;
-  Eigen::Matrix<double, 6, 2> place_by_lens;
-  Eigen::Matrix<double, 6, 1> place;
-};
-LensPart Eliminated(const NormalEquations& equations) {
-  const StepMatrix& m = equations.matrix();
-  const Step g = equations.gradient();
-  Eigen::Matrix<double, 6, 6> p = m.topLeftCorner<6, 6>();
-  p.diagonal() *= 1 + kDamping;
-  p.diagonal().array() += 1e-12 * p.trace();
-  const auto solver = p.ldlt();
-  const Eigen::Matrix<double, 6, 2> cross = m.block<6, 2>(0, kLogFocal);
-  LensPart part;
-  part.place_by_lens = solver.solve(cross);
-  part.place = solver.solve(g.head<6>());
-  part.h = m.block<2, 2>(kLogFocal, kLogFocal) - cross.transpose() * part.place_by_lens;
-  part.g = g.segment<2>(kLogFocal) - cross.transpose() * part.place;
-  return part;
-}
-
 /// The lens's step from the sum of all frames' parts.
 Eigen::Vector2d LensStep(Eigen::Matrix2d h, Eigen::Vector2d g, const LensPrior& lens) {
   const std::array<bool, 2> free{lens.focal_free, lens.k1_free};
@@ -89,6 +66,22 @@ double CostAt(const std::vector<SharedFrame>& frames, double focal_px, double re
 }
 
 }  // namespace
+
+LensPart Eliminated(const NormalEquations& equations) {
+  const StepMatrix& m = equations.matrix();
+  const Step g = equations.gradient();
+  Eigen::Matrix<double, 6, 6> p = m.topLeftCorner<6, 6>();
+  p.diagonal() *= 1 + kDamping;
+  p.diagonal().array() += 1e-12 * p.trace();
+  const auto solver = p.ldlt();
+  const Eigen::Matrix<double, 6, 2> cross = m.block<6, 2>(0, kLogFocal);
+  LensPart part;
+  part.place_by_lens = solver.solve(cross);
+  part.place = solver.solve(g.head<6>());
+  part.h = m.block<2, 2>(kLogFocal, kLogFocal) - cross.transpose() * part.place_by_lens;
+  part.g = g.segment<2>(kLogFocal) - cross.transpose() * part.place;
+  return part;
+}
 
 Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center) {
   Placement result = at;

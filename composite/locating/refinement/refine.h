@@ -32,6 +32,15 @@ void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, cons
 Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
                        const RefineStep& step, const LensPrior& lens);
 
+/// The lens's part of one frame's equations when its place is solved for each lens, and back.
+struct LensPart {
+  Eigen::Matrix2d h;  ///< of the focal length's logarithm and k1
+  Eigen::Vector2d g;
+  Eigen::Matrix<double, 6, 2> place_by_lens;
+  Eigen::Matrix<double, 6, 1> place;
+};
+LensPart Eliminated(const NormalEquations& equations);
+
 /// How well the pictures would show the lens's centre if it were solved: its standard deviation [px
 /// of the whole picture] in the worse direction, by the equations' weights (the bound of Cramer and
 /// Rao for the noise that they stand for). Infinite when they do not show it at all.

@@ -19,6 +19,7 @@ struct LocateFrame {
   double matte_deviation_px = 0.6;
   std::vector<Click> clicks;  ///< none, or some pairs of pixel and place on the mesh
   int pose = 0;               ///< index of the mesh that it shows
+  double time = 0;            ///< its number on the film's clock
 };
 
 /// What is known of the character's look. Null: nothing.

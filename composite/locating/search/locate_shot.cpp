@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "composite/locating/mattes/mattes.h"
+#include "composite/locating/set/set_cameras.h"
 #include "core/errors.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
@@ -27,9 +28,12 @@ constexpr double kMostUncertain = 0.1;     // of the focal length
 constexpr double kRollFree = 1e-4;         // ratio of eigenvalues
 constexpr double kReach = 6, kFine = 2.5;  // px
 constexpr int kLensFrames = 8, kClicksForFocal = 6;
-constexpr double kQuickReach = 20;   // px, of the smallest size
-constexpr double kWithin = 0.006;    // of the longer side: how well features place outlines
-constexpr double kFarWithin = 0.03;  // likewise, the frame before
+constexpr int kLeastOfPlate = 20;     // places of the set that tell a plate's camera
+constexpr double kTrustInMesh = 0.2;  // of its equations' weights, where nothing else tells
+constexpr int kLooks = 2;             // at the character, as the lens that the set shows changes it
+constexpr double kQuickReach = 20;    // px, of the smallest size
+constexpr double kWithin = 0.006;     // of the longer side: how well features place outlines
+constexpr double kFarWithin = 0.03;   // likewise, the frame before
 
 class Locator {
  public:
@@ -52,6 +56,7 @@ class Locator {
     SolveLens();
     for (int i = 0; i < count(); ++i) FinishFrame(i);
     JoinPlaces();
+    FollowSet();
     return Result();
   }
 
@@ -61,6 +66,13 @@ class Locator {
     FoundPlace found;
     Placement at;
     std::vector<Evidence> evidence;  // one for each of scales_
+    std::optional<Rigid3> camera_from_world;
+  };
+  /// A picture of a moving camera: a frame, a plate, or both.
+  struct Passing {
+    double time = 0;
+    int frame = -1;
+    const Image8* plate = nullptr;
   };
 
   int count() const { return SizeOf(input_.frames); }
@@ -220,6 +232,108 @@ class Locator {
       for (State& state : states_) state.at = joined;
   }
 
+  /// Frames, and the plates between the first and the last one, in the order of time.
+  std::vector<Passing> PassingPictures() const {
+    std::vector<Passing> pictures;
+    for (int i = 0; i < count(); ++i) pictures.push_back({input_.frames[i].time, i});
+    for (const TimedPlate& plate : input_.plates) {
+      const auto at = std::find_if(pictures.begin(), pictures.end(),
+                                   [&](const Passing& p) { return p.time == plate.time; });
+      if (at != pictures.end())
+        at->plate = &plate.picture;
+      else if (plate.time > input_.frames[0].time && plate.time < input_.frames.back().time)
+        pictures.push_back({plate.time, -1, &plate.picture});
+    }
+    std::sort(pictures.begin(), pictures.end(),
+              [](const Passing& a, const Passing& b) { return a.time < b.time; });
+    return pictures;
+  }
+
+  std::vector<SetTrack> TracksOf(const std::vector<Passing>& pictures) {
+    std::vector<SetPicture> set;
+    for (const Passing& p : pictures)
+      set.push_back(
+          p.plate ? SetPicture{p.plate, nullptr}
+                  : SetPicture{&states_[p.frame].frame.picture, &states_[p.frame].frame.matte});
+    SubProgress progress(progress_, 0.95, 0.97);
+    return FindSetTracks(set, &progress);
+  }
+
+  NormalEquations CharacterIn(int i) const {
+    const Figure& figure = figures_.at(input_.frames[i].pose)->fine;
+    return EquationsOf(figure, states_[i].evidence.back(), states_[i].at,
+                       {kFine, texture_.get(), true});
+  }
+
+  SetCameraInput SetInput(const std::vector<SetTrack>& tracks, int pictures) const {
+    const Figure& figure = figures_.at(input_.frames[0].pose)->fine;
+    SetCameraInput set;
+    set.pictures = pictures;
+    set.tracks = tracks;
+    set.first = states_[0].at;
+    set.table_height = figure.points.col(2).minCoeff();
+    set.character = CharacterIn(0);
+    set.center = figure.center, set.radius = figure.radius;
+    set.focal_free = !input_.focal_fixed;
+    WeighFocal(set);
+    return set;
+  }
+
+  /// What all frames say of the focal length is as sure as its profile, in which what the mesh
+  /// cannot explain counts as noise.
+  void WeighFocal(SetCameraInput& set) const {
+    set.character_weight = kTrustInMesh;
+    if (!set.focal_free) return;
+    for (int i = 1; i < count(); ++i) {
+      const LensPart part = Eliminated(CharacterIn(i));
+      set.focal_information += part.h(0, 0), set.focal_gradient += part.g[0];
+    }
+    const double all = Eliminated(set.character).h(0, 0) + set.focal_information;
+    set.character_weight = std::min(1.0, 1 / (std::pow(profile_.deviation, 2) * all));
+    set.focal_information *= set.character_weight, set.focal_gradient *= set.character_weight;
+    if (const double prior = input_.focal_deviation; prior > 0) {
+      set.focal_information += 1 / (prior * prior);
+      set.focal_gradient += std::log(input_.camera.fx / set.first.camera.fx) / (prior * prior);
+    }
+  }
+
+  /// The camera of a moving shot by what stands still behind the character, which may have been
+  /// moved by hand meanwhile; world is the character's frame in the first picture.
+  void FollowSet() {
+    if (input_.still || count() < 2) return;
+    const std::vector<Passing> pictures = PassingPictures();
+    const std::vector<SetTrack> tracks = TracksOf(pictures);
+    std::optional<SetCameras> found;
+    for (int look = 0; look < kLooks; ++look) {
+      Tell(0.97, "the camera by the set");
+      found = SolveSetCameras(SetInput(tracks, SizeOf(pictures)));
+      if (!found || found->focal_deviation > kMostUncertain) return;
+      TakeLens(found->cameras[0].camera);
+    }
+    TakeSet(pictures, *found);
+  }
+
+  /// A better lens: all places are refined for it.
+  void TakeLens(const Camera& camera) {
+    for (int i = 0; i < count(); ++i) {
+      const Figure& figure = FigureOf(i).fine;
+      states_[i].at = WithFocal(states_[i].at, camera.fx, figure.center);
+      states_[i].at.camera = camera;
+      FinishFrame(i);
+    }
+  }
+
+  void TakeSet(const std::vector<Passing>& pictures, const SetCameras& found) {
+    set_ = {found.places, found.on_table, found.rms_px, found.focal_deviation, {}};
+    if (focal_ == "kept") focal_ = "solved";
+    for (int p = 0; p < SizeOf(pictures); ++p) {
+      if (const int i = pictures[p].frame; i >= 0)
+        states_[i].camera_from_world = found.cameras[p].camera_from_mesh;
+      else if (found.seen[p] >= kLeastOfPlate)
+        set_->between.push_back({pictures[p].time, found.cameras[p].camera_from_mesh});
+    }
+  }
+
   void RequireTurnSeen(int i, double ratio) {
     const State& state = states_[i];
     if (ratio >= kRollFree || !state.found.sightings.empty() || !state.frame.clicks.empty() ||
@@ -253,6 +367,7 @@ class Locator {
     frame.turn_ratio = SmoothOutlineEquations(figure, state.at).TurnEigenvalueRatio();
     RequireTurnSeen(i, frame.turn_ratio);
     frame.matte = state.frame.matte;
+    frame.camera_from_world = state.camera_from_world;
     return frame;
   }
 
@@ -314,6 +429,8 @@ class Locator {
       shot.focal_deviation = prior * own / std::hypot(prior, own);
     else if (focal_ != "given")
       shot.focal_deviation = own;
+    if (set_ && focal_ != "given") shot.focal_deviation = set_->focal_deviation;
+    shot.set = set_;
     shot.center_deviation_px = CenterDeviation(LensFrames(SizeOf(scales_) - 1),
                                                {kFine, kFine, 1, texture_.get(), true}, Prior());
     shot.one_place = one_place_;
@@ -330,6 +447,7 @@ class Locator {
   std::string focal_;
   FocalProfile profile_{0, 1};
   bool one_place_ = false;
+  std::optional<SetFinding> set_;
 };
 
 }  // namespace

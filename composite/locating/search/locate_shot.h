@@ -10,6 +10,12 @@
 
 namespace keypose::composite {
 
+/// A picture of the empty set by a moving camera.
+struct TimedPlate {
+  double time = 0;  ///< on the film's clock, as LocateFrame::time
+  Image8 picture;   ///< of the frames' size; RGB or grey
+};
+
 struct ShotInput {
   const Mesh* mesh = nullptr;       ///< faces, and UVs if there is a texture
   std::vector<PointsX3> poses;      ///< V x 3 each
@@ -19,7 +25,8 @@ struct ShotInput {
   double focal_deviation = 0;       ///< of its logarithm; 0: not known
   bool focal_fixed = false;         ///< it is given, and not improved
   bool solve_k1 = true;
-  bool still = true;  ///< the camera does not move
+  bool still = true;               ///< the camera does not move
+  std::vector<TimedPlate> plates;  ///< of a camera that moves, ascending in time; may be empty
   /// Only by the clicks that each frame has, and where there is a matte by a few rounds of outlines
   /// at the smallest size.
   bool quick = false;
@@ -37,6 +44,23 @@ struct LocatedFrame {
   std::vector<OutlineMatch> outlines;  ///< what the mesh and the filmed figure differ by
   Image8 matte;                        ///< given or made
   bool left_out = false;               ///< the place is not believed
+  /// Of a moving camera that the set shows: x in world is x in the set. Where the character moves
+  /// in it as its mesh does, this is `at`'s.
+  std::optional<Rigid3> camera_from_world;
+};
+
+/// Where a moving camera was between two frames, by a plate.
+struct TimedCamera {
+  double time = 0;
+  Rigid3 camera_from_world;
+};
+/// What the set behind the character says of a moving camera.
+struct SetFinding {
+  int places = 0;              ///< of the set
+  int on_table = 0;            ///< of them
+  double rms_px = 0;           ///< of their sightings
+  double focal_deviation = 0;  ///< of the focal length's logarithm, with all that is known
+  std::vector<TimedCamera> between;
 };
 
 struct LocatedShot {
@@ -47,6 +71,7 @@ struct LocatedShot {
   double profile_deviation = 1;    ///< of the pictures alone
   double center_deviation_px = 0;  ///< of the lens's centre if it were solved; 0: not measured
   bool one_place = false;          ///< one place serves all frames, since the meshes move as filmed
+  std::optional<SetFinding> set;   ///< none: the camera stands, or the set shows too little
 };
 
 /// @throws InputError  a frame without character; a body that can be turned unseen; see FindPlace
