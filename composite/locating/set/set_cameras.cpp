@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kLeastPlaces = 40, kLeastOnTable = 15, kLeastSightings = 3;
 constexpr int kRounds = 12, kRoundsAPicture = 2, kStepsAPicture = 12;
+constexpr double kGrowth = 1.25;  // of the pictures, until all are solved together again
 // Sightings farther off than this hardly count [px of a picture of 960].
 constexpr double kNewReach = 24, kFirstReach = 6, kLastReach = 1.5, kUsualSide = 960;
 // How even the table is, how far beside it a place hardly counts as lying on it, and how far from
@@ -95,6 +96,9 @@ class SetSolver {
       reach_ = kFirstReach * size_;
       AddPicture();
       AddPlaces();
+      RefineSeen();
+      if (count() < next_joint_) continue;
+      next_joint_ = std::max(count() + 1, static_cast<int>(kGrowth * count()));
       for (int round = 0; round < kRoundsAPicture; ++round)
         if (!Step()) return {};
     }
@@ -210,6 +214,12 @@ class SetSolver {
     const double weight = kIndependent * Robust(off * off, reach) / (deviation * deviation);
     const Eigen::RowVector3d j = frame.row(2);
     add(Eigen::Matrix3d(weight * j.transpose() * j), Eigen::Vector3d(weight * off * j.transpose()));
+  }
+
+  /// Those that the newest picture shows.
+  void RefineSeen() {
+    for (SetPlace& place : places_)
+      if (place.track->back().picture >= count() - 1) RefinePlace(place);
   }
 
   void RefinePlace(SetPlace& place) const {
@@ -406,6 +416,7 @@ class SetSolver {
   std::vector<Placement> cameras_;
   std::vector<SetPlace> places_;
   double reach_ = kFirstReach;
+  int next_joint_ = 2;  // so many pictures are solved together next
   CameraEquations equations_;
 };
 

@@ -129,6 +129,13 @@ TEST(SetCameras, NoisySightingsStayWithinTheirOwnUncertainty) {
   EXPECT_GT(found->on_table, 50);
 }
 
+TEST(SetCameras, ALongShotIsFollowedToItsEnd) {
+  Shot shot(60, 0.1, 0.3, 1, 120);
+  const auto found = SolveSetCameras(shot.input);
+  ASSERT_TRUE(found);
+  EXPECT_LT(shot.CameraError(*found), 1);
+}
+
 TEST(SetCameras, WithoutATableTheSizeOfTheSetIsNotKnown) {
   Shot shot(8, 0.05, 0.5, 1);
   std::vector<SetTrack> of_wall;
