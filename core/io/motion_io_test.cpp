@@ -190,6 +190,26 @@ TEST_F(RigTest, BadCalibrationsSayWhatIsWrong) {
   EXPECT_THROW(ReadRigCalibration(Put("d.txt", "<calibration></calibration>")), InputError);
 }
 
+TEST_F(RigTest, AliasesThatGrowOrContainThemselvesAreRefused) {
+  const std::string self = "cam1:\n  K: &k [1, *k]\n";
+  std::string growing = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9]\n";
+  for (int i = 1; i < 8; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1), name = "a" + std::to_string(i);
+    growing += name + ": &" + name + " [";
+    for (int k = 0; k < 9; ++k) growing += (k ? ", " : "") + before;
+    growing += "]\n";
+  }
+  growing += "cam1: {K: *a7}\n";
+  for (const std::string& text : {self, growing}) {
+    try {
+      ReadRigCalibration(Put("rig.yml", text));
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("rig.yml is not YAML"), std::string::npos);
+    }
+  }
+}
+
 TEST(MatchCameraNames, ByNameThenNumberThenOrder) {
   std::vector<View> views(3);
   views[0].name = "cam1.jpg", views[1].name = "cam2.jpg", views[2].name = "cam10.jpg";

@@ -52,15 +52,21 @@ YAML::Node FirstOf(const YAML::Node& node, const std::vector<const char*>& names
 }
 
 /// All numbers of a matrix node ({rows, cols, dt, data}) or of nested lists.
-void Collect(const YAML::Node& node, std::vector<double>* numbers) {
-  if (node.IsMap() && node["data"]) return Collect(node["data"], numbers);
+/// @param left  how many nodes may follow: an alias (*name) can contain itself, and a few of them
+/// can stand for more numbers than fit in memory
+void Collect(const YAML::Node& node, int depth, int* left, std::vector<double>* numbers) {
+  constexpr int kDeepest = 8;
+  if (depth > kDeepest || --*left < 0)
+    throw YAML::RepresentationException(node.Mark(), "more lists or numbers than any matrix has");
+  if (node.IsMap() && node["data"]) return Collect(node["data"], depth + 1, left, numbers);
   if (node.IsScalar()) return numbers->push_back(node.as<double>());
-  for (const YAML::Node& part : node) Collect(part, numbers);
+  for (const YAML::Node& part : node) Collect(part, depth + 1, left, numbers);
 }
 
 std::vector<double> Numbers(const YAML::Node& node) {
+  int left = 1000;
   std::vector<double> numbers;
-  if (node && !node.IsNull()) Collect(node, &numbers);
+  if (node && !node.IsNull()) Collect(node, 0, &left, &numbers);
   return numbers;
 }
 
@@ -80,6 +86,12 @@ Eigen::Matrix3d RotationOf(const YAML::Node& node, const std::string& where) {
   return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
 }
 
+/// A picture's width or height, rounded; a number beyond all pictures stays beyond them.
+int SideOf(double pixels) {
+  constexpr double kMost = 1e9;
+  return std::isnan(pixels) ? -1 : static_cast<int>(std::round(std::clamp(pixels, -1.0, kMost)));
+}
+
 void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
               std::vector<std::string>* notes) {
   const std::vector<double> k =
@@ -97,8 +109,7 @@ void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
       break;
     }
   const std::vector<double> size = Numbers(FirstOf(node, {"image_size", "resolution", "size"}));
-  if (size.size() == 2)
-    camera->width = static_cast<int>(size[0]), camera->height = static_cast<int>(size[1]);
+  if (size.size() == 2) camera->width = SideOf(size[0]), camera->height = SideOf(size[1]);
   if (const YAML::Node w = FirstOf(node, {"image_width", "width"})) camera->width = w.as<int>();
   if (const YAML::Node h = FirstOf(node, {"image_height", "height"})) camera->height = h.as<int>();
 }
@@ -214,10 +225,10 @@ struct QualisysCamera {
 void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* camera) {
   // Lengths on the sensor are in 64ths of a pixel, from the centre of the first one.
   const auto pixels = [&](const char* name) { return Attribute(a, name, where) / 64; };
-  camera->width = static_cast<int>(std::lround(
-      (Attribute(a, "sensorMaxU", where) - Attribute(a, "sensorMinU", where, 0) + 1) / 64));
-  camera->height = static_cast<int>(std::lround(
-      (Attribute(a, "sensorMaxV", where) - Attribute(a, "sensorMinV", where, 0) + 1) / 64));
+  camera->width =
+      SideOf((Attribute(a, "sensorMaxU", where) - Attribute(a, "sensorMinU", where, 0) + 1) / 64);
+  camera->height =
+      SideOf((Attribute(a, "sensorMaxV", where) - Attribute(a, "sensorMinV", where, 0) + 1) / 64);
   camera->fx = pixels("focalLengthU"), camera->fy = pixels("focalLengthV");
   camera->cx = pixels("centerPointU") + 0.5, camera->cy = pixels("centerPointV") + 0.5;
   camera->k1 = Attribute(a, "radialDistortion1", where, 0);

@@ -55,6 +55,10 @@ TEST(YamlEdit, ANewRootKeyIsAddedAtTheEnd) {
   EXPECT_EQ(WithValue("a: 1", {"b"}, "2"), "a: 1\nb: 2\n");
 }
 
+TEST(YamlEdit, SpacesAtTheVeryEndDoNoHarm) {
+  EXPECT_EQ(WithValue("a:\n  b: 1\n  ", {"a", "c"}, "2"), "a:\n  b: 1\n  c: 2\n  ");
+}
+
 TEST(YamlEdit, APosesOptionIsReplaced) {
   std::string expected = kFile;
   expected.replace(expected.find("levels: 4"), 9, "levels: 5");

@@ -37,7 +37,7 @@ struct Shot {
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> even(-1, 1);
     for (int i = 0; i < 300; ++i) set.emplace_back(0.5 * even(random), 0.5 * even(random), 0);
-    for (int i = 0; i < 200; ++i)
+    for (int i = 0; i < 400; ++i)
       set.emplace_back(0.8 * even(random), 0.6, 0.4 + 0.4 * even(random));
     for (int i = 0; i < 80; ++i)
       figure.push_back(
