@@ -55,6 +55,17 @@ TEST(YamlEdit, ANewRootKeyIsAddedAtTheEnd) {
   EXPECT_EQ(WithValue("a: 1", {"b"}, "2"), "a: 1\nb: 2\n");
 }
 
+TEST(YamlEdit, WhatIsNoMapIsRefused) {
+  for (const char* text : {"hero", "- rest\n- bent\n", "[1, 2]"}) {
+    EXPECT_THROW(WithValue(text, {"fps"}, "25"), YamlEditError) << text;
+    EXPECT_THROW(WithoutValue(text, {"fps"}), YamlEditError) << text;
+  }
+}
+
+TEST(YamlEdit, OtherBytesThanUtf8StayAsTheyAre) {
+  EXPECT_EQ(WithValue("name: J\xFCrgen\nfps: 24\n", {"fps"}, "25"), "name: J\xFCrgen\nfps: 25\n");
+}
+
 TEST(YamlEdit, SpacesAtTheVeryEndDoNoHarm) {
   EXPECT_EQ(WithValue("a:\n  b: 1\n  ", {"a", "c"}, "2"), "a:\n  b: 1\n  c: 2\n  ");
 }

@@ -4,11 +4,15 @@
 
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
+#include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/painted_masks.h"
 #include "core/io/regions_io.h"
+#include "core/io/rig_calibration.h"
+#include "core/io/shot_io.h"
 #include "core/io/stiffness_io.h"
 #include "core/testing_shapes.h"
 #include "tests/fuzz/fuzz_folder.h"
@@ -186,6 +190,51 @@ void Armatures() {
             "physical { b } computer { B } mode exact # c\n");
 }
 
+void Motions() {
+  WriteFile(In("bvh", "leg.bvh"),
+            "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n"
+            "\tCHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n"
+            "\tJOINT Knee\n\t{\n\t\tOFFSET 0 -2 0\n\t\tCHANNELS 3 Zrotation Xrotation "
+            "Yrotation\n\t\tEnd Site\n\t\t{\n\t\t\tOFFSET 0 -1 0\n\t\t}\n\t}\n}\n"
+            "MOTION\nFrames: 2\nFrame Time: 0.04\n1 2 3 90 0 0 0 0 0\n0 0 0 0 0 0 0 90 0\n");
+  WriteFile(In("bone_weights", "w.mhw"),
+            R"({"weights": {"hip": [[0, 1], [1, 0.5]], "knee": [[1, 0.5], [4, 1]]}})");
+  WriteFile(In("bone_weights", "w.dmat"), "2 5\n1 0.5 0 0 0\n0 0.5 1 1 1\n");
+  WriteFile(In("notes", "distortion.json"),
+            FrameNotesText({{1, 1}, {1.1, 0.9}, {1, 1}}, 24, "arap"));
+  WritePaintedMasks(fuzz::Folder(), {{"a.png", {"00", "11"}}});
+  WriteFile(In("notes", kPaintedNotes), ReadFile(fuzz::Folder() / kPaintedNotes));
+}
+
+void Films() {
+  View view;
+  view.name = "cam1";
+  view.camera = {640, 480, 500, 501, 320, 240, 0.01, 0, 0, 0};
+  WriteFile(In("rig_calibration", "rig.yaml"), OpenCvYaml({view}));
+  WriteFile(
+      In("rig_calibration", "qualisys.txt"),
+      R"(<calibration><camera serial="7"><transform x="0" y="0" z="9" r11="1" r12="0" r13="0")"
+      R"( r21="0" r22="1" r23="0" r31="0" r32="0" r33="1"/><intrinsic sensorMaxU="40000")"
+      R"( sensorMaxV="30000" focalLengthU="64000" focalLengthV="64000" centerPointU="20000")"
+      R"( centerPointV="15000"/></camera></calibration>)");
+  WriteFile(In("rig_calibration", "matrices.txt"),
+            "0\n500 0 320\n0 500 240\n0 0 1\n0.01 0\n1 0 0 0\n0 1 0 0\n0 0 1 3\n");
+  FilmedShot shot;
+  shot.camera = view.camera, shot.focal = "solved", shot.still = true, shot.fps = 12;
+  ShotFrame frame;
+  frame.picture = "0000.png", frame.pose = "rest", frame.method = "features";
+  shot.frames = {frame};
+  frame.frame = 4, frame.picture = "0004.png", frame.pose = "";
+  shot.frames.push_back(frame);
+  WriteFile(In("shot", "shot.json"), ShotText(shot));
+  WriteFile(In("yaml_edit", "value"),
+            "options dense levels\n4\nname: hero # it\nposes:\n  rest: photos/rest\noptions:\n"
+            "  dense:\n    levels: 3  # few\n  cleanup: {faces: 9000, why: \"a:b\"}\n");
+  WriteFile(In("yaml_edit", "list"),
+            "timeline\n[rest, bent]\ntimeline:\n  - rest\n  # then\n  - pose: bent\n    at: 2\n"
+            "  - {pose: rest, at: 3}\nposes: {}\n");
+}
+
 std::string BigEndian(std::uint64_t number, int bytes) {
   std::string text;
   for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(number >> (8 * i) & 255);
@@ -231,4 +280,6 @@ int main(int argc, char** argv) {
   Projects();
   Armatures();
   Movies();
+  Motions();
+  Films();
 }

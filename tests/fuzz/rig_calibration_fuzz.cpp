@@ -1,0 +1,10 @@
+// Calibrations of fixed cameras: as OpenCV YAML, and as what the content says it is.
+#include "core/io/rig_calibration.h"
+#include "tests/fuzz/fuzz_folder.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  const auto bytes = fuzz::Bytes(data, size);
+  fuzz::Expect([&] { ReadRigCalibration(fuzz::Put("rig.yaml", bytes)); });
+  return fuzz::Expect([&] { OpenCvYaml(ReadRigCalibration(fuzz::Put("rig.txt", bytes)).views); });
+}
