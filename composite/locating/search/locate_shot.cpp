@@ -28,7 +28,7 @@ constexpr double kMostUncertain = 0.1;     // of the focal length
 constexpr double kRollFree = 1e-4;         // ratio of eigenvalues
 constexpr double kReach = 6, kFine = 2.5;  // px
 constexpr int kLensFrames = 8, kClicksForFocal = 6;
-constexpr int kLeastOfPlate = 20;     // places of the set that tell a plate's camera
+constexpr int kLeastSeen = 20;        // places of the set that tell a picture's camera
 constexpr double kTrustInMesh = 0.2;  // of its equations' weights, where nothing else tells
 constexpr int kLooks = 2;             // at the character, as the lens that the set shows changes it
 constexpr double kQuickReach = 20;    // px, of the smallest size
@@ -306,11 +306,20 @@ class Locator {
     std::optional<SetCameras> found;
     for (int look = 0; look < kLooks; ++look) {
       Tell(0.97, "the camera by the set");
-      found = SolveSetCameras(SetInput(tracks, SizeOf(pictures)));
-      if (!found || found->focal_deviation > kMostUncertain) return;
+      const auto now = SolveSetCameras(SetInput(tracks, SizeOf(pictures)));
+      if (!now || !IsSeenByAllFrames(pictures, *now)) break;
+      found = now;
       TakeLens(found->cameras[0].camera);
     }
+    if (!found) return;
     TakeSet(pictures, *found);
+  }
+
+  static bool IsSeenByAllFrames(const std::vector<Passing>& pictures, const SetCameras& set) {
+    if (set.focal_deviation > kMostUncertain) return false;
+    for (int p = 0; p < SizeOf(pictures); ++p)
+      if (pictures[p].frame >= 0 && set.seen[p] < kLeastSeen) return false;
+    return true;
   }
 
   /// A better lens: all places are refined for it.
@@ -329,7 +338,7 @@ class Locator {
     for (int p = 0; p < SizeOf(pictures); ++p) {
       if (const int i = pictures[p].frame; i >= 0)
         states_[i].camera_from_world = found.cameras[p].camera_from_mesh;
-      else if (found.seen[p] >= kLeastOfPlate)
+      else if (found.seen[p] >= kLeastSeen)
         set_->between.push_back({pictures[p].time, found.cameras[p].camera_from_mesh});
     }
   }

@@ -21,7 +21,7 @@ constexpr double kTableDeviation = 0.006, kTableReach = 0.02, kTableNear = 0.5;
 // Errors of neighbouring places are alike, and so are those of one place in consecutive pictures:
 // of so many sightings one counts.
 constexpr double kIndependent = 1 / 25.0;
-constexpr double kDamping = 1e-4;
+constexpr double kDamping = 1e-4, kCameraDamping = 1e-8;
 constexpr double kLongestTurn = 0.1, kLongestFocalStep = 0.05;
 constexpr double kFarthest = 30, kUsual = 2;  // a place's depth [the same distance]
 constexpr int kPlace = 6;
@@ -333,7 +333,7 @@ class SetSolver {
     // Columns are scaled to one: pixels are moved much by some unknowns and little by others.
     const Eigen::VectorXd scale = all.h.diagonal().cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd scaled = scale.asDiagonal() * all.h * scale.asDiagonal();
-    scaled.diagonal().array() += kDamping;
+    scaled.diagonal().array() += kCameraDamping;
     const Eigen::VectorXd right = scale.cwiseProduct(all.g);
     Eigen::VectorXd step = scale.cwiseProduct(Eigen::VectorXd(scaled.ldlt().solve(right)));
     if (!step.allFinite()) return false;
