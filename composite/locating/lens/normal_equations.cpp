@@ -10,12 +10,6 @@
 namespace keypose::composite {
 namespace {
 
-Eigen::Matrix3d CrossOf(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 std::vector<int> Indices(const std::array<bool, kUnknowns>& free_unknowns) {
   std::vector<int> indices;
   for (int i = 0; i < kUnknowns; ++i)
@@ -24,6 +18,12 @@ std::vector<int> Indices(const std::array<bool, kUnknowns>& free_unknowns) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d CrossOf(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
 
 PixelDerivatives DerivativesAt(const Camera& c, const Eigen::Vector3d& x) {
   const double u = x.x() / x.z(), v = x.y() / x.z(), r2 = u * u + v * v;

@@ -22,6 +22,9 @@ struct Placement {
   Placement Scaled(double factor) const { return {camera.Scaled(factor), camera_from_mesh}; }
 };
 
+/// The matrix of the cross product: CrossOf(v) * x = v x x.
+Eigen::Matrix3d CrossOf(const Eigen::Vector3d& v);
+
 /// Derivatives of a pixel, exact for the whole lens model.
 struct PixelDerivatives {
   Eigen::Matrix<double, 2, 3> by_point;  ///< in the camera's frame

@@ -203,7 +203,10 @@ class Locator {
   }
 
   void FinishFrame(int i) {
-    Tell(0.7 + 0.25 * i / count(), "refining " + input_.frames[i].name);
+    Tell(0.7 + 0.15 * i / count(), "refining " + input_.frames[i].name);
+    RefinePlace(i);
+  }
+  void RefinePlace(int i) {
     State& state = states_[i];
     const Figure& figure = FigureOf(i).fine;
     state.at = Refined(figure, state.evidence.back(), state.at,
@@ -255,7 +258,7 @@ class Locator {
       set.push_back(
           p.plate ? SetPicture{p.plate, nullptr}
                   : SetPicture{&states_[p.frame].frame.picture, &states_[p.frame].frame.matte});
-    SubProgress progress(progress_, 0.95, 0.97);
+    SubProgress progress(progress_, 0.88, 0.92);
     return FindSetTracks(set, &progress);
   }
 
@@ -305,7 +308,7 @@ class Locator {
     const std::vector<SetTrack> tracks = TracksOf(pictures);
     std::optional<SetCameras> found;
     for (int look = 0; look < kLooks; ++look) {
-      Tell(0.97, "the camera by the set");
+      Tell(0.9 + 0.05 * look / kLooks, "the camera by the set");
       const auto now = SolveSetCameras(SetInput(tracks, SizeOf(pictures)));
       if (!now || !IsSeenByAllFrames(pictures, *now)) break;
       found = now;
@@ -328,7 +331,7 @@ class Locator {
       const Figure& figure = FigureOf(i).fine;
       states_[i].at = WithFocal(states_[i].at, camera.fx, figure.center);
       states_[i].at.camera = camera;
-      FinishFrame(i);
+      RefinePlace(i);
     }
   }
 

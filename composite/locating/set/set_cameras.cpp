@@ -64,13 +64,7 @@ struct Eliminated {
   Eigen::RowVector3d focal = Eigen::RowVector3d::Zero();
 };
 
-Eigen::Matrix3d CrossOf(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-/// Falls with the square of the distance to the fourth power.
+/// Geman and McClure's weight: falls with the fourth power of the distance.
 double Robust(double squared, double reach) {
   const double s2 = reach * reach, robust = s2 / (s2 + squared);
   return robust * robust;

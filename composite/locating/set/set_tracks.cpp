@@ -19,7 +19,7 @@ constexpr int kWindow = 31, kHalvings = 4, kBorder = 18;  // px
 // Detail is what differs from this neighbourhood [px], and its contrast is brought to these levels.
 constexpr double kAround = 24, kLeastContrast = 2, kLevels = 40;
 constexpr double kGrain = 2;            // px: deviation of the filter against it
-constexpr double kLeastLevels = 1;      // grey levels that a place differs from what surrounds it
+constexpr double kLeastLevels = 0.1;    // grey levels that a place differs from what surrounds it
 constexpr int kLongest = 48;            // pictures that a place is followed over
 constexpr double kReturns = 3;          // deviations: what is followed there and back ends so near
 constexpr double kLeastGrain = 0.05;    // squared grey levels
@@ -204,7 +204,7 @@ class Follower {
           cv::minMaxLoc(strength(box), nullptr, &best, nullptr, &at, free(box));
           // A slope over the filter's width makes this difference of levels.
           const double levels = std::sqrt(std::max(0.0, best)) / kWindow * 2 * kGrain;
-          if (levels < 0.1 * kLeastLevels) break;
+          if (levels < kLeastLevels) break;
           const cv::Point2f pixel(static_cast<float>(at.x + box.x),
                                   static_cast<float>(at.y + box.y));
           take(pixel);
