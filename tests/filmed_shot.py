@@ -7,6 +7,7 @@ and photographs, runs it, and prints how far the in-betweens are from pictures t
 """
 import argparse
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -76,6 +77,35 @@ class Shot:
         with open(os.path.join(pictures, "composite.json"), encoding="utf-8") as file:
             return json.loads(text), json.load(file)["joins"]
 
+    def cameras(self):
+        """The shot as it was located, and as it was filmed."""
+        shots = []
+        for path in (os.path.join(self.project, "out/shot/shot.json"), os.path.join(self.world, "truth/shot/shot.json")):
+            with open(path, encoding="utf-8") as file:
+                shots.append(json.load(file))
+        return shots
+
+
+def turn_between(first, second):
+    """The unit quaternion (w, x, y, z) that turns a camera from the first place to the second."""
+    a, b = second["camera_from_world"]["rotation"], first["camera_from_world"]["rotation"]
+    w, v, u, t = a[0], a[1:], b[0], [-x for x in b[1:]]
+    cross = [v[1] * t[2] - v[2] * t[1], v[2] * t[0] - v[0] * t[2], v[0] * t[1] - v[1] * t[0]]
+    return [w * u - sum(x * y for x, y in zip(v, t))] + [w * t[k] + u * v[k] + cross[k] for k in range(3)]
+
+
+def camera_score(found, true):
+    """What a moving camera's lens and turn are off by: focal lengths [px], and the largest error of its turn since the
+    first frame [deg]. The size and the place of the world are the character's, so that they are not compared."""
+    worst = 0.0
+    true_frames = {frame["frame"]: frame for frame in true["frames"]}
+    for frame in found["frames"]:
+        first, mine = true_frames[found["frames"][0]["frame"]], turn_between(found["frames"][0], frame)
+        exact = turn_between(first, true_frames[frame["frame"]])
+        cosine = abs(sum(x * y for x, y in zip(mine, exact)))
+        worst = max(worst, math.degrees(2 * math.acos(min(1.0, cosine))))
+    return found["camera"]["fx"], true["camera"]["fx"], worst
+
 
 def main():
     args = arguments()
@@ -94,6 +124,9 @@ def main():
     for join in joins:
         print(f"| {join['picture']} {join['pose']} | {join['psnr_db']:.1f} dB | {join['edge_px']:.2f} px | "
               f"{join['colour_levels']:.1f} levels |")
+    if args.swing != 0 or args.dolly != 0:
+        focal, true_focal, turn = camera_score(*shot.cameras())
+        print(f"\nfocal length {focal:.0f} px (true: {true_focal:.0f}); the camera's turn is off by {turn:.2f} degrees at most")
     unchanged = score["filmed_unchanged"] == score["filmed"]
     print(f"\nworst in-between {score['worst_psnr_db']:.1f} dB (asked: {PSNR_GOAL:.0f}); "
           f"{score['filmed_unchanged']} of {score['filmed']} filmed frames unchanged")
