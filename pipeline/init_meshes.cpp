@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/io/photograph_files.h"
 #include "core/file_names.h"
+#include "core/io/photograph_files.h"
 #include "pipeline/commands.h"
 #include "pipeline/new_project.h"
 #include "pipeline/project_paths.h"

@@ -1,5 +1,5 @@
-#include "core/file_names.h"
 #include "core/io/photograph_files.h"
+#include "core/file_names.h"
 
 #include <algorithm>
 #include <array>
@@ -50,7 +50,9 @@ bool IsLitterName(const fs::path& file) {
          name == "@eaDir" || name == "__MACOSX";
 }
 
-bool IsCleanPlateName(const fs::path& file) { return LowerCase(file.stem().string()) == "background"; }
+bool IsCleanPlateName(const fs::path& file) {
+  return LowerCase(file.stem().string()) == "background";
+}
 
 bool IsShotName(const fs::path& file) {
   if (!IsPhotographName(file) && !IsRawName(file)) return false;
@@ -80,9 +82,8 @@ std::string KindsOf(const std::vector<fs::path>& files) {
 
 std::string CureFor(const std::vector<fs::path>& files) {
   const auto some = [&](const auto& known) {
-    return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
-      return IsOneOf(LowerExtension(file), known);
-    });
+    return std::any_of(files.begin(), files.end(),
+                       [&](const fs::path& file) { return IsOneOf(LowerExtension(file), known); });
   };
   std::string cure;
   const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };
