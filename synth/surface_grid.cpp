@@ -182,10 +182,12 @@ void Even(Mesh* mesh, const PosedSurface& surface) {
 // Each seed gives a lattice with a random rotation and shift.
 Mesh EvenMesh(const PosedSurface& surface, double spacing, std::uint64_t seed) {
   Random random(Hash(seed) + 77);
-  const Eigen::Matrix3d turn =
-      Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal())
-          .normalized()
-          .matrix();
+  Eigen::Quaterniond draw;  // one number a line: compilers differ in the order of arguments
+  draw.z() = random.Normal();
+  draw.y() = random.Normal();
+  draw.x() = random.Normal();
+  draw.w() = random.Normal();
+  const Eigen::Matrix3d turn = draw.normalized().matrix();
   const PointsX3 turned = surface.points() * turn;  // rows: turn^T x
   Vector3d low = turned.colwise().minCoeff(), high = turned.colwise().maxCoeff();
   for (int k = 0; k < 3; ++k) low[k] -= spacing * (2 + random.Uniform());
