@@ -11,6 +11,7 @@
 
 #include "core/io/files.h"
 #include "core/io/movie_header.h"
+#include "core/io/painted_masks.h"
 #include "core/io/photograph_files.h"
 #include "core/io/shot_io.h"
 #include "core/size_of.h"
@@ -80,7 +81,8 @@ void SortFiles(const RealDisk& disk, NewPose* pose) {
       throw InputError(
           fmt::format("--pose {}: the name of the file {} is not UTF-8 text; rename it", pose->name,
                       (pose->photos / file).string()));
-    const bool wanted = IsPhotographName(file) || file.filename() == kShootNotes;
+    const bool wanted = IsPhotographName(file) || file.filename() == kShootNotes ||
+                        (IsMask(file) && file.filename() == kPaintedNotes);
     const bool raw = IsRawName(file) && !IsMask(file);
     (wanted ? pose->files : raw ? pose->raw : pose->ignored).push_back(file);
   }

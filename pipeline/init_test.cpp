@@ -94,6 +94,9 @@ TEST_F(RunTest, InitTakesWhatShootNotedAndLeavesItsFocusStacks) {
   for (int i = 0; i < 15; ++i)
     WriteFile(root_ / "lean" / ("IMG_" + std::to_string(i) + ".jpg"), "picture");
   WriteFile(root_ / "lean/background.jpg", "the empty set");
+  fs::create_directories(root_ / "lean/masks");
+  WriteFile(root_ / "lean/masks/IMG_0.jpg.png", "painted in the studio");
+  WriteFile(root_ / "lean/masks/painted.json", R"({"masks": {}})");
   fs::create_directories(root_ / "lean/@eaDir/IMG_0.jpg");
   WriteFile(root_ / "lean/@eaDir/IMG_0.jpg/SYNOPHOTO_THUMB_M.jpg", "a disk station's");
   WriteFile(root_ / "shot/shoot.json", "{}");
@@ -105,6 +108,7 @@ TEST_F(RunTest, InitTakesWhatShootNotedAndLeavesItsFocusStacks) {
   EXPECT_TRUE(fs::exists(fresh / "photos/wave/shoot.json")) << "white balance and angles";
   EXPECT_FALSE(fs::exists(fresh / "photos/wave/stacks")) << "each is in its merged photograph";
   EXPECT_TRUE(fs::exists(fresh / "photos/lean/background.jpg"));
+  EXPECT_TRUE(fs::exists(fresh / "photos/lean/masks/painted.json")) << "what the masks belong to";
   EXPECT_EQ(PoseLine(fresh, "wave"), "  wave: {photos: photos/wave, method: fit}")
       << "six photographs, whatever they were merged from";
   EXPECT_EQ(PoseLine(fresh, "lean"), "  lean: {photos: photos/lean, method: fit}")
