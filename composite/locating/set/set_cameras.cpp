@@ -6,22 +6,37 @@
 
 #include "core/rotations.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::composite {
 namespace {
 
-constexpr int kLeastPlaces = 40, kLeastOnTable = 15, kLeastSightings = 3;
-constexpr int kRounds = 12, kRoundsAPicture = 2, kStepsAPicture = 12;
-constexpr double kGrowth = 1.25;  // of the pictures, until all are solved together again
-// Sightings farther off than this hardly count [px of a picture of 960].
-constexpr double kNewReach = 24, kFirstReach = 6, kLastReach = 1.5, kUsualSide = 960;
-// How even the table is, how far beside it a place hardly counts as lying on it, and how far from
-// the character that is asked at all [the camera's distance to the character].
-constexpr double kTableDeviation = 0.006, kTableReach = 0.02, kTableNear = 0.5;
-// Errors of neighbouring places are alike, and so are those of one place in consecutive pictures:
-// of so many sightings one counts.
-constexpr double kIndependent = 1 / 25.0;
-constexpr double kDamping = 1e-4, kCameraDamping = 1e-8;
+// Chosen on the clay creature's film of seed 1 (synth) with a camera that swings and draws nearer.
+struct SetCamerasTuning {
+  KEYPOSE_TUNED(int, kLeastPlaces, 40);
+  KEYPOSE_TUNED(int, kLeastOnTable, 15);
+  KEYPOSE_TUNED(int, kLeastSightings, 3);
+  KEYPOSE_TUNED(int, kRounds, 12);         // over all pictures, at the end
+  KEYPOSE_TUNED(int, kRoundsAPicture, 2);  // over all so far
+  KEYPOSE_TUNED(int, kStepsAPicture, 12);  // of a new picture alone
+  KEYPOSE_TUNED(double, kGrowth, 1.25);    // of the pictures, until all are solved together again
+  // Sightings farther off than this hardly count [px of a picture of 960].
+  KEYPOSE_TUNED(double, kNewReach, 24);
+  KEYPOSE_TUNED(double, kFirstReach, 6);
+  KEYPOSE_TUNED(double, kLastReach, 1.5);
+  // How even the table is, how far beside it a place hardly counts as lying on it, and how far from
+  // the character that is asked at all [the camera's distance to the character].
+  KEYPOSE_TUNED(double, kTableDeviation, 0.006);
+  KEYPOSE_TUNED(double, kTableReach, 0.02);
+  KEYPOSE_TUNED(double, kTableNear, 0.5);
+  // Errors of neighbouring places are alike, and so are those of one place in consecutive pictures:
+  // this share of the sightings counts.
+  KEYPOSE_TUNED(double, kIndependent, 1 / 25.0);
+  KEYPOSE_TUNED(double, kDamping, 1e-4);
+};
+
+constexpr double kUsualSide = 960;  // px
+constexpr double kCameraDamping = 1e-8;
 constexpr double kLongestTurn = 0.1, kLongestFocalStep = 0.05;
 constexpr double kFarthest = 30, kUsual = 2;  // a place's depth [the same distance]
 constexpr int kPlace = 6;
@@ -71,7 +86,7 @@ double Robust(double squared, double reach) {
 }
 
 Eigen::Matrix3d Damped(Eigen::Matrix3d h) {
-  h.diagonal() *= 1 + kDamping;
+  h.diagonal() *= 1 + SetCamerasTuning::kDamping;
   h.diagonal().array() += 1e-12;
   return h;
 }
@@ -87,18 +102,19 @@ class SetSolver {
   std::optional<SetCameras> Solve() {
     AddPlaces();
     while (SizeOf(cameras_) < input_.pictures) {
-      reach_ = kFirstReach * size_;
+      reach_ = SetCamerasTuning::kFirstReach * size_;
       AddPicture();
       AddPlaces();
       RefineSeen();
       if (count() < next_joint_) continue;
-      next_joint_ = std::max(count() + 1, static_cast<int>(kGrowth * count()));
-      for (int round = 0; round < kRoundsAPicture; ++round)
+      next_joint_ = std::max(count() + 1, static_cast<int>(SetCamerasTuning::kGrowth * count()));
+      for (int round = 0; round < SetCamerasTuning::kRoundsAPicture; ++round)
         if (!Step()) return {};
     }
-    for (int round = 0; round < kRounds; ++round) {
-      const double t = std::min(1.0, 1.5 * round / (kRounds - 1));
-      reach_ = size_ * kFirstReach * std::pow(kLastReach / kFirstReach, t);
+    for (int round = 0; round < SetCamerasTuning::kRounds; ++round) {
+      const double t = std::min(1.0, 1.5 * round / (SetCamerasTuning::kRounds - 1));
+      reach_ = size_ * SetCamerasTuning::kFirstReach *
+               std::pow(SetCamerasTuning::kLastReach / SetCamerasTuning::kFirstReach, t);
       if (!Step()) return {};
     }
     return Result();
@@ -131,7 +147,8 @@ class SetSolver {
     return terms;
   }
   double WeightOf(const SightingTerms& terms) const {
-    return kIndependent * Robust(terms.off.squaredNorm(), reach_) * terms.information;
+    return SetCamerasTuning::kIndependent * Robust(terms.off.squaredNorm(), reach_) *
+           terms.information;
   }
 
   const Rigid3& AnchorOf(const SetPlace& place) const {
@@ -166,15 +183,17 @@ class SetSolver {
   /// Those that the newest picture shows first.
   void AddPlaces() {
     for (const SetTrack& track : input_.tracks)
-      if (track.front().picture == count() - 1 && SizeOf(track) >= kLeastSightings)
+      if (track.front().picture == count() - 1 &&
+          SizeOf(track) >= SetCamerasTuning::kLeastSightings)
         places_.push_back({&track, GuessOf(track.front())});
   }
 
   /// The next picture's camera by the places that are known, from the camera before.
   void AddPicture() {
     cameras_.push_back(cameras_.back());
-    for (int i = 0; i < kStepsAPicture; ++i) {
-      const double reach = size_ * std::max(kNewReach * std::pow(0.8, i), kFirstReach);
+    for (int i = 0; i < SetCamerasTuning::kStepsAPicture; ++i) {
+      const double reach = size_ * std::max(SetCamerasTuning::kNewReach * std::pow(0.8, i),
+                                            SetCamerasTuning::kFirstReach);
       Eigen::Matrix<double, kPlace, kPlace> h = Eigen::Matrix<double, kPlace, kPlace>::Zero();
       Eigen::Matrix<double, kPlace, 1> g = Eigen::Matrix<double, kPlace, 1>::Zero();
       for (const SetPlace& place : places_)
@@ -186,7 +205,7 @@ class SetSolver {
           h += weight * terms.by_camera.transpose() * terms.by_camera;
           g += weight * terms.by_camera.transpose() * terms.off;
         }
-      h.diagonal() *= 1 + kDamping;
+      h.diagonal() *= 1 + SetCamerasTuning::kDamping;
       h.diagonal().array() += 1e-9 * (1 + h.trace());
       StepVector step = StepVector::Zero();
       step.head<kPlace>() = h.ldlt().solve(g);
@@ -197,15 +216,18 @@ class SetSolver {
   }
 
   bool IsNear(const SetPlace& place) const {
-    return (place.position - input_.center).head<2>().norm() < kTableNear * distance_;
+    return (place.position - input_.center).head<2>().norm() <
+           SetCamerasTuning::kTableNear * distance_;
   }
   /// The table's own equation for a place: how high it lies above it.
   template <class Add>
   void WithTable(const SetPlace& place, const Eigen::Matrix3d& frame, const Add& add) const {
     if (!IsNear(place)) return;
-    const double deviation = kTableDeviation * distance_, reach = kTableReach * distance_;
+    const double deviation = SetCamerasTuning::kTableDeviation * distance_,
+                 reach = SetCamerasTuning::kTableReach * distance_;
     const double off = input_.table_height - place.position.z();
-    const double weight = kIndependent * Robust(off * off, reach) / (deviation * deviation);
+    const double weight =
+        SetCamerasTuning::kIndependent * Robust(off * off, reach) / (deviation * deviation);
     const Eigen::RowVector3d j = frame.row(2);
     add(Eigen::Matrix3d(weight * j.transpose() * j), Eigen::Vector3d(weight * off * j.transpose()));
   }
@@ -366,7 +388,7 @@ class SetSolver {
   }
 
   bool Agrees(const SightingTerms& terms) const {
-    return terms.in_front && terms.off.norm() <= 2 * kLastReach * size_;
+    return terms.in_front && terms.off.norm() <= 2 * SetCamerasTuning::kLastReach * size_;
   }
 
   std::optional<SetCameras> Result() const {
@@ -377,11 +399,12 @@ class SetSolver {
     int sightings = 0;
     for (const SetPlace& place : places_) {
       const auto agrees = [&](const SetSighting& s) { return Agrees(TermsOf(s, place.position)); };
-      if (std::count_if(place.track->begin(), place.track->end(), agrees) < kLeastSightings)
+      if (std::count_if(place.track->begin(), place.track->end(), agrees) <
+          SetCamerasTuning::kLeastSightings)
         continue;
       ++result.places;
       const double height = std::abs(place.position.z() - input_.table_height);
-      result.on_table += IsNear(place) && height < kTableReach * distance_;
+      result.on_table += IsNear(place) && height < SetCamerasTuning::kTableReach * distance_;
       for (const SetSighting& sighting : *place.track) {
         const SightingTerms terms = TermsOf(sighting, place.position);
         if (!Agrees(terms)) continue;
@@ -389,7 +412,9 @@ class SetSolver {
         ++sightings, ++result.seen[sighting.picture];
       }
     }
-    if (result.places < kLeastPlaces || result.on_table < kLeastOnTable) return {};
+    if (result.places < SetCamerasTuning::kLeastPlaces ||
+        result.on_table < SetCamerasTuning::kLeastOnTable)
+      return {};
     result.rms_px = std::sqrt(sum / sightings);
     // Each sighting has two coordinates, of which each should have a square of 1 here.
     if (input_.focal_free)
@@ -409,7 +434,7 @@ class SetSolver {
   double size_;      // of a picture, over kUsualSide
   std::vector<Placement> cameras_;
   std::vector<SetPlace> places_;
-  double reach_ = kFirstReach;
+  double reach_ = SetCamerasTuning::kFirstReach;
   int next_joint_ = 2;  // so many pictures are solved together next
   CameraEquations equations_;
 };

@@ -7,27 +7,37 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::composite {
 namespace {
 
-constexpr double kRoom =
-    0.008;  // round the character [longer side]: its shadow's edge, soft mattes
-constexpr int kCell = 40, kInACell = 3;  // px of a picture of 960; places
-constexpr double kCellSide = 960;
-constexpr int kWindow = 31, kHalvings = 4, kBorder = 18;  // px
-// Detail is what differs from this neighbourhood [px], and its contrast is brought to these levels.
-constexpr double kAround = 24, kLeastContrast = 2, kLevels = 40;
-constexpr double kGrain = 2;            // px: deviation of the filter against it
-constexpr double kLeastLevels = 0.1;    // grey levels that a place differs from what surrounds it
-constexpr int kLongest = 48;            // pictures that a place is followed over
-constexpr double kReturns = 3;          // deviations: what is followed there and back ends so near
-constexpr double kLeastGrain = 0.05;    // squared grey levels
+// Chosen on the clay creature's film of seed 1 (synth) with a camera that swings and draws nearer.
+struct SetTracksTuning {
+  // round the character [longer side]: its shadow's edge, soft mattes
+  KEYPOSE_TUNED(double, kRoom, 0.008);
+  KEYPOSE_TUNED(int, kCell, 40);              // px of a picture of 960
+  KEYPOSE_TUNED(int, kInACell, 3);            // places
+  KEYPOSE_TUNED(int, kWindow, 31);            // px that are followed together
+  KEYPOSE_TUNED(int, kHalvings, 4);           // of the picture, the smallest first
+  KEYPOSE_TUNED(double, kAround, 24);         // px: detail is what differs from this neighbourhood
+  KEYPOSE_TUNED(double, kLevels, 40);         // grey levels that its contrast is brought to
+  KEYPOSE_TUNED(double, kLeastContrast, 2);   // grey levels, below which it is not
+  KEYPOSE_TUNED(double, kGrain, 2);           // px: deviation of the filter against it
+  KEYPOSE_TUNED(double, kLeastLevels, 0.1);   // grey levels by which a place differs from others
+  KEYPOSE_TUNED(int, kLongest, 48);           // pictures that a place is followed over
+  KEYPOSE_TUNED(double, kReturns, 3);         // deviations: followed there and back it ends so near
+  KEYPOSE_TUNED(double, kLeastGrain, 0.05);   // squared grey levels
+  KEYPOSE_TUNED(double, kOfDirection, 1e-3);  // squared error of a slope's direction [rad]
+  KEYPOSE_TUNED(double, kBest, 0.1);          // px: no place is known better
+};
+
+constexpr double kCellSide = 960;       // px
+constexpr int kBorder = 18;             // px
 constexpr double kOfRounding = 0.0157;  // squared slope of whole grey levels, by 3 x 3 pixels
-constexpr double kOfDirection = 1e-3;   // squared, by which the direction of a slope is wrong [rad]
-constexpr double kBest = 0.1;           // px: no place is known better
-// Neighbouring pixels have one error: so many count as one.
-constexpr double kCorrelated = 4 * 3.14159 * kGrain * kGrain;
+
+/// Neighbouring pixels have one error: so many count as one.
+double Correlated() { return 4 * 3.14159 * SetTracksTuning::kGrain * SetTracksTuning::kGrain; }
 
 /// 255 where the set is, away from the character.
 cv::Mat SetMask(const SetPicture& picture) {
@@ -35,8 +45,8 @@ cv::Mat SetMask(const SetPicture& picture) {
   if (picture.figure && !picture.figure->empty()) {
     const cv::Mat figure(picture.figure->height, picture.figure->width, CV_8U,
                          const_cast<std::uint8_t*>(picture.figure->data.data()));
-    const int room =
-        std::max(3, static_cast<int>(std::lround(kRoom * std::max(mask.cols, mask.rows))));
+    const int room = std::max(
+        3, static_cast<int>(std::lround(SetTracksTuning::kRoom * std::max(mask.cols, mask.rows))));
     cv::Mat wide;
     cv::dilate(figure > 127, wide,
                cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * room + 1, 2 * room + 1}));
@@ -57,13 +67,13 @@ cv::Mat DetailOf(const Image8& picture) {
   else
     cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
   grey.convertTo(grey, CV_32F);
-  cv::GaussianBlur(grey, smooth, {0, 0}, kGrain);
-  cv::GaussianBlur(grey, around, {0, 0}, kAround);
+  cv::GaussianBlur(grey, smooth, {0, 0}, SetTracksTuning::kGrain);
+  cv::GaussianBlur(grey, around, {0, 0}, SetTracksTuning::kAround);
   const cv::Mat above = smooth - around;
   cv::Mat contrast;
-  cv::GaussianBlur(above.mul(above), contrast, {0, 0}, kAround);
-  cv::sqrt(contrast + kLeastContrast * kLeastContrast, contrast);
-  cv::Mat(kLevels * above / contrast + 128).convertTo(detail, CV_8U);
+  cv::GaussianBlur(above.mul(above), contrast, {0, 0}, SetTracksTuning::kAround);
+  cv::sqrt(contrast + SetTracksTuning::kLeastContrast * SetTracksTuning::kLeastContrast, contrast);
+  cv::Mat(SetTracksTuning::kLevels * above / contrast + 128).convertTo(detail, CV_8U);
   return detail;
 }
 
@@ -84,8 +94,8 @@ class Slopes {
     for (const auto& [sum, product] :
          {std::pair(&xx_, cv::Mat(x.mul(x))), std::pair(&xy_, cv::Mat(x.mul(y))),
           std::pair(&yy_, cv::Mat(y.mul(y)))})
-      cv::boxFilter(product, *sum, CV_32F, {kWindow, kWindow}, {-1, -1}, false,
-                    cv::BORDER_REPLICATE);
+      cv::boxFilter(product, *sum, CV_32F, {SetTracksTuning::kWindow, SetTracksTuning::kWindow},
+                    {-1, -1}, false, cv::BORDER_REPLICATE);
   }
   Eigen::Matrix2d At(const cv::Point2f& at) const {
     const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, xx_.cols - 1);
@@ -109,13 +119,17 @@ class Slopes {
 /// have: that has slopes as well, which say nothing.
 /// @param levels  that the window differs by from where it was before [mean]
 Eigen::Matrix2d CovarianceOf(const Eigen::Matrix2d& slopes, double levels) {
-  const double squared = std::max(kLeastGrain, 1.5 * levels * levels);
-  const double of_grain = kWindow * kWindow * (squared / (4 * kGrain * kGrain) + kOfRounding);
+  const double squared = std::max(SetTracksTuning::kLeastGrain, 1.5 * levels * levels);
+  const double of_grain =
+      SetTracksTuning::kWindow * SetTracksTuning::kWindow *
+      (squared / (4 * SetTracksTuning::kGrain * SetTracksTuning::kGrain) + kOfRounding);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> parts(slopes);
-  const double of_direction = kOfDirection * parts.eigenvalues()[1];
+  const double of_direction = SetTracksTuning::kOfDirection * parts.eigenvalues()[1];
   const Eigen::Vector2d left =
       (parts.eigenvalues().array() - of_grain - of_direction).max(1e-6 * of_grain);
-  const Eigen::Vector2d variance = (kCorrelated * squared / left.array() + kBest * kBest).matrix();
+  const Eigen::Vector2d variance =
+      (Correlated() * squared / left.array() + SetTracksTuning::kBest * SetTracksTuning::kBest)
+          .matrix();
   return parts.eigenvectors() * variance.asDiagonal() * parts.eigenvectors().transpose();
 }
 
@@ -125,7 +139,8 @@ class Follower {
     const cv::Mat mask = SetMask(picture), grey = DetailOf(*picture.picture);
     const Slopes slopes(grey);
     std::vector<cv::Mat> pyramid;
-    cv::buildOpticalFlowPyramid(grey, pyramid, {kWindow, kWindow}, kHalvings);
+    cv::buildOpticalFlowPyramid(grey, pyramid, {SetTracksTuning::kWindow, SetTracksTuning::kWindow},
+                                SetTracksTuning::kHalvings);
     if (index > 0) Follow(pyramid, slopes, mask, index);
     AddPlaces(slopes, mask, index);
     before_ = pyramid;
@@ -150,8 +165,9 @@ class Follower {
     const auto flow = [](const auto& a, const auto& b, const auto& start, auto& end, auto& status,
                          auto& error) {
       const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 0.003);
-      cv::calcOpticalFlowPyrLK(a, b, start, end, status, error, {kWindow, kWindow}, kHalvings,
-                               until, 0, 1e-7);
+      cv::calcOpticalFlowPyrLK(a, b, start, end, status, error,
+                               {SetTracksTuning::kWindow, SetTracksTuning::kWindow},
+                               SetTracksTuning::kHalvings, until, 0, 1e-7);
     };
     flow(before_, pyramid, from, to, found, errors);
     flow(pyramid, before_, to, back, found_back, errors_back);
@@ -160,7 +176,8 @@ class Follower {
       const Eigen::Matrix2d covariance = CovarianceOf(slopes.At(to[k]), errors[k]);
       const Eigen::Vector2d off(back[k].x - from[k].x, back[k].y - from[k].y);
       followed.lost = !found[k] || !found_back[k] || !IsOnSet(mask, to[k]) ||
-                      off.dot(covariance.inverse() * off) > kReturns * kReturns;
+                      off.dot(covariance.inverse() * off) >
+                          SetTracksTuning::kReturns * SetTracksTuning::kReturns;
       if (followed.lost) continue;
       followed.at = to[k];
       // Each step adds its error to those before.
@@ -174,7 +191,9 @@ class Follower {
   static bool IsAlive(const Followed& followed) { return !followed.lost && !followed.ended; }
   /// A long film's tracks end here and there, and their places begin anew: errors add up, and what
   /// ties cameras together costs the square of a track's length.
-  static int LongestOf(int track) { return kLongest / 2 + track * 7 % (kLongest / 2); }
+  static int LongestOf(int track) {
+    return SetTracksTuning::kLongest / 2 + track * 7 % (SetTracksTuning::kLongest / 2);
+  }
   static bool IsOnSet(const cv::Mat& mask, const cv::Point2f& at) {
     const int x = static_cast<int>(std::lround(at.x)), y = static_cast<int>(std::lround(at.y));
     return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) > 0;
@@ -183,8 +202,9 @@ class Follower {
   /// So that each cell of the picture has some, also where all are weak.
   void AddPlaces(const Slopes& slopes, const cv::Mat& mask, int index) {
     const cv::Mat strength = slopes.Strength();
-    const int cell = std::max(
-        8, static_cast<int>(std::lround(kCell * std::max(mask.cols, mask.rows) / kCellSide)));
+    const int cell =
+        std::max(8, static_cast<int>(std::lround(SetTracksTuning::kCell *
+                                                 std::max(mask.cols, mask.rows) / kCellSide)));
     const int columns = (mask.cols + cell - 1) / cell, rows = (mask.rows + cell - 1) / cell;
     cv::Mat free = mask.clone();
     std::vector<int> filled(static_cast<std::size_t>(columns) * rows, 0);
@@ -196,15 +216,16 @@ class Follower {
       if (IsAlive(followed)) take(followed.at);
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column)
-        while (filled[row * columns + column] < kInACell) {
+        while (filled[row * columns + column] < SetTracksTuning::kInACell) {
           const cv::Rect box = cv::Rect(column * cell, row * cell, cell, cell) &
                                cv::Rect(0, 0, mask.cols, mask.rows);
           double best = 0;
           cv::Point at;
           cv::minMaxLoc(strength(box), nullptr, &best, nullptr, &at, free(box));
           // A slope over the filter's width makes this difference of levels.
-          const double levels = std::sqrt(std::max(0.0, best)) / kWindow * 2 * kGrain;
-          if (levels < kLeastLevels) break;
+          const double levels = std::sqrt(std::max(0.0, best)) / SetTracksTuning::kWindow * 2 *
+                                SetTracksTuning::kGrain;
+          if (levels < SetTracksTuning::kLeastLevels) break;
           const cv::Point2f pixel(static_cast<float>(at.x + box.x),
                                   static_cast<float>(at.y + box.y));
           take(pixel);
