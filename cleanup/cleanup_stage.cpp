@@ -108,11 +108,13 @@ keypose::Mesh ReadSurface(StageContext& stage) {
   return surface;
 }
 
-void WarnOfLostLayout(StageContext& stage, const keypose::Mesh& surface) {
-  if (!surface.has_uvs()) return;
-  stage.Warn("the texture coordinates of " + keypose::PrintableName(stage.Input("surface")) +
-             " are lost, because cleanup makes new faces; a template that shall keep its texture "
-             "is not cleaned, but given to unwrap with --keep true");
+void WarnOfLostLayout(StageContext& stage, const CleanupOptions& options,
+                      const keypose::Mesh& surface) {
+  if (!surface.has_uvs() || options.drop_layout) return;
+  stage.Warn("cleanup makes new faces, without the texture coordinates of " +
+             keypose::PrintableName(stage.Input("surface")) +
+             "; a template that shall keep them is not cleaned, but given to unwrap with --keep "
+             "true, and `bake --scan` carries colours to a new layout");
 }
 
 void WarnOfHandles(StageContext& stage, const CleanupOptions& options,
@@ -164,7 +166,7 @@ void ReportShape(StageContext& stage, const keypose::Mesh& surface, const Cleanu
 void Run(StageContext& stage, const CleanupOptions& options) {
   keypose::RequireMeshName(stage.Output("clean"));
   const keypose::Mesh surface = ReadSurface(stage);
-  WarnOfLostLayout(stage, surface);
+  WarnOfLostLayout(stage, options, surface);
   const keypose::Sight sight = SightOf(stage);
   const std::optional<double> ground = Ground(stage, options, surface, sight);
   const CleanupResult result = Cleaned(stage, options, surface, sight, ground);

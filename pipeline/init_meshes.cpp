@@ -5,6 +5,9 @@
 #include <filesystem>
 
 #include "core/file_names.h"
+#include "core/io/files.h"
+#include "core/io/mesh_io.h"
+#include "core/io/mesh_texture.h"
 #include "core/io/photograph_files.h"
 #include "pipeline/commands.h"
 #include "pipeline/new_project.h"
@@ -31,12 +34,15 @@ bool IsMesh(const std::string& pose) {
 struct GivenMesh {
   std::string name;
   fs::path file;
+  fs::path texture;      ///< empty: it names none that can be used
+  bool colored = false;  ///< it has a texture that can be used, or colours of its vertices
 };
 
 /// @throws UsageError  no name, or not a mesh, as the other poses are
 /// @throws InputError  there is no such file, or it is of a format that is not read
 GivenMesh ParseMesh(const std::string& text) {
-  const GivenMesh mesh{Composed(text.substr(0, text.find('='))), fs::absolute(FileOf(text))};
+  const GivenMesh mesh{
+      Composed(text.substr(0, text.find('='))), fs::absolute(FileOf(text)), {}, false};
   if (!IsName(mesh.name))
     throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
   if (!IsMesh(text))
@@ -76,6 +82,65 @@ fs::path ParseTexture(const std::string& text) {
   return file;
 }
 
+/// @throws InputError  the mesh cannot be read
+void FindColors(GivenMesh* mesh) {
+  const MeshTexture found = FindTexture(mesh->file);
+  if (!found.why.empty()) fmt::print(stderr, "warning: {}\n", found.why);
+  const Mesh read = ReadMesh(mesh->file);
+  if (read.has_uvs()) mesh->texture = found.file;
+  mesh->colored = !mesh->texture.empty() || read.colors.rows() > 0;
+}
+
+/// Whether two files have the same bytes, as of one texture that is exported with each pose.
+bool SameFile(const fs::path& a, const fs::path& b) {
+  return fs::equivalent(a, b) ||
+         (fs::file_size(a) == fs::file_size(b) && ReadFile(a) == ReadFile(b));
+}
+
+/// How the poses get their textures; see NewMeshes.
+MeshColors ColorsOf(const std::vector<GivenMesh>& given, const GivenMesh& source,
+                    const NewMeshes& meshes) {
+  bool any = false, others = false, all = true;
+  for (const GivenMesh& mesh : given) {
+    any |= mesh.colored;
+    all &= !mesh.texture.empty();
+    const bool same =
+        !mesh.texture.empty() && !source.texture.empty() && SameFile(mesh.texture, source.texture);
+    others |= mesh.colored && !same && mesh.name != source.name;
+  }
+  if (meshes.same_faces && all && others && !meshes.keep) return MeshColors::kOwn;
+  if (meshes.same_faces || (meshes.keep && !others))
+    return source.texture.empty() ? MeshColors::kNone : MeshColors::kTemplates;
+  return any ? MeshColors::kCarried : MeshColors::kNone;
+}
+
+bool UsesTexture(const GivenMesh& mesh, const GivenMesh& source, MeshColors colors) {
+  if (mesh.texture.empty() || colors == MeshColors::kNone) return false;
+  return colors != MeshColors::kTemplates || mesh.name == source.name;
+}
+
+NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const fs::path& folder) {
+  NewMesh copy{mesh.name, "meshes/" + mesh.name + LowerExtension(mesh.file), ""};
+  disk.Copy(mesh.file, folder / copy.mesh);
+  fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());
+  if (!with_texture) return copy;
+  copy.texture = "meshes/" + mesh.name + "_texture" + LowerExtension(mesh.texture);
+  disk.Copy(mesh.texture, folder / copy.texture);
+  fmt::print("  with its texture {}\n", PrintableName(mesh.texture));
+  return copy;
+}
+
+void TellColors(const NewMeshes& meshes, const GivenMesh& source) {
+  if (meshes.colors != MeshColors::kCarried) return;
+  if (meshes.keep)
+    fmt::print("the other poses' own colours will be carried to '{}'\n", source.name);
+  else
+    fmt::print(
+        "the meshes get new faces and one layout, into which their colours are carried; to keep "
+        "those of '{}': --texture {}\n",
+        source.name, source.texture.empty() ? "FILE" : ShellWord(source.texture.string()));
+}
+
 }  // namespace
 
 bool NamesMesh(const InitOptions& options) {
@@ -84,28 +149,28 @@ bool NamesMesh(const InitOptions& options) {
 
 ExitCode InitMeshes(const InitOptions& options) {
   const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();
-  const std::vector<GivenMesh> given = ParseMeshes(options);
+  std::vector<GivenMesh> given = ParseMeshes(options);
   NewMeshes meshes;
   meshes.same_faces = options.same_faces;
   meshes.template_pose =
       options.template_pose.empty() ? given[0].name : Composed(options.template_pose);
-  if (std::none_of(given.begin(), given.end(),
-                   [&](const GivenMesh& mesh) { return mesh.name == meshes.template_pose; }))
+  const auto source = std::find_if(given.begin(), given.end(), [&](const GivenMesh& mesh) {
+    return mesh.name == meshes.template_pose;
+  });
+  if (source == given.end())
     throw UsageError(
         fmt::format("--template {}: there is no pose of that name", options.template_pose));
-  const fs::path texture = options.texture.empty() ? fs::path() : ParseTexture(options.texture);
+  meshes.keep = !options.texture.empty();
+  const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
   RequireNoProject(folder);
+  for (GivenMesh& mesh : given) FindColors(&mesh);
+  if (meshes.keep) source->texture = texture, source->colored = true;
+  meshes.colors = ColorsOf(given, *source, meshes);
   RealDisk disk;
-  for (const GivenMesh& mesh : given) {
-    meshes.poses.emplace_back(mesh.name, "meshes/" + mesh.name + LowerExtension(mesh.file));
-    disk.Copy(mesh.file, folder / meshes.poses.back().second);
-    fmt::print("{}: copied to {}\n", mesh.name, (folder / meshes.poses.back().second).string());
-  }
-  if (!texture.empty()) {
-    meshes.texture = "meshes/texture" + LowerExtension(texture);
-    disk.Copy(texture, folder / meshes.texture);
-  }
+  for (const GivenMesh& mesh : given)
+    meshes.poses.push_back(Copied(disk, mesh, UsesTexture(mesh, *source, meshes.colors), folder));
   disk.Write(folder / "pipeline.yaml", NewMeshesText(folder, meshes));
+  TellColors(meshes, *source);
   fmt::print("next: keypose run -C {}\n", ShellWord(options.folder));
   return ExitCode::kOk;
 }

@@ -50,6 +50,39 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
   return text;
 }
 
+namespace {
+
+/// @param texture  the template's
+std::string MeshSteps(const NewMeshes& meshes, const std::string& texture) {
+  const bool carried = meshes.colors == MeshColors::kCarried;
+  std::vector<std::string> off = {"capture", "sfm", "masks", "dense", "mesh", "refine"};
+  if (!carried) off.insert(off.end(), {"bake", "complete"});
+  if (meshes.same_faces) off.insert(off.end(), {"cleanup", "unwrap", "register"});
+  std::string text;
+  for (const std::string& step : off) text += fmt::format("  {}: {{enabled: false}}\n", step);
+  if (!meshes.same_faces) {
+    text += fmt::format("  cleanup: {{{}inputs: {{surface: $mesh, images: [], model: []}}{}}}\n",
+                        meshes.keep ? "for: pair, " : "",
+                        carried ? ", options: {drop_layout: true}" : "");
+    if (meshes.keep) text += "  unwrap: {inputs: {clean: $mesh}, options: {keep: true}}\n";
+  } else {
+    text += "  interpolate: {inputs: {keys: {template: $mesh, others: $mesh}}}\n";
+  }
+  if (carried)
+    text +=
+        "  bake: {inputs: {images: [], model: [], scan: $mesh, scan_texture: $texture}, options: "
+        "{texture_size: 0}}\n";
+  std::string textures = "[]";
+  if (meshes.colors == MeshColors::kTemplates) textures = YamlScalar("./" + texture);
+  if (meshes.colors == MeshColors::kOwn) textures = "{template: $texture, others: $texture}";
+  if (carried && meshes.keep) textures = "{template: $texture, others: complete.completed}";
+  if (!carried || meshes.keep)
+    text += fmt::format("  export: {{inputs: {{textures: {}}}}}\n", textures);
+  return text;
+}
+
+}  // namespace
+
 std::string NewMeshesText(const fs::path& folder, const NewMeshes& meshes) {
   std::string text =
       "# Poses from meshes; see docs/pipeline.md. Of meshes in millimetres, or with y up, add\n"
@@ -57,28 +90,17 @@ std::string NewMeshesText(const fs::path& folder, const NewMeshes& meshes) {
       "keep}}\n";
   text += fmt::format("name: \"{}\"\nposes:\n", SafeName(folder));
   std::vector<std::string> names;
-  for (const auto& [name, mesh] : meshes.poses) {
-    text += fmt::format("  {}: {{mesh: {}}}\n", name, YamlScalar(mesh));
-    names.push_back(name);
+  std::string own;  // the template's texture
+  for (const NewMesh& pose : meshes.poses) {
+    const std::string texture =
+        pose.texture.empty() ? "" : ", texture: " + YamlScalar(pose.texture);
+    text += fmt::format("  {}: {{mesh: {}{}}}\n", pose.name, YamlScalar(pose.mesh), texture);
+    names.push_back(pose.name);
+    if (pose.name == meshes.template_pose) own = pose.texture;
   }
   text += fmt::format("template: {}\n", meshes.template_pose);
   if (names.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(names, ", "));
-  text += "steps:\n";
-  std::vector<std::string> off = {"capture", "sfm",    "masks", "dense",
-                                  "mesh",    "refine", "bake",  "complete"};
-  if (meshes.same_faces) off.insert(off.end(), {"cleanup", "unwrap", "register"});
-  for (const std::string& step : off) text += fmt::format("  {}: {{enabled: false}}\n", step);
-  const bool keeps = !meshes.texture.empty();  // then the template stays as it is
-  if (!meshes.same_faces) {
-    text += fmt::format("  cleanup: {{{}inputs: {{surface: $mesh, images: [], model: []}}}}\n",
-                        keeps ? "for: pair, " : "");
-    if (keeps) text += "  unwrap: {inputs: {clean: $mesh}, options: {keep: true}}\n";
-  } else {
-    text += "  interpolate: {inputs: {keys: {template: $mesh, others: $mesh}}}\n";
-  }
-  text += fmt::format("  export: {{inputs: {{textures: {}}}}}\n",
-                      keeps ? YamlScalar("./" + meshes.texture) : "[]");
-  return text;
+  return text + "steps:\n" + MeshSteps(meshes, own);
 }
 
 std::string NewPerformanceText(const fs::path& folder, const NewPerformance& performance) {

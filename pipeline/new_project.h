@@ -28,12 +28,24 @@ std::string NewPipelineText(const std::filesystem::path& folder,
                             const std::vector<std::string>& poses, const std::string& template_pose,
                             const std::set<std::string>& few = {}, const NewShot& shot = {});
 
-/// Poses whose meshes were made elsewhere: paths as they shall stand in pipeline.yaml.
+/// A pose whose mesh was made elsewhere: paths as they shall stand in pipeline.yaml.
+struct NewMesh {
+  std::string name, mesh;
+  std::string texture;  ///< empty: it has none
+};
+/// How the poses of a project of meshes get their textures.
+enum class MeshColors {
+  kNone,
+  kTemplates,  ///< the template's serves all
+  kOwn,        ///< each has its own, in the layout that all have
+  kCarried     ///< each pose's own colours are carried into the template's layout
+};
 struct NewMeshes {
-  std::vector<std::pair<std::string, std::string>> poses;  ///< name, mesh
+  std::vector<NewMesh> poses;
   std::string template_pose;
-  std::string texture;      ///< of the template, whose texture coordinates then stay; or empty
+  bool keep = false;        ///< the template's faces and texture coordinates stay
   bool same_faces = false;  ///< no pose is registered
+  MeshColors colors = MeshColors::kNone;
 };
 /// Switches the steps on photographs off.
 std::string NewMeshesText(const std::filesystem::path& folder, const NewMeshes& meshes);

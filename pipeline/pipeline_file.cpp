@@ -65,14 +65,16 @@ class Reader : public YamlReader {
             pose.cameras = PathText(value, field);
           else if (field == "mesh")
             pose.mesh = PathText(value, field);
+          else if (field == "texture")
+            pose.texture = PathText(value, field);
           else if (field == "method")
             pose.method = Choice(value, field, {"scan", "fit"});
           else if (field == "options")
             pose.options = StepOptions(value, what + ".options");
           else
             Unknown(field_key, what,
-                    {"photos", "masks", "background", "landmarks", "cameras", "mesh", "method",
-                     "options"});
+                    {"photos", "masks", "background", "landmarks", "cameras", "mesh", "texture",
+                     "method", "options"});
         });
     return pose;
   }

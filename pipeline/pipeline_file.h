@@ -93,8 +93,8 @@ struct PoseRule {
   std::string name;
   Where where;
   std::optional<Setting> photos, masks, background, landmarks, cameras;
-  std::optional<Setting> mesh;    ///< made elsewhere, for steps that take $mesh
-  std::optional<Setting> method;  ///< "scan" or "fit"
+  std::optional<Setting> mesh, texture;  ///< made elsewhere, for steps that take $mesh, $texture
+  std::optional<Setting> method;         ///< "scan" or "fit"
   std::optional<Setting> video, calibration, actor, pins;  ///< of a shot
   StepOptionSettings options;
 

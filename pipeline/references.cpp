@@ -210,14 +210,16 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     flow = Source({word.substr(1) + ".json", reference.where});
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
-  if (word == "$scan" || word == "$texture" || word == "$marks" || IsOfFilm(word.substr(1))) {
+  const bool of_performance = word == "$scan" || word == "$marks" ||
+                              (word == "$texture" && file_.kind == ProjectKind::kPerformance);
+  if (of_performance || IsOfFilm(word.substr(1))) {
     const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
     return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
   }
   const bool of_shot = word == "$video" || word == "$unmasked" || word == "$calibration" ||
                        word == "$actor" || word == "$pins";
-  const bool of_pose = word == "$photos" || word == "$mesh" || word == "$masks" ||
-                       word == "$background" || word == "$cameras";
+  const bool of_pose = word == "$photos" || word == "$mesh" || word == "$texture" ||
+                       word == "$masks" || word == "$background" || word == "$cameras";
   if (!of_shot && !of_pose)
     Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
                                         Suggestion(word, kWords)));
@@ -234,6 +236,7 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
   const auto& setting = word == "$masks"     ? pose->masks
                         : word == "$cameras" ? pose->cameras
                         : word == "$mesh"    ? pose->mesh
+                        : word == "$texture" ? pose->texture
                                              : pose->background;
   return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
 }

@@ -172,11 +172,13 @@ class Findings {
   /// @param fitted  the pose has few photographs
   void Bake(const StepRecord& s, const StepRecord* complete, bool fitted) {
     // Texels that are filled from other poses' photographs are not guessed.
+    const bool scan = !s.Input("scan").empty();
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
-          Bold(Percent(*unseen)) + " of the texture was in no photograph" +
+          Bold(Percent(*unseen)) + " of the texture was in no " + (scan ? "scan" : "photograph") +
               (complete ? " of any pose" : "") + " and is filled in from its surroundings.",
           *unseen < kUnseenLook ? ""
+          : scan                ? "scan the sides that are missing, or raise scan_reach"
           : fitted              ? kMorePhotographs
                    : "shoot a second ring from lower or higher, and between the limbs");
     if (const auto psnr = s.Number("held_out_psnr_gain_db"))

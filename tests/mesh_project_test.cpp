@@ -88,8 +88,93 @@ TEST_F(MeshProject, WithoutATextureTheTemplateIsCleanedAndUnwrapped) {
   const RunResult run = Run({"--set", "cleanup.faces=1500"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_TRUE(ReadMesh(Out("wave/mesh.obj")).has_uvs());
-  EXPECT_THAT(run.output, HasSubstr("texture coordinates of wave.obj are lost"));
+  EXPECT_THAT(run.output, HasSubstr("without the texture coordinates of wave.obj"));
   EXPECT_TRUE(fs::exists(Out("report/index.html"))) << "its player has no texture";
+}
+
+/// Mean of a picture's channel.
+double MeanOf(const fs::path& picture, int channel) {
+  const Image8 image = ReadImage(picture, 3);
+  double sum = 0;
+  for (std::size_t i = channel; i < image.data.size(); i += 3) sum += image.data[i];
+  return 3 * sum / static_cast<double>(image.data.size());
+}
+
+/// The meshes as a scanning program exports them, each with its own material and texture.
+class ScannedMeshes : public MeshProject {
+ protected:
+  void SetUp() override {
+    MeshProject::SetUp();
+    Image8 red(32, 32, 3, 40), blue = red;
+    for (std::size_t i = 0; i < red.data.size(); i += 3) red.data[i] = blue.data[i + 2] = 200;
+    Give("rest pose.obj", "rest.png", red);
+    Give("wave.obj", "wave.png", blue);
+  }
+  void Give(const std::string& mesh, const std::string& texture, const Image8& picture) const {
+    WriteMesh(folder_ / mesh, ReadMesh(folder_ / mesh), texture);
+    WriteImage(folder_ / texture, picture);
+  }
+};
+
+TEST_F(ScannedMeshes, EachPoseHasItsOwnColoursInTheTemplatesNewLayout) {
+  const RunResult init = Init({});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_THAT(init.output, HasSubstr("their colours are carried"));
+  const RunResult run = Run({"--set", "cleanup.faces=1500"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_GT(MeanOf(Out("rest/texture.png"), 0), 190);
+  EXPECT_LT(MeanOf(Out("rest/texture.png"), 2), 50);
+  EXPECT_GT(MeanOf(Out("wave/texture.png"), 2), 190);
+  EXPECT_LT(MeanOf(Out("wave/texture.png"), 0), 50);
+  EXPECT_TRUE(fs::exists(Out("report/index.html")));
+  EXPECT_THAT(run.output, Not(HasSubstr("warning")));
+}
+
+TEST_F(ScannedMeshes, ATemplateThatKeepsItsTextureGetsTheOthersColours) {
+  const RunResult init = Init({"--texture", "rest.png"});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  const RunResult run = Run({"--set", "cleanup.faces=1500"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_THAT(ReadFile(Out("animation/character.glb")), HasSubstr(ReadFile(folder_ / "rest.png")));
+  EXPECT_GT(MeanOf(Out("wave/texture.png"), 2), 190);
+}
+
+TEST_F(ScannedMeshes, OneTextureForAllIsUsedAsItIs) {
+  Give("wave.obj", "wave.png", ReadImage(folder_ / "rest.png", 3));
+  ASSERT_EQ(Init({"--texture", "rest.png"}).exit_code, kOk);
+  EXPECT_THAT(ReadFile(folder_ / "fox/pipeline.yaml"), HasSubstr("bake: {enabled: false}"));
+  fs::remove_all(folder_ / "fox");
+  ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
+  const RunResult run = Run({"--set", "interpolate.align=none"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_THAT(ReadFile(Out("animation/character.glb")), HasSubstr(ReadFile(folder_ / "rest.png")));
+}
+
+TEST_F(ScannedMeshes, PosesOfTheSameFacesEachShowTheirOwnTexture) {
+  ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
+  const RunResult run =
+      Run({"--set", "interpolate.align=none", "--set", "export.pose_textures=png"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  const std::string glb = ReadFile(Out("animation/character.glb"));
+  EXPECT_THAT(glb, HasSubstr(ReadFile(folder_ / "rest.png")));
+  EXPECT_THAT(glb, HasSubstr(ReadFile(folder_ / "wave.png")));
+}
+
+TEST_F(ScannedMeshes, APoseWithoutColoursTakesTheTemplates) {
+  Mesh bare = ReadMesh(folder_ / "wave.obj");
+  bare.uvs.resize(0, 2), bare.uv_faces.resize(0, 3);
+  WriteMesh(folder_ / "wave.obj", bare);
+  ASSERT_EQ(Init({}).exit_code, kOk);
+  const RunResult run = Run({"--set", "cleanup.faces=1500"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_GT(MeanOf(Out("wave/texture.png"), 0), 190) << "the template's red";
+}
+
+TEST_F(ScannedMeshes, ATextureThatIsNotThereIsSaid) {
+  fs::remove(folder_ / "wave.png");
+  const RunResult init = Init({});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_THAT(init.output, HasSubstr("names the texture wave.png, which is not there"));
 }
 
 TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {

@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
+#include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
@@ -13,6 +14,7 @@
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "texture/bake/bake.h"
+#include "texture/bake/bake_scan.h"
 
 namespace keypose::texture {
 namespace {
@@ -21,10 +23,15 @@ StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
   spec.version = "8";
-  spec.summary = "Paints a pose's photographs into the texture of its mesh.";
-  spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
-                 {"images", "folder", "photographs and masks, as capture makes them", ""},
-                 {"model", "folder", "COLMAP model with the cameras", ""}};
+  spec.summary =
+      "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
+  spec.inputs = {
+      {"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
+      {"images", "folder", "photographs and masks, as capture makes them", "", true},
+      {"model", "folder", "COLMAP model with the cameras", "", true},
+      {"scan", "file", "instead of photographs: a mesh in the same place that has the colours", "",
+       true},
+      {"scan_texture", "file", "the scan's texture; else its vertices have the colours", "", true}};
   spec.outputs = {
       {"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"},
       {"confidence", "file", "how well photographs show each texel: 255 well, 0 inpainted (.png)",
@@ -160,11 +167,62 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
   stage.ReportJson("color_fits", views.dump());
 }
 
-void WriteTexture(const std::filesystem::path& path, const BakeResult& result, int bits) {
+/// Result: BakeResult or ScanBake.
+template <class Result>
+void Write(StageContext& stage, const Result& result, int bits) {
+  const std::filesystem::path path = stage.Output("texture");
   // The 8-bit picture was measured; pictures with more bits are not rounded to it first.
-  std::string extension = path.extension().string();
-  if (extension == ".png" && bits != 16) return WriteImage(path, result.texture);
-  WriteLinearImage(path, result.linear, bits);
+  if (path.extension() == ".png" && bits != 16)
+    WriteImage(path, result.texture);
+  else
+    WriteLinearImage(path, result.linear, bits);
+  if (const auto confidence = stage.Output("confidence"); !confidence.empty())
+    WriteImage(confidence, result.confidence);
+}
+
+template <class Result>
+void ReportTexels(StageContext& stage, const Result& result) {
+  stage.Report("texture_size", result.texture.width);
+  stage.Report("texture_size_advised", result.advised_size);
+  stage.Report("texels", result.texels);
+  stage.Report("seen_texels", result.seen_texels);
+  stage.Report("unseen_texels", result.texels - result.seen_texels);
+  stage.Report("unseen_fraction", static_cast<double>(result.texels - result.seen_texels) /
+                                      static_cast<double>(result.texels));
+}
+
+void RunScan(StageContext& stage, const Mesh& mesh, const BakeOptions& options) {
+  const Mesh scan = ReadMesh(stage.Input("scan"));
+  RequireUsable(scan, stage.Input("scan").string());
+  Image8 texture;
+  if (const auto file = stage.Input("scan_texture"); !file.empty()) texture = ReadImage(file, 3);
+  const ScanBake result =
+      BakeScan(mesh, scan, texture, {options.texture_size, options.gutter, options.scan_reach},
+               stage.progress());
+  ReportTexels(stage, result);
+  if (texture.empty() && scan.colors.rows() == 0)
+    stage.Warn(PrintableName(stage.Input("scan")) +
+               " has no colours of its vertices, and no picture was named as scan_texture: the "
+               "texture is grey, except where `complete` has another pose's");
+  else if (result.seen_texels == 0)
+    stage.Warn(
+        "the scan lies nowhere near the mesh, so that it gives no colour: both must be the "
+        "same pose in the same place");
+  Write(stage, result, options.bits);
+}
+
+void RunPhotographs(StageContext& stage, const Mesh& mesh, const BakeOptions& options) {
+  const Scene scene = ReadColmapModel(stage.Input("model"));
+  const ImageSet images = ReadImageSet(stage.Input("images"));
+  const std::vector<int> index = MatchImages(scene, images);
+  constexpr double kBytesAPixel = 5;  // measured
+  RequireMemoryForViews("bake", scene.views, 1, kBytesAPixel);
+  const BakeResult result = Bake(
+      mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
+  ReportTexels(stage, result);
+  ReportQuality(stage, scene, result, options.leave_out);
+  ReportColors(stage, scene, result.colors);
+  Write(stage, result, options.bits);
 }
 
 void Run(StageContext& stage, const BakeOptions& options) {
@@ -173,27 +231,15 @@ void Run(StageContext& stage, const BakeOptions& options) {
     throw UsageError("bake: a texture '" + path.filename().string() + "' with bits " +
                      std::to_string(options.bits) +
                      " cannot be written: .png and .tif hold 8 or 16 bits, .exr holds 16 or 32");
+  const bool images = !stage.Input("images").empty(), model = !stage.Input("model").empty(),
+             scan = !stage.Input("scan").empty();
+  if (images != model || images == scan)
+    throw UsageError(
+        "bake: pass either --images and --model (photographs), or --scan (a mesh that has "
+        "colours)");
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
   RequireUsable(mesh, stage.Input("mesh").string());
-  const Scene scene = ReadColmapModel(stage.Input("model"));
-  const ImageSet images = ReadImageSet(stage.Input("images"));
-  const std::vector<int> index = MatchImages(scene, images);
-  constexpr double kBytesAPixel = 5;  // measured
-  RequireMemoryForViews("bake", scene.views, 1, kBytesAPixel);
-  const BakeResult result = Bake(
-      mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
-  stage.Report("texture_size", result.texture.width);
-  stage.Report("texture_size_advised", result.advised_size);
-  stage.Report("texels", result.texels);
-  stage.Report("seen_texels", result.seen_texels);
-  stage.Report("unseen_texels", result.unseen_texels());
-  stage.Report("unseen_fraction",
-               static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
-  ReportQuality(stage, scene, result, options.leave_out);
-  ReportColors(stage, scene, result.colors);
-  WriteTexture(path, result, options.bits);
-  if (const auto confidence = stage.Output("confidence"); !confidence.empty())
-    WriteImage(confidence, result.confidence);
+  scan ? RunScan(stage, mesh, options) : RunPhotographs(stage, mesh, options);
 }
 
 }  // namespace

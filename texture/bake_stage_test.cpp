@@ -71,5 +71,33 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   EXPECT_FALSE(std::filesystem::exists(folder / "texture.png"));
 }
 
+TEST(BakeStage, TakesTheColoursOfAScanInPlaceOfPhotographs) {
+  const TestingFolder own;
+  const std::string f = own.path().string();
+  const Mesh mesh = PatchSphere(6);
+  WriteMesh(own.path() / "mesh.obj", mesh);
+  WriteImage(own.path() / "skin.png", Image8(64, 64, 3, 140));
+  const auto bake = [&](const std::string& from) {
+    return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-bake --mesh " + f + "/mesh.obj " +
+                        from + " --texture_size 64 --texture " + f + "/texture.png --report " + f +
+                        "/report.json > " + f + "/log 2>&1")
+                           .c_str()) >>
+           8;
+  };
+  const std::string scan = "--scan " + f + "/mesh.obj ";
+  ASSERT_EQ(bake(scan + "--scan_texture " + f + "/skin.png"), 0) << ReadFile(f + "/log");
+  EXPECT_EQ(ReadImage(f + "/texture.png", 3).data, Image8(64, 64, 3, 140).data);
+  EXPECT_THAT(ReadFile(f + "/report.json"), testing::HasSubstr("\"unseen_fraction\": 0"));
+  EXPECT_EQ(bake(scan), 0);
+  EXPECT_THAT(ReadFile(f + "/log"), testing::HasSubstr("no colours of its vertices"));
+  EXPECT_EQ(bake(""), 2) << "from what?";
+  EXPECT_EQ(bake(scan + "--images " + f + " --model " + f), 2) << "both";
+  Mesh elsewhere = mesh;
+  elsewhere.points.col(0).array() += 9;
+  WriteMesh(own.path() / "far.obj", elsewhere);
+  ASSERT_EQ(bake("--scan " + f + "/far.obj --scan_texture " + f + "/skin.png"), 0);
+  EXPECT_THAT(ReadFile(f + "/log"), testing::HasSubstr("nowhere near"));
+}
+
 }  // namespace
 }  // namespace keypose::texture

@@ -46,6 +46,10 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
          .unit = "",
          .min = 0,
          .max = 0.2});
+  visit("drop_layout", drop_layout,
+        {.help = "texture coordinates of the surface go without a warning: `bake` carries the "
+                 "colours over, or they are not wanted",
+         .unit = ""});
 }
 
 }  // namespace keypose::cleanup

@@ -23,6 +23,9 @@ struct CleanupOptions {
   double min_component = 0.02;
   bool wrap = true;       ///< allow the last strategy, an alpha wrap
   double wrap_alpha = 0;  ///< its alpha over the diagonal; 0 chooses it from `faces`
+  /// texture coordinates of the surface may go without a warning, as another stage carries the
+  /// colours over
+  bool drop_layout = false;
   void Describe(OptionVisitor& visit);
 };
 

@@ -31,6 +31,7 @@ struct BakeOptions {
   bool consensus = true;
   int hold_out = 6;
   bool leave_out = false;
+  double scan_reach = 0.01;
 
   void Describe(OptionVisitor& visit) {
     visit("texture_size", texture_size,
@@ -84,6 +85,10 @@ struct BakeOptions {
           {"leave those photographs out of the final texture too, for comparison with other "
            "programs",
            ""});
+    visit(
+        "scan_reach", scan_reach,
+        {"how far from the mesh a scan may lie for its colours to count, over the mesh's diagonal",
+         "", 0, 1});
   }
   std::vector<std::string> Problems() const;
 };
