@@ -9,6 +9,7 @@ import argparse
 import json
 import math
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -28,6 +29,8 @@ def arguments():
     parser.add_argument("--plate", action="store_true", help="give the clean plate instead of making it from the film")
     parser.add_argument("--swing", type=float, default=0, help="turn of a moving camera round the set [deg]")
     parser.add_argument("--dolly", type=float, default=0, help="way of a moving camera towards the set [m]")
+    parser.add_argument("--shot", default="", metavar="ARGUMENTS",
+                        help="further ones of `keypose synth shot`, as in '--focal 35 --distance 0.6'")
     parser.add_argument("--no-follow", action="store_true",
                         help="leave the animation as it is, also where it passes beside what was filmed")
     parser.add_argument("--keep", action="store_true", help="keep and use existing film, photographs and results")
@@ -54,7 +57,8 @@ class Shot:
         few = ",".join(f"{pose}={self.args.few}" for pose in ("wave", "bow"))
         self.run("keypose-synth", "shot", "--output", self.world, "--shows", SHOWS, "--width", str(self.args.width),
                  "--views", str(self.args.views), "--photo-width", "900", "--few", few, "--clean-plate",
-                 "--seed", str(self.args.seed), "--swing", str(self.args.swing), "--dolly", str(self.args.dolly))
+                 "--seed", str(self.args.seed), "--swing", str(self.args.swing), "--dolly", str(self.args.dolly),
+                 *shlex.split(self.args.shot))
 
     def make(self):
         poses = [word for pose in ("rest", "wave", "bow")
