@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "core/file_names.h"
 #include "core/io/files.h"
+#include "core/io/glb_mesh.h"
 #include "core/io/mesh_io.h"
 #include "core/io/mesh_texture.h"
 #include "core/io/photograph_files.h"
@@ -34,15 +36,21 @@ bool IsMesh(const std::string& pose) {
 struct GivenMesh {
   std::string name;
   fs::path file;
-  fs::path texture;      ///< empty: it names none that can be used
+  fs::path texture = {};            ///< empty: it names none that can be used
+  std::optional<GlbMesh> glb = {};  ///< of a .glb, which has its texture inside
   bool colored = false;  ///< it has a texture that can be used, or colours of its vertices
+
+  bool textured() const { return !texture.empty() || (glb && !glb->texture.empty()); }
+  std::string TextureBytes() const { return texture.empty() ? glb->texture : ReadFile(texture); }
+  std::string TextureEnding() const {
+    return texture.empty() ? glb->texture_ending : LowerExtension(texture);
+  }
 };
 
 /// @throws UsageError  no name, or not a mesh, as the other poses are
 /// @throws InputError  there is no such file, or it is of a format that is not read
 GivenMesh ParseMesh(const std::string& text) {
-  const GivenMesh mesh{
-      Composed(text.substr(0, text.find('='))), fs::absolute(FileOf(text)), {}, false};
+  const GivenMesh mesh{Composed(text.substr(0, text.find('='))), fs::absolute(FileOf(text))};
   if (!IsName(mesh.name))
     throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
   if (!IsMesh(text))
@@ -51,7 +59,7 @@ GivenMesh ParseMesh(const std::string& text) {
   if (!fs::is_regular_file(mesh.file))
     throw InputError(fmt::format("--pose {}: there is no file {}", text, mesh.file.string()));
   const std::string extension = LowerExtension(mesh.file);
-  for (const char* read : {".obj", ".ply", ".off", ".stl"})
+  for (const char* read : {".obj", ".ply", ".off", ".stl", ".glb"})
     if (extension == read) return mesh;
   throw InputError(
       fmt::format("--pose {}: {} files are not read; open it in Blender and export it as OBJ "
@@ -82,19 +90,21 @@ fs::path ParseTexture(const std::string& text) {
   return file;
 }
 
+void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
+
 /// @throws InputError  the mesh cannot be read
-void FindColors(GivenMesh* mesh) {
+void FindColors(GivenMesh* mesh, bool same_faces) {
+  if (LowerExtension(mesh->file) == ".glb") {
+    mesh->glb = ReadGlb(mesh->file, !same_faces);
+    for (const std::string& warning : mesh->glb->warnings) Warn(warning);
+    mesh->colored = mesh->textured() || mesh->glb->mesh.colors.rows() > 0;
+    return;
+  }
   const MeshTexture found = FindTexture(mesh->file);
-  if (!found.why.empty()) fmt::print(stderr, "warning: {}\n", found.why);
+  if (!found.why.empty()) Warn(found.why);
   const Mesh read = ReadMesh(mesh->file);
   if (read.has_uvs()) mesh->texture = found.file;
-  mesh->colored = !mesh->texture.empty() || read.colors.rows() > 0;
-}
-
-/// Whether two files have the same bytes, as of one texture that is exported with each pose.
-bool SameFile(const fs::path& a, const fs::path& b) {
-  return fs::equivalent(a, b) ||
-         (fs::file_size(a) == fs::file_size(b) && ReadFile(a) == ReadFile(b));
+  mesh->colored = mesh->textured() || read.colors.rows() > 0;
 }
 
 /// How the poses get their textures; see NewMeshes.
@@ -103,34 +113,50 @@ MeshColors ColorsOf(const std::vector<GivenMesh>& given, const GivenMesh& source
   bool any = false, others = false, all = true;
   for (const GivenMesh& mesh : given) {
     any |= mesh.colored;
-    all &= !mesh.texture.empty();
-    const bool same =
-        !mesh.texture.empty() && !source.texture.empty() && SameFile(mesh.texture, source.texture);
+    all &= mesh.textured();
+    // One texture may be exported with each pose.
+    const bool same = mesh.textured() && source.textured() &&
+                      (mesh.name == source.name || mesh.TextureBytes() == source.TextureBytes());
     others |= mesh.colored && !same && mesh.name != source.name;
   }
   if (meshes.same_faces && all && others && !meshes.keep) return MeshColors::kOwn;
   if (meshes.same_faces || (meshes.keep && !others))
-    return source.texture.empty() ? MeshColors::kNone : MeshColors::kTemplates;
+    return source.textured() ? MeshColors::kTemplates : MeshColors::kNone;
   return any ? MeshColors::kCarried : MeshColors::kNone;
 }
 
 bool UsesTexture(const GivenMesh& mesh, const GivenMesh& source, MeshColors colors) {
-  if (mesh.texture.empty() || colors == MeshColors::kNone) return false;
+  if (!mesh.textured() || colors == MeshColors::kNone) return false;
   return colors != MeshColors::kTemplates || mesh.name == source.name;
 }
 
+/// Writes the mesh of a .glb as one that stages read.
+/// @return  its ending
+std::string WriteGlbMesh(const GivenMesh& mesh, const fs::path& stem, const std::string& texture) {
+  const std::string ending = mesh.glb->mesh.colors.rows() > 0 ? ".ply" : ".obj";
+  fs::create_directories(stem.parent_path());
+  WriteMesh(stem.string() + ending, mesh.glb->mesh, texture);
+  return ending;
+}
+
 NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const fs::path& folder) {
-  NewMesh copy{mesh.name, "meshes/" + mesh.name + LowerExtension(mesh.file), ""};
-  disk.Copy(mesh.file, folder / copy.mesh);
+  const std::string stem = "meshes/" + mesh.name,
+                    texture = with_texture ? mesh.name + "_texture" + mesh.TextureEnding() : "";
+  NewMesh copy{mesh.name, stem + LowerExtension(mesh.file), ""};
+  if (mesh.glb)
+    copy.mesh = stem + WriteGlbMesh(mesh, folder / stem, texture);
+  else
+    disk.Copy(mesh.file, folder / copy.mesh);
   fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());
   if (!with_texture) return copy;
-  copy.texture = "meshes/" + mesh.name + "_texture" + LowerExtension(mesh.texture);
-  disk.Copy(mesh.texture, folder / copy.texture);
-  fmt::print("  with its texture {}\n", PrintableName(mesh.texture));
+  copy.texture = "meshes/" + texture;
+  disk.Write(folder / copy.texture, mesh.TextureBytes());
+  fmt::print("  with its texture {}\n",
+             mesh.texture.empty() ? "from inside" : PrintableName(mesh.texture));
   return copy;
 }
 
-void TellColors(const NewMeshes& meshes, const GivenMesh& source) {
+void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path& folder) {
   if (meshes.colors != MeshColors::kCarried) return;
   if (meshes.keep)
     fmt::print("the other poses' own colours will be carried to '{}'\n", source.name);
@@ -138,7 +164,12 @@ void TellColors(const NewMeshes& meshes, const GivenMesh& source) {
     fmt::print(
         "the meshes get new faces and one layout, into which their colours are carried; to keep "
         "those of '{}': --texture {}\n",
-        source.name, source.texture.empty() ? "FILE" : ShellWord(source.texture.string()));
+        source.name,
+        !source.textured() ? "FILE"
+        : source.texture.empty()
+            ? ShellWord((folder / "meshes" / (source.name + "_texture" + source.TextureEnding()))
+                            .string())
+            : ShellWord(source.texture.string()));
 }
 
 }  // namespace
@@ -163,14 +194,14 @@ ExitCode InitMeshes(const InitOptions& options) {
   meshes.keep = !options.texture.empty();
   const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
   RequireNoProject(folder);
-  for (GivenMesh& mesh : given) FindColors(&mesh);
+  for (GivenMesh& mesh : given) FindColors(&mesh, meshes.same_faces);
   if (meshes.keep) source->texture = texture, source->colored = true;
   meshes.colors = ColorsOf(given, *source, meshes);
   RealDisk disk;
   for (const GivenMesh& mesh : given)
     meshes.poses.push_back(Copied(disk, mesh, UsesTexture(mesh, *source, meshes.colors), folder));
   disk.Write(folder / "pipeline.yaml", NewMeshesText(folder, meshes));
-  TellColors(meshes, *source);
+  TellColors(meshes, *source, folder);
   fmt::print("next: keypose run -C {}\n", ShellWord(options.folder));
   return ExitCode::kOk;
 }

@@ -170,6 +170,21 @@ TEST_F(ScannedMeshes, APoseWithoutColoursTakesTheTemplates) {
   EXPECT_GT(MeanOf(Out("wave/texture.png"), 0), 190) << "the template's red";
 }
 
+TEST_F(ScannedMeshes, BinaryGltfIsTakenWithItsTexture) {
+  ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
+  ASSERT_EQ(Run({"--set", "interpolate.align=none", "--until", "export"}).exit_code, kOk);
+  fs::copy(Out("animation/character.glb"), folder_ / "app.glb");
+  fs::remove_all(folder_ / "fox");
+  const RunResult init = Init({}, "app.glb");
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_EQ(ReadFile(folder_ / "fox/meshes/rest_texture.png"), ReadFile(folder_ / "rest.png"));
+  EXPECT_NEAR(BoundingDiagonal(ReadMesh(folder_ / "fox/meshes/rest.obj").points),
+              BoundingDiagonal(mesh_.points) / 1000, 1e-6)
+      << "which is in metres";
+  const RunResult run = Run({"--set", "cleanup.faces=1500", "--until", "bake/rest"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+}
+
 TEST_F(ScannedMeshes, ATextureThatIsNotThereIsSaid) {
   fs::remove(folder_ / "wave.png");
   const RunResult init = Init({});
@@ -181,6 +196,7 @@ TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
   fs::create_directories(folder_ / "photos");
   WriteFile(folder_ / "photos/a.jpg", "picture");
   WriteFile(folder_ / "wave.glb", "glTF");
+  WriteFile(folder_ / "wave.fbx", "Kaydara FBX");
   const auto refuse = [&](const RunResult& result, int code, const std::string& why) {
     EXPECT_EQ(result.exit_code, code) << result.output;
     EXPECT_THAT(result.output, HasSubstr(why));
@@ -188,6 +204,7 @@ TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
   };
   refuse(Init({}, "rest pose.obj", "photos"), kUsage, "either meshes or photographs");
   refuse(Init({}, "rest pose.obj", "wave.glb"), kInput, "export it as OBJ");
+  refuse(Init({}, "rest pose.obj", "wave.fbx"), kInput, "export it as OBJ");
   refuse(Init({}, "rest pose.obj", "none.ply"), kInput, "there is no file");
   refuse(Init({"--texture", "none.png"}), kInput, "there is no file");
   refuse(Init({"--few", "wave"}), kUsage, "these are meshes");
