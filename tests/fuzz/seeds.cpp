@@ -200,10 +200,46 @@ void Motions() {
   WriteFile(In("bone_weights", "w.mhw"),
             R"({"weights": {"hip": [[0, 1], [1, 0.5]], "knee": [[1, 0.5], [4, 1]]}})");
   WriteFile(In("bone_weights", "w.dmat"), "2 5\n1 0.5 0 0 0\n0 0.5 1 1 1\n");
+  WriteFile(In("mesh_texture", "fox.mtl"),
+            "newmtl fur\nKd 1 1 1\nNs 8\nd 1\nmap_Kd -s 1 1 1 -blendu on maps\\fur.png\n");
+  WriteFile(In("mesh_texture", "own.obj"), "mtllib own.mtl\nusemtl fur\nf 1 1 1\n");
+  WriteFile(In("mesh_texture", "own.ply"),
+            "ply\nformat ascii 1.0\ncomment TextureFile fur.png\nend_header\n");
   WriteFile(In("notes", "distortion.json"),
             FrameNotesText({{1, 1}, {1.1, 0.9}, {1, 1}}, 24, "arap"));
   WritePaintedMasks(fuzz::Folder(), {{"a.png", {"00", "11"}}});
   WriteFile(In("notes", kPaintedNotes), ReadFile(fuzz::Folder() / kPaintedNotes));
+}
+
+/// Two triangles with texture coordinates, colours and a picture, below two nodes.
+void Glb() {
+  std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"children":[1],"rotation":[0,0,0,1],"translation":[1,2,3]},{"mesh":0,"scale":[2,2,2]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"COLOR_0":3},"indices":2,"material":0}]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"baseColorTexture":{"index":0}}}],
+"textures":[{"source":0}],"images":[{"bufferView":4,"mimeType":"image/png"}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
+{"bufferView":1,"componentType":5121,"normalized":true,"count":4,"type":"VEC2"},
+{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"},
+{"bufferView":3,"componentType":5121,"normalized":true,"count":4,"type":"VEC3"}],
+"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":8},
+{"buffer":0,"byteOffset":56,"byteLength":12},{"buffer":0,"byteOffset":68,"byteLength":12},
+{"buffer":0,"byteOffset":80,"byteLength":8}],"buffers":[{"byteLength":88}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const float points[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const std::uint16_t corners[6] = {0, 1, 2, 0, 2, 3};
+  std::string data(reinterpret_cast<const char*>(points), sizeof points);
+  data += std::string("\0\0\xff\0\xff\xff\0\xff", 8);
+  data.append(reinterpret_cast<const char*>(corners), sizeof corners);
+  data += std::string(12, '\x80') + "\x89PNG...";
+  data.resize(88);
+  const auto word = [](std::size_t n) {
+    const auto value = static_cast<std::uint32_t>(n);
+    return std::string(reinterpret_cast<const char*>(&value), 4);
+  };
+  WriteFile(In("glb", "square.glb"), "glTF" + word(2) + word(28 + json.size() + data.size()) +
+                                         word(json.size()) + "JSON" + json + word(data.size()) +
+                                         std::string("BIN\0", 4) + data);
 }
 
 void Films() {
@@ -281,5 +317,6 @@ int main(int argc, char** argv) {
   Armatures();
   Movies();
   Motions();
+  Glb();
   Films();
 }
