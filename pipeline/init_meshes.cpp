@@ -158,18 +158,16 @@ NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const f
 
 void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path& folder) {
   if (meshes.colors != MeshColors::kCarried) return;
-  if (meshes.keep)
+  if (meshes.keep) {
     fmt::print("the other poses' own colours will be carried to '{}'\n", source.name);
-  else
-    fmt::print(
-        "the meshes get new faces and one layout, into which their colours are carried; to keep "
-        "those of '{}': --texture {}\n",
-        source.name,
-        !source.textured() ? "FILE"
-        : source.texture.empty()
-            ? ShellWord((folder / "meshes" / (source.name + "_texture" + source.TextureEnding()))
-                            .string())
-            : ShellWord(source.texture.string()));
+    return;
+  }
+  fmt::print("the mesh gets new faces and a new layout, into which all colours are carried\n");
+  if (!source.textured()) return;
+  const fs::path inside = folder / "meshes" / (source.name + "_texture" + source.TextureEnding()),
+                 texture = source.texture.empty() ? inside : source.texture;
+  fmt::print("  to keep those of '{}': init --texture {}\n", source.name,
+             ShellWord(texture.string()));
 }
 
 }  // namespace

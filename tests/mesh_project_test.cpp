@@ -119,7 +119,7 @@ class ScannedMeshes : public MeshProject {
 TEST_F(ScannedMeshes, EachPoseHasItsOwnColoursInTheTemplatesNewLayout) {
   const RunResult init = Init({});
   ASSERT_EQ(init.exit_code, kOk) << init.output;
-  EXPECT_THAT(init.output, HasSubstr("their colours are carried"));
+  EXPECT_THAT(init.output, HasSubstr("all colours are carried"));
   const RunResult run = Run({"--set", "cleanup.faces=1500"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_GT(MeanOf(Out("rest/texture.png"), 0), 190);
