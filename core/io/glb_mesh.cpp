@@ -27,10 +27,11 @@ using tinygltf::Model;
 constexpr int kMostNodes = 100000;  // that are placed; one that contains itself would have no end
 constexpr std::size_t kMostPoints = 50'000'000;
 
-/// Keeps a picture as it is stored.
+/// Keeps a picture as it is stored in the text. The library does not check where in the data one
+/// lies, so that those are read by PictureBytes.
 bool KeepBytes(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
                const unsigned char* bytes, int size, void*) {
-  image->image.assign(bytes, bytes + size);
+  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
   return true;
 }
 
@@ -288,8 +289,7 @@ class GlbReader {
           "it has {} textures, but one is used: bake them into one layout and one texture in your "
           "scanning or modelling program first",
           images.size()));
-    const auto& bytes = At(model_.images, *images.begin(), "picture").image;
-    const std::string text(bytes.begin(), bytes.end());
+    const std::string text = PictureBytes(At(model_.images, *images.begin(), "picture"));
     result->texture_ending = text.starts_with("\x89PNG")        ? ".png"
                              : text.starts_with("\xff\xd8\xff") ? ".jpg"
                                                                 : "";
@@ -297,6 +297,15 @@ class GlbReader {
       return warn("its texture is neither PNG nor JPEG, so that it cannot be used");
     result->texture = text;
     if (bare) warn("some of its parts have no texture: they will have a colour of it");
+  }
+
+  std::string PictureBytes(const tinygltf::Image& image) const {
+    if (image.bufferView < 0) return {image.image.begin(), image.image.end()};
+    const auto& view = At(model_.bufferViews, image.bufferView, "part of its data");
+    const auto& buffer = At(model_.buffers, view.buffer, "part of its data").data;
+    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+      Refuse("it is damaged (data that it does not have)");
+    return {reinterpret_cast<const char*>(buffer.data()) + view.byteOffset, view.byteLength};
   }
 
   Mesh Joined(bool with_uvs) const {

@@ -157,6 +157,7 @@ TEST_F(GlbMeshTest, DamagedFilesAreRefused) {
   Refuse([](Model* m) { m->accessors[0].count = 1000000000; }, "data that it does not have");
   Refuse([](Model* m) { m->accessors[0].byteOffset = 64; }, "data that it does not have");
   Refuse([](Model* m) { m->bufferViews[0].byteLength = 1 << 20; }, "data that it does not have");
+  Refuse([](Model* m) { m->bufferViews[3].byteLength = 1 << 20; }, "data that it does not have");
   Refuse([](Model* m) { m->buffers[0].data[m->bufferViews[2].byteOffset] = 99; }, "corner");
   Refuse([](Model* m) { m->meshes[0].primitives[0].mode = TINYGLTF_MODE_LINE; }, "no triangles");
   Refuse([](Model* m) { m->extensionsRequired = {"KHR_draco_mesh_compression"}; }, "Draco");

@@ -44,6 +44,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
           {"photographs", OriginalPhotographs(photos).size()},
           {"masks", rule && rule->masks ? rule->masks->text : ""},
+          {"mesh", rule && rule->mesh ? rule->mesh->text : ""},
           {"has_landmarks", HasPicks(snapshot, pose)},
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},

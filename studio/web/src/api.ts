@@ -23,6 +23,8 @@ export interface Pose {
   photographs: number
   /** the folder of masks that the project names, or '' */
   masks: string
+  /** the mesh made elsewhere that the project names, or '' */
+  mesh: string
   has_landmarks: boolean
   /** which meshes exist by now: 'mesh', 'clean', 'refined', 'surface', 'cloud' */
   meshes: string[]

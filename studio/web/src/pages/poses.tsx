@@ -15,8 +15,10 @@ import { PoseView } from './poses/pose_view'
 import './poses/poses.css'
 import { judge, ordered } from './poses/quality'
 import type { Order } from './poses/quality'
-import { kTabs, usePlace } from './poses/route'
-import type { Place, Tab } from './poses/route'
+import { usePlace } from './poses/route'
+import type { Place } from './poses/route'
+import { tabsOf } from './poses/tabs'
+import type { Tab } from './poses/tabs'
 import { Wipe } from './poses/wipe'
 
 const kTabWords: Record<Tab, string> = {
@@ -46,7 +48,7 @@ function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: P
   const results = resultsOf(steps, pose.name)
   const photos = useLoaded(() => api.photos(pose.name), [pose.name, version])
   const judged = useMemo(() => judge(photos.value ?? []), [photos.value])
-  const tab = place.tab === 'fit' && pose.template ? '3d' : place.tab
+  const tab = tabsOf(pose).includes(place.tab) ? place.tab : '3d'
   const [order, setOrder] = useState<Order>('name')
   const brushed = useRef('')
   if (tab === 'photographs' && place.item) brushed.current = place.item
@@ -117,7 +119,7 @@ function Photographs(
 
 function Tabs({ pose, tab, choose }: { pose: Pose; tab: Tab; choose: (tab: Tab) => void }) {
   const list = useRef<HTMLDivElement>(null)
-  const tabs = kTabs.filter((one) => one !== 'fit' || !pose.template)
+  const tabs = tabsOf(pose)
   const move = (event: KeyboardEvent) => {
     const next = nextByKey(event, tabs.length, tabs.indexOf(tab), 1)
     if (next === null) return

@@ -2,6 +2,7 @@
 import type { Pose, Steps } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
+import { isFromMesh } from './tabs'
 
 export function PoseSide({ current, choose }: { current: Pose; choose: (name: string) => void }) {
   const { project } = useStudio()
@@ -24,10 +25,12 @@ export function PoseSide({ current, choose }: { current: Pose; choose: (name: st
                       few
                     </span>
                   )}
-                  <span class="number small soft" title={count(pose.photographs, 'photograph')}>
-                    {pose.photographs}
-                    <span class="hidden"> photographs</span>
-                  </span>
+                  {!isFromMesh(pose) && (
+                    <span class="number small soft" title={count(pose.photographs, 'photograph')}>
+                      {pose.photographs}
+                      <span class="hidden"> photographs</span>
+                    </span>
+                  )}
                 </span>
               </button>
             </li>
@@ -44,9 +47,13 @@ function Has({ pose }: { pose: Pose }) {
   const fitted = pose.method === 'fit'
   const mesh = pose.template ? 'Mesh' : fitted ? 'Bent template' : 'Registered mesh'
   const rows: [string, boolean, string][] = [
-    ['Photographs', pose.photographs > 0, String(pose.photographs)],
-    ['Masks of your own', pose.masks !== '', pose.masks || 'none'],
-    ['Cameras', pose.has_cameras, ''],
+    ...(isFromMesh(pose)
+      ? ([['Given', true, pose.mesh]] as typeof rows)
+      : ([
+          ['Photographs', pose.photographs > 0, String(pose.photographs)],
+          ['Masks of your own', pose.masks !== '', pose.masks || 'none'],
+          ['Cameras', pose.has_cameras, ''],
+        ] as typeof rows)),
     ...(fitted ? [] : ([['Surface', pose.meshes.includes('clean'), '']] as typeof rows)),
     ...(fitted || pose.template
       ? []
@@ -91,7 +98,8 @@ function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landm
   const open = own.filter((step) => ['would_run', 'never', 'waits'].includes(step.state))
   const registered = pose.meshes.includes('mesh')
   const first = own.find((step) => step.state !== 'done' && step.state !== 'missing')
-  if (pose.photographs === 0) return { text: `Put photographs of this pose into ${pose.photos}.` }
+  if (pose.photographs === 0 && !isFromMesh(pose))
+    return { text: `Put photographs of this pose into ${pose.photos}.` }
   if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
   if (steps.running && first) return { text: `A run is at work; ${first.id} is still to come.` }
   if (first?.stage === 'register' && !pose.has_landmarks && !registered)
@@ -100,7 +108,10 @@ function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landm
     return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }
   if (pose.method === 'fit')
     return { text: 'All is made. Compare it with its photographs in the wipe.' }
-  if (pose.template) return { text: 'All is made. Look over the mesh in 3D and in the wipe.' }
+  if (pose.template)
+    return {
+      text: `All is made. Look over the mesh in 3D${isFromMesh(pose) ? '' : ' and in the wipe'}.`,
+    }
   return {
     text: 'All is made. Look at the fit; a landmark helps where it is yellow.',
     page: 'landmarks',

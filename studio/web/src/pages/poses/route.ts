@@ -2,8 +2,7 @@
 // and the browser's back button works.
 import { useCallback, useEffect, useState } from 'preact/hooks'
 
-export type Tab = 'photographs' | '3d' | 'fit' | 'wipe'
-export const kTabs: Tab[] = ['photographs', '3d', 'fit', 'wipe']
+import { kTabs, type Tab } from './tabs'
 
 export interface Place {
   pose: string

@@ -4,6 +4,7 @@ import { useRef, useState } from 'preact/hooks'
 import type { Step } from '../../api'
 import { useStudio } from '../../state'
 import { cssShare, duration, percent } from '../../words'
+import { isFromMesh } from '../poses/tabs'
 import { Icon } from './icons'
 import { kStateWords, rowsOf, shownState, titleOf } from './step_words'
 import type { Row } from './step_words'
@@ -79,7 +80,7 @@ function PoseHead({ pose }: { pose: string }) {
   const verdict = steps.verdicts.find((one) => one.about === pose)
   const facts: string[] = []
   if (known && project.kind === 'poses') {
-    facts.push(`${known.photographs} photos`)
+    facts.push(isFromMesh(known) ? 'mesh' : `${known.photographs} photos`)
     if (known.template) facts.push('template')
   }
   return (

@@ -1,0 +1,18 @@
+// What there is to see of a pose.
+import type { Pose } from '../../api'
+
+export type Tab = 'photographs' | '3d' | 'fit' | 'wipe'
+export const kTabs: Tab[] = ['photographs', '3d', 'fit', 'wipe']
+
+/** Whether a pose has a mesh from elsewhere in place of photographs. */
+export function isFromMesh(pose: Pose): boolean {
+  return pose.mesh !== '' && pose.photographs === 0
+}
+
+export function tabsOf(pose: Pose): Tab[] {
+  return kTabs.filter(
+    (tab) =>
+      (tab !== 'fit' || !pose.template) &&
+      ((tab !== 'photographs' && tab !== 'wipe') || !isFromMesh(pose)),
+  )
+}
