@@ -14,6 +14,7 @@
 #include "core/io/rig_calibration.h"
 #include "core/io/shot_io.h"
 #include "core/io/stiffness_io.h"
+#include "core/io/testing_dng.h"
 #include "core/testing_shapes.h"
 #include "tests/fuzz/fuzz_folder.h"
 
@@ -211,6 +212,14 @@ void Motions() {
   WriteFile(In("notes", kPaintedNotes), ReadFile(fuzz::Folder() / kPaintedNotes));
 }
 
+void RawFiles() {
+  ImageF scene(32, 24, 3);
+  for (std::size_t i = 0; i < scene.data.size(); ++i)
+    scene.data[i] = static_cast<float>(i % 97) / 96;
+  WriteDng(In("raw", "a.dng"), scene, {});
+  WriteDng(In("raw", "turned.dng"), scene, {{0.6, 1, 0.8}, 6});
+}
+
 /// Two triangles with texture coordinates, colours and a picture, below two nodes.
 void Glb() {
   std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
@@ -317,6 +326,7 @@ int main(int argc, char** argv) {
   Armatures();
   Movies();
   Motions();
+  RawFiles();
   Glb();
   Films();
 }
