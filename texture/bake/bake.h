@@ -88,7 +88,7 @@ struct BakeOptions {
     visit(
         "scan_reach", scan_reach,
         {"how far from the mesh a scan may lie for its colours to count, over the mesh's diagonal",
-         "", 0, 1});
+         "", 1e-5, 1});
   }
   std::vector<std::string> Problems() const;
 };

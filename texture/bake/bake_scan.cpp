@@ -154,8 +154,11 @@ double UvArea(const Mesh& mesh) {
 double SizeOfScan(const Mesh& mesh, const Mesh& scan, const Image8& texture) {
   const double texels = texture.empty() ? static_cast<double>(scan.points.rows())
                                         : UvArea(scan) * texture.width * texture.height,
-               density = texels / SurfaceArea(scan.points, scan.faces);
-  return std::sqrt(density * SurfaceArea(mesh.points, mesh.faces) / UvArea(mesh));
+               area = SurfaceArea(scan.points, scan.faces), layout = UvArea(mesh);
+  if (area <= 0 || layout <= 0) return 0;
+  constexpr double kEnough = 1e6;  // of scans that are all but points
+  return std::min(kEnough,
+                  std::sqrt(texels / area * SurfaceArea(mesh.points, mesh.faces) / layout));
 }
 
 int PowerOfTwo(double wanted) {
