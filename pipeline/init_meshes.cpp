@@ -8,6 +8,7 @@
 #include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/glb_mesh.h"
+#include "core/io/image_kind.h"
 #include "core/io/mesh_io.h"
 #include "core/io/mesh_texture.h"
 #include "core/io/photograph_files.h"
@@ -103,7 +104,14 @@ void FindColors(GivenMesh* mesh, bool same_faces) {
   const MeshTexture found = FindTexture(mesh->file);
   if (!found.why.empty()) Warn(found.why);
   const Mesh read = ReadMesh(mesh->file);
-  if (read.has_uvs()) mesh->texture = found.file;
+  const bool readable =
+      !found.file.empty() && !ImageKindOf(ReadFile(found.file).substr(0, 4096)).empty();
+  if (!found.file.empty() && !readable)
+    Warn(
+        fmt::format("{}: its texture {} is not read: save it as PNG or JPEG, and name that in its "
+                    "material",
+                    PrintableName(mesh->file), PrintableName(found.file)));
+  if (read.has_uvs() && readable) mesh->texture = found.file;
   mesh->colored = mesh->textured() || read.colors.rows() > 0;
 }
 

@@ -190,6 +190,11 @@ TEST_F(ScannedMeshes, ATextureThatIsNotThereIsSaid) {
   const RunResult init = Init({});
   ASSERT_EQ(init.exit_code, kOk) << init.output;
   EXPECT_THAT(init.output, HasSubstr("names the texture wave.png, which is not there"));
+  fs::remove_all(folder_ / "fox");
+  WriteFile(folder_ / "wave.png", "a TGA has no mark at its start");
+  const RunResult other = Init({});
+  ASSERT_EQ(other.exit_code, kOk) << other.output;
+  EXPECT_THAT(other.output, HasSubstr("its texture wave.png is not read: save it as PNG"));
 }
 
 TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
