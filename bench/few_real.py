@@ -10,7 +10,8 @@ evenly, by the stages masks to bake, with --max-size for dense and refine (and -
 each angle: its upper half about a horizontal axis, evenly over the middle half of its height (Barr's bend). The stage
 `fit` bends it back to the six photographs, which capture masks by themselves; with the template's cameras as the rig
 (`rig`), and with the lens alone (`alone`: the cameras are found by texture). The error is the distance of the vertices
-from where they were before the map, over the diagonal, after alignment by the six cameras. Silhouettes and colours are
+from where they were before the map, over the diagonal, after alignment by the six cameras, and for `shape` by the vertices
+themselves: how wrong the pose is wherever it stands. Silhouettes and colours are
 compared in six further photographs by `score_views`, for the fitted mesh and for the template before the map; fit never
 saw them, but the template's texture did. --exact-masks fits to silhouettes of the template before the map instead of
 capture's masks; --clicks N picks so many places of the lower part, 3 pixels beside the truth, in the photographs that show them. --work keeps the files: what is there is not made again. Needs
@@ -207,8 +208,10 @@ class Real:
         write_moved(w / 'mesh.obj', folder / 'placed.obj', moved)
         diagonal = np.linalg.norm(np.ptp(rest, axis=0))
         error = np.linalg.norm(moved - rest, axis=1) / diagonal
+        scale, rotation, shift = similarity(moved, rest)
+        of_shape = np.linalg.norm(scale * moved @ rotation.T + shift - rest, axis=1) / diagonal
         return {'placed': len(names), 'rig': report['measurements']['rig'], 'away': float(np.linalg.norm(start - rest, axis=1).mean() / diagonal),
-                'mean': float(error.mean()), 'p95': float(np.percentile(error, 95)), 'max': float(error.max()), 'seconds': report['seconds'],
+                'mean': float(error.mean()), 'p95': float(np.percentile(error, 95)), 'max': float(error.max()), 'shape': float(of_shape.mean()), 'seconds': report['seconds'],
                 **self.score(folder / 'placed.obj', folder / 'views.png')}
 
 
@@ -230,17 +233,17 @@ def measure(args):
 
 
 def show(results):
-    print('| set | bent by | cameras | away before | mean error | 95 % of vertices within | largest | IoU in six unseen views | PSNR there |')
-    print('|---|---|---|---|---|---|---|---|---|')
+    print('| set | bent by | cameras | away before | mean error | of the shape | 95 % of vertices within | largest | IoU in six unseen views | PSNR there |')
+    print('|---|---|---|---|---|---|---|---|---|---|')
     for result in results:
         full = result['full']
-        print(f"| {result['set']} | full reconstruction | | | | | | {full['iou']:.4f} | {full['gained_psnr_db']:.2f} dB |")
+        print(f"| {result['set']} | full reconstruction | | | | | | | {full['iou']:.4f} | {full['gained_psnr_db']:.2f} dB |")
         for row in result['fits']:
             cameras = 'by texture' if row['alone'] else 'of the rig'
             if 'failed' in row:
                 print(f"| {result['set']} | {row['degrees']} degrees | {cameras} | {row['failed']} |")
                 continue
-            print(f"| {result['set']} | {row['degrees']} degrees | {cameras} | {100 * row['away']:.1f} % | {100 * row['mean']:.2f} % | {100 * row['p95']:.2f} % | "
+            print(f"| {result['set']} | {row['degrees']} degrees | {cameras} | {100 * row['away']:.1f} % | {100 * row['mean']:.2f} % | {100 * row['shape']:.2f} % | {100 * row['p95']:.2f} % | "
                   f"{100 * row['max']:.1f} % | {row['iou']:.4f} | {row['gained_psnr_db']:.2f} dB |")
 
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/size_of.h"
+#include "fit/cameras/cameras_around.h"
 #include "fit/cameras/late_cameras.h"
 
 namespace keypose::fit {
@@ -101,20 +102,19 @@ Attempt TryWithoutRig(const FitInput& in, const std::vector<FoundCamera>& camera
   return *held.doubtful_dropped ? std::move(held) : std::move(all);
 }
 
-/// Mean overlap of all photographs. One that was not placed counts as one that hardly agrees.
-double Agreement(const Attempt& attempt) {
-  constexpr double kUnplaced = 0.85, kNone = -1;
-  const int all = SizeOf(attempt.cameras), placed = SizeOf(attempt.placed);
-  if (attempt.result.points.rows() == 0) return kNone;
-  return (placed * attempt.Overlap() + (all - placed) * kUnplaced) / std::max(1, all);
-}
-
 }  // namespace
 
 double Attempt::Overlap() const {
   double sum = 0;
   for (const ViewQuality& view : result.view_quality) sum += view.overlap;
   return sum / std::max(1, SizeOf(result.view_quality));
+}
+
+double Attempt::Agreement() const {
+  constexpr double kUnplaced = 0.85, kNone = -1;
+  const int all = SizeOf(cameras), of_these = SizeOf(placed);
+  if (result.points.rows() == 0) return kNone;
+  return (of_these * Overlap() + (all - of_these) * kUnplaced) / std::max(1, all);
 }
 
 Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
@@ -149,22 +149,52 @@ std::vector<Start> StartsOf(const std::vector<RigMotion>& motions, const std::ve
   return starts;
 }
 
-Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress) {
-  Attempt best;
-  double most = 0;
+std::vector<Start> StartsAround(const FitInput& in, const std::vector<FoundCamera>& around,
+                                const std::vector<Start>& tried) {
+  const auto is_new = [&](const Start& start) {
+    return !start.on_rig || std::none_of(tried.begin(), tried.end(), [&](const Start& other) {
+      return other.on_rig && other.on_rig->rig_view == start.on_rig->rig_view;
+    });
+  };
+  std::vector<Start> starts;
+  for (Start& start : StartsOf(FindRigMotions(in.mesh, around, in.views, in.rig), in.rig, around))
+    if (is_new(start)) starts.push_back(std::move(start));
+  return starts;
+}
+
+Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress,
+                std::optional<Attempt> before) {
+  // On the rig the figure also stands right, so cameras found one by one must do better.
+  const auto agreement = [](const Attempt& attempt) {
+    return attempt.Agreement() - (attempt.on_rig ? 0 : kClearly);
+  };
+  std::optional<Attempt> best = std::move(before);
   for (int s = 0; s < SizeOf(starts); ++s) {
     SubProgress part(progress, 1.0 * s / SizeOf(starts), (s + 1.0) / SizeOf(starts));
     const Start& start = starts[s];
     Attempt attempt =
         start.on_rig ? TryOnRig(in, start, &part) : TryWithoutRig(in, start.cameras, &part);
-    // On the rig the figure also stands right, so cameras found one by one must do better.
-    const double agreement = Agreement(attempt) - (start.on_rig ? 0 : kClearly);
-    if (s > 0 && agreement <= most) continue;
-    most = agreement;
-    best = std::move(attempt);
-    best.start = s;
+    attempt.on_rig = start.on_rig;
+    if (!best || agreement(attempt) > agreement(*best)) best = std::move(attempt);
   }
-  return best;
+  return best ? *std::move(best) : Attempt();
+}
+
+Attempt FitAgain(const FitInput& in, Attempt attempt, Progress* progress) {
+  constexpr int kMostRounds = 2;
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (attempt.on_rig || attempt.result.points.rows() == 0) break;
+    SubProgress part(progress, 1.0 * round / kMostRounds, (round + 1.0) / kMostRounds);
+    SubProgress looking(&part, 0, 0.2), bending(&part, 0.2, 1);
+    Mesh bent = in.mesh;
+    bent.points = attempt.result.points;
+    const auto cameras = FindCamerasAround(bent, in.texture, in.views, attempt.cameras, &looking);
+    Attempt again = TryWithoutRig(in, cameras, &bending);
+    const double gained = again.Agreement() - attempt.Agreement();
+    if (gained > 0) attempt = std::move(again);
+    if (gained < kClearly) break;
+  }
+  return attempt;
 }
 
 }  // namespace keypose::fit

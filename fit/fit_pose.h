@@ -34,7 +34,7 @@ struct Start {
 
 /// One set of cameras, and the shape that goes with them.
 struct Attempt {
-  int start = 0;  ///< of which it comes
+  std::optional<RigMotion> on_rig;  ///< of the start that it comes from
   std::vector<FoundCamera> cameras;
   std::optional<int> late;               ///< cameras found late; nothing if none was looked for
   std::optional<bool> doubtful_dropped;  ///< nothing if there were none
@@ -44,6 +44,9 @@ struct Attempt {
 
   /// Of the outlines, mean of the photographs that were placed.
   double Overlap() const;
+  /// Of all photographs; one that was not placed counts as one that hardly agrees. Negative without
+  /// a result.
+  double Agreement() const;
 };
 
 /// Where a prepared view shows a pixel of its photograph.
@@ -60,11 +63,22 @@ BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, co
 std::vector<Start> StartsOf(const std::vector<RigMotion>& motions, const std::vector<View>& rig,
                             const std::vector<FoundCamera>& cameras);
 
+/// Further starts, from cameras that were looked for on all sides (FindCamerasAround).
+/// @param tried  starts that are not worth a second try
+std::vector<Start> StartsAround(const FitInput& in, const std::vector<FoundCamera>& around,
+                                const std::vector<Start>& tried);
+
 /// Bends the template to the photographs whose cameras were found, from each start; the outlines
 /// tell which is right. On the rig, the figure is moved there first, and the rig's cameras hold.
 /// Without a rig they are solved for together with the shape, and again from the sure ones alone,
 /// which then hold: a camera of a part that bent away pulls all others with it.
+/// @param before  what other starts gave, to be beaten
 /// @return without a result if fewer than two photographs are placed
-Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress);
+Attempt FitPose(const FitInput& in, const std::vector<Start>& starts, Progress* progress,
+                std::optional<Attempt> before = {});
+
+/// Cameras that were found one by one, looked for again on the shape that they gave, and the
+/// template bent once more from there, as long as that agrees better. An attempt on the rig stays.
+Attempt FitAgain(const FitInput& in, Attempt attempt, Progress* progress);
 
 }  // namespace keypose::fit

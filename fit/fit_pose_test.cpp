@@ -37,7 +37,7 @@ class FitPoseStarts : public testing::Test {
 
 TEST_F(FitPoseStarts, TheOneWhoseOutlinesAgreeIsTaken) {
   const Attempt attempt = Fitted({On(31, {1, 3, 4, 7}), On(0, {0, 2, 3, 6})});
-  EXPECT_EQ(attempt.start, 1);
+  EXPECT_EQ(attempt.on_rig.value().rig_view, (std::vector<int>{0, 2, 3, 6}));
   EXPECT_GT(attempt.Overlap(), 0.97);
   EXPECT_LT((attempt.result.points - mesh_.points).rowwise().norm().mean(), 0.01);
 }
@@ -45,7 +45,7 @@ TEST_F(FitPoseStarts, TheOneWhoseOutlinesAgreeIsTaken) {
 TEST_F(FitPoseStarts, APhotographWithoutACameraCountsAgainstAStart) {
   texture_ = {};  // so no camera is found late
   const Attempt attempt = Fitted({On(0, {0, 2, -1, -1}), On(0, {0, 2, 3, 6})});
-  EXPECT_EQ(attempt.start, 1);
+  EXPECT_EQ(attempt.on_rig.value().rig_view, (std::vector<int>{0, 2, 3, 6}));
   EXPECT_EQ(attempt.placed.size(), 4u);
 }
 
@@ -53,7 +53,7 @@ TEST_F(FitPoseStarts, OneWithoutCamerasIsNotTaken) {
   texture_ = {};
   mesh_.points *= 1.8;  // so the outlines agree badly
   const Attempt attempt = Fitted({On(0, {0, -1, -1, -1}), On(0, {0, 2, 3, 6})});
-  EXPECT_EQ(attempt.start, 1);
+  EXPECT_EQ(attempt.on_rig.value().rig_view, (std::vector<int>{0, 2, 3, 6}));
   EXPECT_EQ(Fitted({On(0, {0, -1, -1, -1})}).placed.size(), 1u);
 }
 

@@ -19,6 +19,7 @@
 #include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "fit/bending/bend.h"
+#include "fit/cameras/cameras_around.h"
 #include "fit/cameras/find_cameras.h"
 #include "fit/cameras/late_cameras.h"
 #include "fit/cameras/rig_motions.h"
@@ -48,7 +49,7 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Bends the template into a few photographs of another pose.";
   spec.inputs = {
       {"template", "file", "the unwrapped template (.obj)", ""},
@@ -184,13 +185,11 @@ Scene SceneOf(const Scene& unplaced, const std::vector<BendView>& views,
 
 /// Which of the rig's cameras took the photographs, if they were taken by them.
 void ReportRig(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
-               const std::vector<RigMotion>& motions, const Start& start) {
-  stage.Report("rig", start.on_rig.has_value());
-  const int agreeing = start.on_rig      ? start.on_rig->agreeing
-                       : motions.empty() ? 0
-                                         : motions.front().agreeing;
+               const std::vector<RigMotion>& motions, const std::optional<RigMotion>& on_rig) {
+  stage.Report("rig", on_rig.has_value());
+  const int agreeing = on_rig ? on_rig->agreeing : motions.empty() ? 0 : motions.front().agreeing;
   stage.Report("rig_agreeing", agreeing);
-  if (!start.on_rig) {
+  if (!on_rig) {
     if (!motions.empty())
       stage.Warn(fmt::format(
           "fit: the photographs were not taken from the template's camera places ({} of {} agree), "
@@ -202,10 +201,10 @@ void ReportRig(StageContext& stage, const Scene& rig, const std::vector<Prepared
   }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (int i = 0; i < SizeOf(views); ++i)
-    if (start.on_rig->rig_view[i] >= 0)
+    if (on_rig->rig_view[i] >= 0)
       list.push_back({{"image", views[i].name},
-                      {"rig_image", rig.views[start.on_rig->rig_view[i]].name},
-                      {"inliers", start.on_rig->inliers[i]}});
+                      {"rig_image", rig.views[on_rig->rig_view[i]].name},
+                      {"inliers", on_rig->inliers[i]}});
   stage.ReportJson("rig_cameras", list.dump());
 }
 
@@ -388,6 +387,8 @@ double ReportAttempt(StageContext& stage, const Mesh& mesh, const Scene& unplace
 /// Fits from all starts that are worth a try, and reports where the cameras of the best one are.
 Attempt FitFromStarts(StageContext& stage, const FitInput& in, const Scene& rig,
                       const std::vector<FoundCamera>& cameras, Progress* progress) {
+  // Outlines that agree like this need no further starts. Real masks reach 0.987.
+  constexpr double kAgreesWell = 0.98;
   const std::vector<RigMotion> motions = FindRigMotions(in.mesh, cameras, in.views, rig.views);
   std::vector<Start> starts = StartsOf(motions, rig.views, cameras);
   // Motions are empty where no camera was found. Picks may have found some that are none of the
@@ -395,9 +396,20 @@ Attempt FitFromStarts(StageContext& stage, const FitInput& in, const Scene& rig,
   if (in.texture.empty() && motions.empty())
     if (const auto start = StartByOutlines(stage, rig, in.views, cameras, in.mesh))
       starts = {*start};
-  Attempt attempt = FitPose(in, starts, progress);
+  SubProgress first(progress, 0, 0.6), second(progress, 0.6, 1);
+  Attempt attempt = FitPose(in, starts, &first);
+  const bool clear = !motions.empty() && motions.front().clear;
+  if (!clear && !in.texture.empty() && attempt.Agreement() < kAgreesWell) {
+    SubProgress looking(&second, 0, 0.1), bending(&second, 0.1, 0.4), again(&second, 0.4, 1);
+    const auto around = FindCamerasAround(in.mesh, in.texture, in.views, cameras, &looking);
+    const std::vector<Start> further = StartsAround(in, around, starts);
+    stage.Report("cameras_around", std::count_if(around.begin(), around.end(),
+                                                 [](const auto& one) { return one.found; }));
+    attempt = FitAgain(in, FitPose(in, further, &bending, std::move(attempt)), &again);
+    starts.insert(starts.end(), further.begin(), further.end());
+  }
   stage.Report("starts", SizeOf(starts));
-  ReportRig(stage, rig, in.views, motions, starts[attempt.start]);
+  ReportRig(stage, rig, in.views, motions, attempt.on_rig);
   return attempt;
 }
 

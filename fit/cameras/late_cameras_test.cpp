@@ -34,9 +34,19 @@ TEST_F(LateCameras, NoneIsTakenWhereTheRigHasNoSuchCamera) {
   EXPECT_FALSE(cameras[0].found);
 }
 
-TEST_F(LateCameras, WithoutARigAndWithoutFeaturesNothingIsFound) {
+TEST_F(LateCameras, WithoutARigItIsFoundFromAllSides) {
   std::vector<FoundCamera> cameras(1);
-  EXPECT_EQ(FindLateCameras(mesh_, texture_, {Photograph(0)}, {}, cameras), 0);
+  const PreparedView view = Photograph(3);
+  ASSERT_EQ(FindLateCameras(mesh_, texture_, {view}, {}, cameras), 1);
+  EXPECT_LT((cameras[0].camera_from_world.Inverse().translation - view.Center()).norm(),
+            0.01 * view.Center().norm());
+}
+
+TEST_F(LateCameras, WithoutARigAndWithoutFeaturesNothingIsFound) {
+  const PreparedView view = Photograph(0);
+  for (std::uint8_t& value : texture_.data) value = 128;
+  std::vector<FoundCamera> cameras(1);
+  EXPECT_EQ(FindLateCameras(mesh_, texture_, {view}, {}, cameras), 0);
 }
 
 /// Picks of vertices that the view shows, without an error.

@@ -1,0 +1,96 @@
+// Cameras that no rig knows are found from all sides of the template.
+#include "fit/cameras/cameras_around.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/fit_view.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "fit/cameras/views_around.h"
+#include "fit/testing/spotted_lump.h"
+
+namespace keypose::fit {
+namespace {
+
+class CamerasAround : public testing::Test {
+ protected:
+  /// From beside all directions that are tried.
+  PreparedView Photograph(double azimuth, double elevation) const {
+    const Camera& lens = RingAround(mesh_, {0})[0].camera;
+    return PhotographOf(mesh_, texture_,
+                        FitView(mesh_.points, azimuth, elevation, lens.width, lens.height));
+  }
+  static double Off(const Rigid3& camera, const PreparedView& view) {
+    return (camera.Inverse().translation - view.Center()).norm() / view.Center().norm();
+  }
+
+  Mesh mesh_ = SpottedLump();
+  Image8 texture_ = Spots();
+};
+
+TEST_F(CamerasAround, OneOfTheMostAlikeIsNearTheTrueOne) {
+  const RayScene scene(mesh_.points, mesh_.faces);
+  for (const double azimuth : {8.0, 113.0, 262.0}) {
+    const PreparedView view = Photograph(azimuth, 34);
+    double nearest = 1;
+    for (const ViewAround& around : ViewsAround(mesh_, texture_, scene, view, 6)) {
+      nearest = std::min(nearest, Off(around.camera_from_world, view));
+      EXPECT_GT(around.overlap, 0.8);
+    }
+    EXPECT_LT(nearest, 0.3) << azimuth;  // directions are 15 and 20 degrees apart
+  }
+}
+
+TEST_F(CamerasAround, ALikelyPlaceOfTheMaskIsKept) {
+  const RayScene scene(mesh_.points, mesh_.faces);
+  const PreparedView view = Photograph(8, 25);
+  EXPECT_GT(ViewsAround(mesh_, {}, scene, view, 1).at(0).overlap, 0.95);
+}
+
+TEST_F(CamerasAround, EachPhotographsIsFoundExactlyWithoutAnyMatchOfItsOwn) {
+  const std::vector<PreparedView> views = {Photograph(8, 34), Photograph(113, 12),
+                                           Photograph(262, 50)};
+  const auto cameras = FindCamerasAround(mesh_, texture_, views, std::vector<FoundCamera>(3));
+  for (int v = 0; v < 3; ++v) {
+    ASSERT_TRUE(cameras[v].found) << v;
+    EXPECT_LT(Off(cameras[v].camera_from_world, views[v]), 0.02) << v;
+    EXPECT_EQ(cameras[v].inliers, static_cast<int>(cameras[v].agreeing.size()));
+  }
+}
+
+TEST_F(CamerasAround, AWrongCameraDoesNotStay) {
+  const std::vector<PreparedView> views = {Photograph(8, 34)};
+  std::vector<FoundCamera> wrong(1);
+  wrong[0].found = true;
+  wrong[0].camera_from_world = Photograph(188, 34).camera_from_world;
+  const auto cameras = FindCamerasAround(mesh_, texture_, views, wrong);
+  ASSERT_TRUE(cameras[0].found);
+  EXPECT_LT(Off(cameras[0].camera_from_world, views[0]), 0.02);
+}
+
+TEST_F(CamerasAround, NothingIsFoundOfAnotherFigure) {
+  const std::vector<PreparedView> views = {Photograph(8, 34)};
+  for (std::uint8_t& value : texture_.data) value = static_cast<std::uint8_t>(255 - value);
+  Image8 other(texture_.width, texture_.height, 3);
+  for (int y = 0; y < other.height; ++y)
+    for (int x = 0; x < other.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        other.at(x, y)[c] = texture_.at(other.width - 1 - x, other.height - 1 - y)[c];
+  EXPECT_FALSE(FindCamerasAround(mesh_, other, views, std::vector<FoundCamera>(1))[0].found);
+}
+
+TEST_F(CamerasAround, SameBitsForAnyThreadCount) {
+  const std::vector<PreparedView> views = {Photograph(113, 12)};
+  SetThreadCount(1);
+  const auto one = FindCamerasAround(mesh_, texture_, views, std::vector<FoundCamera>(1));
+  SetThreadCount(3);
+  const auto three = FindCamerasAround(mesh_, texture_, views, std::vector<FoundCamera>(1));
+  SetThreadCount(0);
+  EXPECT_EQ(one[0].camera_from_world.translation, three[0].camera_from_world.translation);
+  EXPECT_EQ(one[0].matches.size(), three[0].matches.size());
+}
+
+}  // namespace
+}  // namespace keypose::fit

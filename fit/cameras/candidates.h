@@ -1,0 +1,66 @@
+// Places from which a photograph may have been taken, and how well each explains it.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+#include "core/ray_scene.h"
+#include "fit/appearance/textured_render.h"
+#include "views/placement/surface_features.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::fit {
+
+struct Candidate {
+  Rigid3 camera_from_world;
+  bool free = false;                  ///< of no rig: anywhere
+  double overlap = 0;                 ///< of silhouette and mask
+  std::vector<FeatureMatch> matches;  ///< nearby
+  double score = 0;                   ///< matches, the nearer the more; if free, outlines too
+};
+
+/// Compares a mesh as candidates show it with photographs.
+class CandidateJudge {
+ public:
+  /// @param mesh, texture  must outlive this object; the texture may be empty for Overlaps
+  CandidateJudge(const Mesh& mesh, const Image8& texture);
+
+  /// Of the silhouettes under the rig's cameras with the mask, at the coarsest level.
+  std::vector<double> Overlaps(const PreparedView& view, const std::vector<View>& rig) const;
+
+  /// The rig's cameras whose silhouettes overlap most with the mask, by falling overlap.
+  std::vector<Candidate> OfRig(const PreparedView& view, const std::vector<View>& rig) const;
+
+  /// Cameras all round from which the mesh looks most like the photograph, and the one that most
+  /// of `matches` agree with.
+  std::vector<Candidate> AllRound(const PreparedView& view,
+                                  const std::vector<FeatureMatch>& matches) const;
+
+  /// Renders the mesh as the candidate has it, and matches features near where it shows them.
+  void Judge(const PreparedView& view, const PictureFeatures& photo, Candidate& candidate) const;
+
+  /// Moves the camera to where the nearby features want it, as long as that makes it better.
+  void Improve(const PreparedView& view, const PictureFeatures& photo, Candidate& candidate) const;
+
+ private:
+  TexturedRender RenderAt(const PreparedView& view, int level, const Rigid3& pose) const;
+
+  const Mesh& mesh_;
+  const Image8& picture_;
+  SurfaceTexture texture_;
+  RayScene scene_;
+  double area_;
+};
+
+/// That with the highest score; nothing if there is none.
+const Candidate* BestOf(const std::vector<Candidate>& candidates);
+
+/// A photograph's features, as many as candidates are judged by.
+PictureFeatures FeaturesToJudgeBy(const PreparedView& view);
+
+/// How far a match may be from where a candidate shows its place.
+double Reach(const Pinhole& camera);
+
+}  // namespace keypose::fit
