@@ -146,9 +146,11 @@ TEST_F(PicksFollow, SwappedNumbersThatNothingBindsAreRefused) {
   const Mesh before = ReadMesh(before_);
   nlohmann::json old = nlohmann::json::parse(ReadFile(picks_before_));
   old["mesh"] = {{"vertices", before.vertex_count()}, {"faces", before.face_count()}};
-  // Face numbers as on another mesh.
-  for (auto& pick : old["landmarks"])
-    pick["face"] = (pick["face"].get<int>() * 7 + 1300) % before.face_count();
+  // Face numbers as on another mesh: each limb's pick lies on the next limb.
+  auto& picks = old["landmarks"];
+  const nlohmann::json first = picks[0]["face"];
+  for (std::size_t k = 0; k + 1 < picks.size(); ++k) picks[k]["face"] = picks[k + 1]["face"];
+  picks.back()["face"] = first;
   WriteFile(here() / "old.json", old.dump());
   const RunResult run = Keypose({"register", "--source", before_, "--target", now_, "--landmarks",
                                  "old.json", "--landmarks", picks_now_, "--registered", "out.ply"});
