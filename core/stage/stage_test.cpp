@@ -301,24 +301,13 @@ TEST_F(StageTest, ToolThatFailsToSayItsVersionHasNone) {
   ::unsetenv("KEYPOSE_TOOL");
 }
 
-/// Stands in a library's call that looks at nothing, with an output and a scratch file half
-/// written.
-void StuckStage(StageContext& stage, const TestOptions&) {
-  WriteFile(stage.Output("copy"), "half");
-  WriteFile(stage.Scratch() / "left.bin", "half");
-  WriteFile(fs::path(stage.Input("text")).parent_path() / "stuck", "");
-  for (int i = 0; i < 3000; ++i) usleep(100000);
-}
-
 /// Starts a program that is stuck, sends signals, and returns its exit code.
 int EndStuck(const fs::path& folder, const std::vector<int>& signals) {
+  const std::string text = folder / "in.txt", copy = folder / "out.txt";
   const pid_t child = fork();
   if (child == 0) {
-    std::vector<std::string> words = {"test", "--text", (folder / "in.txt").string(), "--copy",
-                                      (folder / "out.txt").string()};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    _exit(RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), StuckStage));
+    execl(KEYPOSE_STUCK_STAGE, "stuck", "--text", text.c_str(), "--copy", copy.c_str(), nullptr);
+    _exit(127);
   }
   while (!fs::exists(folder / "stuck") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
   for (const int signal : signals) kill(child, signal), usleep(20000);
