@@ -1,4 +1,4 @@
-// A textured figure without symmetry, and photographs of it from a rig: for tests of cameras.
+// Photographs of the spotted lump from a rig: for tests of cameras.
 #pragma once
 
 #include <vector>
@@ -6,15 +6,10 @@
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/mesh.h"
+#include "core/testing_spots.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::fit {
-
-/// About 2 wide, around the origin, with its own texture coordinates by longitude and latitude.
-Mesh SpottedLump();
-
-/// Spots of many sizes.
-Image8 Spots();
 
 /// Cameras that look at the mesh, 20 degrees from above.
 std::vector<View> RingAround(const Mesh& mesh, const std::vector<double>& azimuths_deg);

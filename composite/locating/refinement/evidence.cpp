@@ -18,18 +18,18 @@ struct EvidenceTuning {
   // each area of grey values [px^2]. A baked texture may lie a pixel beside its place over whole
   // limbs (docs/decisions/outlines-before-textures.md), so a good matte must outweigh it.
   KEYPOSE_TUNED(double, kOutlineCorrelation, 8);
-  KEYPOSE_TUNED(double, kGreyCorrelation, 2000);
-  KEYPOSE_TUNED(double, kEdgeWeight, 0.3);         // of inner edges over outlines
-  KEYPOSE_TUNED(double, kSightingDeviation, 3);    // px, likewise
-  KEYPOSE_TUNED(double, kLeastCorrelation, 0.25);  // of greys that are used
+  KEYPOSE_TUNED(double, kGreyCorrelation, 700);
+  KEYPOSE_TUNED(double, kEdgeWeight, 0.3);        // of inner edges over outlines
+  KEYPOSE_TUNED(double, kSightingDeviation, 3);   // px, likewise
+  KEYPOSE_TUNED(double, kLeastCorrelation, 0.1);  // of greys that are used; fur has little
 };
 
-constexpr double kClickDeviation = 2.5;  // px, in the whole picture
-constexpr double kK1Deviation = 0.05;
-constexpr double kSightingReach = 4;  // px
-constexpr double kStep = 2;           // px along an outline
-constexpr int kEdgeReach = 5;         // px on each side
-constexpr double kLeastEdge = 6;      // grey levels a pixel
+constexpr double kClickDeviation = 2.5;     // px, in the whole picture
+constexpr double kCornerDistortion = 0.02;  // deviation: a lens's, of the distance from the centre
+constexpr double kSightingReach = 4;        // px
+constexpr double kStep = 2;                 // px along an outline
+constexpr int kEdgeReach = 5;               // px on each side
+constexpr double kLeastEdge = 6;            // grey levels a pixel
 
 double RobustWeight(double distance, double scale) {
   const double s2 = scale * scale, w = s2 / (s2 + distance * distance);
@@ -125,6 +125,12 @@ void AddInnerEdges(NormalEquations& equations, const std::vector<SilhouettePoint
   }
 }
 
+/// Squared distance of the picture's corner from its centre, over the focal length's square: what
+/// k1 is multiplied with there.
+double CornerSquared(const Camera& camera) {
+  return (std::pow(camera.width / camera.fx, 2) + std::pow(camera.height / camera.fy, 2)) / 4;
+}
+
 }  // namespace
 
 Evidence MakeEvidence(const Image8& picture, const Image8& matte, double deviation_px,
@@ -184,7 +190,8 @@ void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double sca
   if (prior.focal_free && prior.focal_deviation > 0)
     equations.AddPrior(kLogFocal, std::log(prior.focal_px * scale / camera.fx),
                        1 / std::pow(prior.focal_deviation, 2));
-  if (prior.k1_free) equations.AddPrior(kK1, -camera.k1, 1 / std::pow(kK1Deviation, 2));
+  if (prior.k1_free)
+    equations.AddPrior(kK1, -camera.k1, 1 / std::pow(kCornerDistortion / CornerSquared(camera), 2));
 }
 
 Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement& at,

@@ -46,14 +46,18 @@ struct FoundPlace {
   /// Mean distance of the outlines at 480 px of the best place that is seen from elsewhere, over
   /// that of this one; 0: no other was tried.
   double rival_ratio = 0;
+  /// Smaller is better: px by which outlines differ at 960 px, and what grey values add; 0: not
+  /// compared.
+  double score = 0;
 };
 
 /// @param camera  its focal length is a start
 /// @param focal_known  else other focal lengths are tried too
+/// @param before  where the frame before had the figure, a further start; null: none
 /// @throws InputError  nothing agrees; clicks that do not agree; neither clicks, features nor matte
 /// Same bits for any thread count.
 FoundPlace FindPlace(const PosedFigure& figure, const LocateFrame& frame, const Look& look,
-                     const Camera& camera, bool focal_known);
+                     const Camera& camera, bool focal_known, const FoundPlace* before = nullptr);
 
 /// Factors that bring pictures to the sizes of the coarse-to-fine search: 480, 960 pixels and
 /// whole.

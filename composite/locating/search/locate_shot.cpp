@@ -114,10 +114,14 @@ class Locator {
     const PosedFigure& figure = FigureOf(i);
     if (state.frame.matte.empty() && state.frame.clicks.empty() && !features_ && !states_.empty())
       ColourMatte(state, figure, states_.back().at, kFarWithin);
-    if (!Follow(state, figure)) {
+    const bool followed = Follow(state, figure);
+    // A standing camera needs no more; a moving one could be followed into a wrong place.
+    if (!followed || (features_ && !input_.still)) {
       const Camera& camera = states_.empty() ? input_.camera : states_[0].at.camera;
       const bool known = focal_known() || !states_.empty();
-      state.found = FindPlace(figure, state.frame, look(), camera, known);
+      const FoundPlace before = state.found;
+      state.found =
+          FindPlace(figure, state.frame, look(), camera, known, followed ? &before : nullptr);
       state.at = state.found.at;
     }
     if (state.frame.matte.empty()) MakeMatte(state, figure);
@@ -151,16 +155,16 @@ class Locator {
       }
   }
 
+  int LensStep() const { return (count() + kLensFrames - 1) / kLensFrames; }
   /// Some frames, evenly chosen, at one size.
   std::vector<SharedFrame> LensFrames(int level) {
     std::vector<SharedFrame> frames;
-    const int step = (count() + kLensFrames - 1) / kLensFrames;
-    for (int i = 0; i < count(); i += step)
+    for (int i = 0; i < count(); i += LensStep())
       frames.push_back({&FigureOf(i).fine, &states_[i].evidence[level], states_[i].at});
     return frames;
   }
   void TakeLens(const std::vector<SharedFrame>& frames) {
-    const int step = (count() + kLensFrames - 1) / kLensFrames;
+    const int step = LensStep();
     for (int i = 0; i < count(); ++i) {
       const SharedFrame& near = frames[std::min(i / step, SizeOf(frames) - 1)];
       if (i % step == 0) states_[i].at = near.at;
@@ -206,7 +210,15 @@ class Locator {
 
   void FinishFrame(int i) {
     Tell(0.7 + 0.15 * i / count(), "refining " + input_.frames[i].name);
+    if (i % LensStep() != 0) RefineCoarsely(i);
     RefinePlace(i);
+  }
+  /// What the frames that the lens was solved from have been through already.
+  void RefineCoarsely(int i) {
+    State& state = states_[i];
+    const Evidence& evidence = state.evidence[std::min(1, SizeOf(scales_) - 1)];
+    state.at =
+        Refined(FigureOf(i).fine, evidence, state.at, {kReach, kFine, 8, texture_.get(), true}, {});
   }
   void RefinePlace(int i) {
     State& state = states_[i];
