@@ -23,22 +23,8 @@ bool IsSure(const Candidate& best, const std::vector<Candidate>& candidates) {
   for (const Candidate& candidate : candidates) most = std::max(most, candidate.overlap);
   const double least =
       std::min(CamerasAroundTuning::kLeastOverlap, most - CamerasAroundTuning::kNearlyMost);
-  return best.overlap >= least && SizeOf(best.matches) >= CamerasAroundTuning::kLeastMatches;
-}
-
-/// Of the photograph's own matches, those near where the camera shows their places; then the
-/// nearby ones.
-std::vector<FeatureMatch> MatchesUnder(const Candidate& candidate, const Mesh& mesh,
-                                       const Pinhole& camera,
-                                       const std::vector<FeatureMatch>& own) {
-  std::vector<FeatureMatch> matches;
-  for (const FeatureMatch& match : own) {
-    const Eigen::Vector3d x = candidate.camera_from_world * PositionOf(match.point, mesh.points);
-    if (x.z() > 0 && (camera.Project(x) - match.pixel).norm() < Reach(camera))
-      matches.push_back(match);
-  }
-  matches.insert(matches.end(), candidate.matches.begin(), candidate.matches.end());
-  return matches;
+  return best.overlap >= least &&
+         SizeOf(best.MatchesAndPicks()) >= CamerasAroundTuning::kLeastMatches;
 }
 
 }  // namespace
@@ -46,18 +32,20 @@ std::vector<FeatureMatch> MatchesUnder(const Candidate& candidate, const Mesh& m
 bool FindAllRound(const CandidateJudge& judge, const Mesh& mesh, const PreparedView& view,
                   FoundCamera& camera) {
   const PictureFeatures photo = FeaturesToJudgeBy(view);
-  std::vector<Candidate> candidates = judge.AllRound(view, camera.matches);
+  std::vector<Candidate> candidates = judge.AllRound(view, AllMatches(camera));
+  const std::vector<FeatureMatch> picks = CountedPicks(camera);
   ParallelFor(SizeOf(candidates), [&](std::int64_t i) {
-    judge.Judge(view, photo, candidates[i]);
-    judge.Improve(view, photo, candidates[i]);
+    judge.Judge(view, photo, picks, candidates[i]);
+    judge.Improve(view, photo, picks, candidates[i]);
   });
   const Candidate* best = BestOf(candidates);
   if (!best || !IsSure(*best, candidates)) return false;
   camera.found = true;
   camera.camera_from_world = best->camera_from_world;
-  camera.matches = MatchesUnder(*best, mesh, view.camera(), camera.matches);
-  camera.agreeing = best->matches;
-  camera.inliers = SizeOf(best->matches);
+  camera.matches = NearMatches(*best, mesh.points, view.camera(), camera.matches);
+  camera.matches.insert(camera.matches.end(), best->matches.begin(), best->matches.end());
+  camera.agreeing = best->MatchesAndPicks();
+  camera.inliers = SizeOf(camera.agreeing);
   return true;
 }
 

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/fit_view.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/testing_shapes.h"
 #include "fit/cameras/views_around.h"
 #include "fit/testing/spotted_lump.h"
 
@@ -78,6 +80,25 @@ TEST_F(CamerasAround, NothingIsFoundOfAnotherFigure) {
       for (int c = 0; c < 3; ++c)
         other.at(x, y)[c] = texture_.at(other.width - 1 - x, other.height - 1 - y)[c];
   EXPECT_FALSE(FindCamerasAround(mesh_, other, views, std::vector<FoundCamera>(1))[0].found);
+}
+
+TEST_F(CamerasAround, PicksTellThePlaceOnAPlainBall) {
+  mesh_.points = MakeIcosphere(4).points;  // as a mask the same from all sides
+  texture_ = Image8(64, 64, 3, 128);
+  const std::vector<PreparedView> views = {Photograph(8, 34)};
+  FoundCamera picked;
+  for (int vertex = 0; vertex < mesh_.points.rows(); vertex += 211) {
+    const Eigen::Vector3d x = mesh_.points.row(vertex);
+    if (x.dot(views[0].Center().normalized()) < 0.5) continue;  // behind, or near the rim
+    const Eigen::Vector3d seen = views[0].camera_from_world * x;
+    picked.picks.push_back({{Eigen::Vector3i::Constant(vertex)}, views[0].camera().Project(seen)});
+  }
+  picked.picks.resize(std::min<std::size_t>(picked.picks.size(), 5));
+  ASSERT_GE(picked.picks.size(), 4u);
+  EXPECT_FALSE(FindCamerasAround(mesh_, texture_, views, {FoundCamera{}})[0].found);
+  const FoundCamera found = FindCamerasAround(mesh_, texture_, views, {picked})[0];
+  ASSERT_TRUE(found.found);
+  EXPECT_LT(Off(found.camera_from_world, views[0]), 0.02);
 }
 
 TEST_F(CamerasAround, SameBitsForAnyThreadCount) {

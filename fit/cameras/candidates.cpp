@@ -32,6 +32,12 @@ double Longer(const Pinhole& camera) { return std::max(camera.width, camera.heig
 
 }  // namespace
 
+std::vector<FeatureMatch> Candidate::MatchesAndPicks() const {
+  std::vector<FeatureMatch> all = matches;
+  all.insert(all.end(), picks.begin(), picks.end());
+  return all;
+}
+
 const Candidate* BestOf(const std::vector<Candidate>& candidates) {
   const Candidate* best = nullptr;
   for (const Candidate& candidate : candidates)
@@ -44,6 +50,18 @@ PictureFeatures FeaturesToJudgeBy(const PreparedView& view) {
 }
 
 double Reach(const Pinhole& camera) { return CandidateTuning::kReach * Longer(camera); }
+
+std::vector<FeatureMatch> NearMatches(const Candidate& candidate, const PointsX3& points,
+                                      const Pinhole& camera,
+                                      const std::vector<FeatureMatch>& matches) {
+  std::vector<FeatureMatch> near;
+  for (const FeatureMatch& match : matches) {
+    const Eigen::Vector3d x = candidate.camera_from_world * PositionOf(match.point, points);
+    if (x.z() > 0 && (camera.Project(x) - match.pixel).norm() < Reach(camera))
+      near.push_back(match);
+  }
+  return near;
+}
 
 CandidateJudge::CandidateJudge(const Mesh& mesh, const Image8& texture)
     : mesh_(mesh),
@@ -88,16 +106,16 @@ std::vector<Candidate> CandidateJudge::AllRound(const PreparedView& view,
                                                 const std::vector<FeatureMatch>& matches) const {
   std::vector<Candidate> candidates;
   for (const ViewAround& around : ViewsAround(mesh_, picture_, scene_, view, kMostAround))
-    candidates.push_back({around.camera_from_world, true, around.overlap, {}, 0});
+    candidates.push_back({around.camera_from_world, true, around.overlap});
   const double within = CandidateTuning::kWithin / 2 * Longer(view.camera());
   const PicturePose pose =
       PlacePicture(view.camera(), mesh_.points, matches, within, kLeastFromAnywhere);
-  if (pose.found) candidates.push_back({pose.camera_from_world, true, 0, {}, 0});
+  if (pose.found) candidates.push_back({pose.camera_from_world, true});
   return candidates;
 }
 
 void CandidateJudge::Judge(const PreparedView& view, const PictureFeatures& photo,
-                           Candidate& candidate) const {
+                           const std::vector<FeatureMatch>& picks, Candidate& candidate) const {
   const FitView at{0, view.camera(), candidate.camera_from_world};
   const double reach = Reach(at.camera);
   const TexturedRender render = RenderAt(view, 0, candidate.camera_from_world);
@@ -106,8 +124,9 @@ void CandidateJudge::Judge(const PreparedView& view, const PictureFeatures& phot
       MatchNearby(mesh_.faces, scene_, render, at, photo, reach);
   candidate.matches =
       NearbyMatches(mesh_.points, mesh_.points, found, at.camera, candidate.camera_from_world);
+  candidate.picks = NearMatches(candidate, mesh_.points, at.camera, picks);
   candidate.score = 0;
-  for (const FeatureMatch& match : candidate.matches) {
+  for (const FeatureMatch& match : candidate.MatchesAndPicks()) {
     const Eigen::Vector2d shown =
         at.camera.Project(candidate.camera_from_world * PositionOf(match.point, mesh_.points));
     candidate.score += 1 - (match.pixel - shown).norm() / reach;
@@ -116,15 +135,15 @@ void CandidateJudge::Judge(const PreparedView& view, const PictureFeatures& phot
 }
 
 void CandidateJudge::Improve(const PreparedView& view, const PictureFeatures& photo,
-                             Candidate& candidate) const {
+                             const std::vector<FeatureMatch>& picks, Candidate& candidate) const {
   constexpr int kRounds = 3;
   const double within = CandidateTuning::kWithin * Longer(view.camera());
   for (int round = 0; round < kRounds; ++round) {
-    const PicturePose pose =
-        PlacePicture(view.camera(), mesh_.points, candidate.matches, within, kLeastNearby);
+    const PicturePose pose = PlacePicture(view.camera(), mesh_.points, candidate.MatchesAndPicks(),
+                                          within, kLeastNearby);
     if (!pose.found) return;
-    Candidate next{pose.camera_from_world, candidate.free, 0, {}, 0};
-    Judge(view, photo, next);
+    Candidate next{pose.camera_from_world, candidate.free};
+    Judge(view, photo, picks, next);
     if (next.score <= candidate.score) return;
     candidate = next;
   }

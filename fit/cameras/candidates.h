@@ -15,11 +15,19 @@ namespace keypose::fit {
 
 struct Candidate {
   Rigid3 camera_from_world;
-  bool free = false;                  ///< of no rig: anywhere
-  double overlap = 0;                 ///< of silhouette and mask
-  std::vector<FeatureMatch> matches;  ///< nearby
-  double score = 0;                   ///< matches, the nearer the more; if free, outlines too
+  bool free = false;                    ///< of no rig: anywhere
+  double overlap = 0;                   ///< of silhouette and mask
+  std::vector<FeatureMatch> matches{};  ///< nearby
+  std::vector<FeatureMatch> picks{};    ///< nearby, as often as they count
+  double score = 0;                     ///< matches, the nearer the more; if free, outlines too
+
+  std::vector<FeatureMatch> MatchesAndPicks() const;
 };
+
+/// Those near where the candidate shows their places.
+std::vector<FeatureMatch> NearMatches(const Candidate& candidate, const PointsX3& points,
+                                      const Pinhole& camera,
+                                      const std::vector<FeatureMatch>& matches);
 
 /// Compares a mesh as candidates show it with photographs.
 class CandidateJudge {
@@ -39,10 +47,14 @@ class CandidateJudge {
                                   const std::vector<FeatureMatch>& matches) const;
 
   /// Renders the mesh as the candidate has it, and matches features near where it shows them.
-  void Judge(const PreparedView& view, const PictureFeatures& photo, Candidate& candidate) const;
+  /// @param picks  of the photograph, as often as they count; those near it score, too
+  void Judge(const PreparedView& view, const PictureFeatures& photo,
+             const std::vector<FeatureMatch>& picks, Candidate& candidate) const;
 
-  /// Moves the camera to where the nearby features want it, as long as that makes it better.
-  void Improve(const PreparedView& view, const PictureFeatures& photo, Candidate& candidate) const;
+  /// Moves the camera to where the nearby features and picks want it, as long as that makes it
+  /// better.
+  void Improve(const PreparedView& view, const PictureFeatures& photo,
+               const std::vector<FeatureMatch>& picks, Candidate& candidate) const;
 
  private:
   TexturedRender RenderAt(const PreparedView& view, int level, const Rigid3& pose) const;

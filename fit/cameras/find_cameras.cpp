@@ -25,12 +25,19 @@ constexpr int kMostFeatures = 2500, kLeastInliers = 12;
 
 }  // namespace
 
-std::vector<FeatureMatch> AllMatches(const FoundCamera& camera) {
+std::vector<FeatureMatch> CountedPicks(const FoundCamera& camera) {
   // A pick is worth so many features: four on what did not move are enough.
   constexpr int kFeaturesAPick = 4;
-  std::vector<FeatureMatch> all = camera.matches;
+  std::vector<FeatureMatch> counted;
   for (int k = 0; k < kFeaturesAPick; ++k)
-    all.insert(all.end(), camera.picks.begin(), camera.picks.end());
+    counted.insert(counted.end(), camera.picks.begin(), camera.picks.end());
+  return counted;
+}
+
+std::vector<FeatureMatch> AllMatches(const FoundCamera& camera) {
+  std::vector<FeatureMatch> all = camera.matches;
+  const std::vector<FeatureMatch> picks = CountedPicks(camera);
+  all.insert(all.end(), picks.begin(), picks.end());
   return all;
 }
 

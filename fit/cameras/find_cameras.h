@@ -22,6 +22,9 @@ struct FoundCamera {
   std::vector<FeatureMatch> picks;     ///< what a person picked in it
 };
 
+/// Its picks, as often as they count beside features.
+std::vector<FeatureMatch> CountedPicks(const FoundCamera& camera);
+
 /// Features and picks of a photograph, the picks as often as they count.
 std::vector<FeatureMatch> AllMatches(const FoundCamera& camera);
 

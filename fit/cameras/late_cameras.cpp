@@ -38,7 +38,8 @@ bool FindOnRig(const CandidateJudge& judge, const PreparedView& view, const std:
                FoundCamera& camera) {
   const PictureFeatures photo = FeaturesToJudgeBy(view);
   std::vector<Candidate> candidates = judge.OfRig(view, rig);
-  ParallelFor(SizeOf(candidates), [&](std::int64_t i) { judge.Judge(view, photo, candidates[i]); });
+  ParallelFor(SizeOf(candidates),
+              [&](std::int64_t i) { judge.Judge(view, photo, {}, candidates[i]); });
   const Candidate* best = BestOfRig(candidates);
   if (!best) return false;
   camera.found = true;
