@@ -383,6 +383,7 @@ def main():
     args = parser.parse_args()
     build = pathlib.Path(args.build).resolve()
     work = pathlib.Path(args.work or tempfile.mkdtemp(prefix='fault_matrix_'))
+    work.mkdir(parents=True, exist_ok=True)
     kinds = args.kinds.split(',')
     unknown = [kind for kind in kinds if kind not in KINDS]
     if unknown:
