@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/file_names.h"
+#include "core/sha256.h"
 #include "pipeline/content_hasher.h"
 #include "pipeline/stamp_json.h"
 
@@ -25,6 +26,27 @@ namespace {
 
 constexpr int kSchema = 2;  // schema 1 had only sizes, and none for the report
 constexpr const char* kReport = "report.json";
+
+constexpr const char* kChecksum = "checksum";
+
+// The manifest's own hash goes before its text: a flipped bit in the hash of a file would pass for
+// that of another file, whose stamp has not changed.
+constexpr std::string_view kSeal = "{\n \"checksum\": \"", kAfterSeal = "\",";
+constexpr std::size_t kHashLength = 64;
+
+std::string Sealed(json manifest) {
+  manifest.erase(kChecksum);
+  const std::string text = manifest.dump(1);
+  return fmt::format("{}{}{}{}", kSeal, Sha256Of(text), kAfterSeal, text.substr(1));
+}
+
+/// Earlier versions wrote no hash.
+bool IsAsSealed(const std::string& text) {
+  if (!text.starts_with(kSeal)) return true;
+  const std::size_t end = kSeal.size() + kHashLength + kAfterSeal.size();
+  return text.size() > end &&
+         Sha256Of("{" + text.substr(end)) == text.substr(kSeal.size(), kHashLength);
+}
 
 /// A manifest's entry for one file of the artifact.
 struct KeptFile {
@@ -116,7 +138,9 @@ std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Read
     return std::nullopt;
   };
   try {
-    json manifest = json::parse(disk_.Read(file));
+    const std::string text = disk_.Read(file);
+    if (!IsAsSealed(text)) return damaged("manifest.json is damaged");
+    json manifest = json::parse(text);
     artifact.recipe = RecipeFromJson(manifest.at("recipe"));
     // Without this check, two swapped folders or a foreign manifest would give one step's result to
     // another step.
@@ -155,7 +179,7 @@ void ArtifactStore::Remember(const fs::path& file, json manifest, json files) co
   manifest["files"] = std::move(files);
   manifest.erase("sizes");
   try {
-    disk_.Write(file, manifest.dump(1));
+    disk_.Write(file, Sealed(std::move(manifest)));
   } catch (const DiskError&) {
     // Not an error: if this cannot be saved (full or read-only disk), the files are read again next
     // time.
@@ -200,7 +224,7 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
                          {"recipe", ToJson(recipe)},  {"outputs", outputs},
                          {"files", FilesJson(files)}, {"seconds", seconds},
                          {"peak_bytes", peak_bytes}};
-  disk_.Write(made / "manifest.json", manifest.dump(1));
+  disk_.Write(made / "manifest.json", Sealed(manifest));
   // The data must reach the device before the rename: after a power cut an artifact is complete or
   // absent.
   disk_.Sync(made);
