@@ -171,7 +171,7 @@ void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes
   reported_[step] = true;
   const Step& what = plan_.graph().steps[step];
   const StepPlan& plan = plan_[step];
-  for (const std::string& note : results_.Publish(what, *plan.artifact)) observer_.Note(note);
+  Publish(step);
   if (made || !plan.last || plan.last->failed || plan.last->fingerprint != plan.fingerprint) {
     StepRecord record;
     record.fingerprint = plan.fingerprint;
@@ -187,6 +187,24 @@ void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes
   }
   AddToRecord(step, made ? "made" : "cached", seconds, peak_bytes);
   observer_.Finished(what.id, made ? "made" : "cached", seconds);
+}
+
+/// Another program may damage the artifact after it was looked at, and before or while it is
+/// copied.
+void Builder::Publish(int step) {
+  const Step& what = plan_.graph().steps[step];
+  const StepPlan& plan = plan_[step];
+  const ResultsFolder::Published published = results_.Publish(what, *plan.artifact);
+  for (const std::string& note : published.notes) observer_.Note(note);
+  std::string damage = "it went away";
+  if (!published.copied || workshop_.store.Find(plan.fingerprint, &damage)) return;
+  results_.RemoveWrongCopies(what.id);
+  observer_.Note(
+      fmt::format("warning: while the results of {} were copied, its artifact in the cache was "
+                  "damaged ({}); it "
+                  "is made again",
+                  what.id, damage));
+  result_.again = true;
 }
 
 void Builder::AddToRecord(int step, const std::string& status, double seconds,

@@ -67,6 +67,7 @@ class Builder {
   bool WasSpoilt(const Running& running);
   void Fail(const Running& running, int exit_code, const std::string& message);
   void Adopt(int step, bool made, double seconds, std::int64_t peak_bytes);
+  void Publish(int step);
   std::string FailureMessage(int step, ExitCode code, int raw_code, const std::string& said) const;
   void AddToRecord(int step, const std::string& status, double seconds, std::int64_t peak_bytes);
   void Interrupt();

@@ -107,8 +107,9 @@ bool ResultsFolder::Unchanged(const std::string& name, const Entry& entry) const
   return present == entry.hash || present == entry.next;
 }
 
-std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact& artifact) {
-  std::vector<std::string> notes;
+ResultsFolder::Published ResultsFolder::Publish(const Step& step, const Artifact& artifact) {
+  Published published;
+  std::vector<std::string>& notes = published.notes;
   const auto wanted = WantedFiles(step, artifact);
   std::vector<std::string> stale, missing;
   for (const auto& [name, entry] : entries_) {
@@ -124,7 +125,7 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
           fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the "
                       "project's results; remove the link",
                       name, (out_ / name).parent_path().string()));
-  if (missing.empty()) return notes;
+  if (missing.empty()) return published;
   for (const std::string& name : missing) {
     Entry& entry = entries_[name];
     const auto stat = entry.next.empty() ? std::nullopt : disk_.Stat(out_ / name);
@@ -139,7 +140,20 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   Save();
   for (const std::string& name : missing) Place(name, wanted.at(name).from, &notes);
   Save();
-  return notes;
+  published.copied = true;
+  return published;
+}
+
+void ResultsFolder::RemoveWrongCopies(const std::string& step) {
+  std::erase_if(entries_, [&](const auto& named) {
+    const auto& [name, entry] = named;
+    if (entry.step != step || !disk_.Stat(out_ / name)) return false;
+    if (disk_.ContentHash(out_ / name) == entry.hash) return false;
+    disk_.Remove(out_ / name);
+    return true;
+  });
+  changed_ = true;
+  Save();
 }
 
 bool ResultsFolder::IsInPlace(const std::string& name, const std::string& step,

@@ -20,9 +20,15 @@ class ResultsFolder {
   /// @param memory_file  stores which files were put there
   ResultsFolder(Disk& disk, std::filesystem::path out, std::filesystem::path memory_file);
 
+  struct Published {
+    std::vector<std::string> notes;  ///< lines for the user
+    bool copied = false;             ///< some were not in place
+  };
   /// Updates the step's named results, and removes those that it no longer has.
-  /// @return lines for the user
-  std::vector<std::string> Publish(const Step& step, const Artifact& artifact);
+  Published Publish(const Step& step, const Artifact& artifact);
+  /// Removes those results of the step whose content is not what it should be: another program
+  /// changed what they were copied from.
+  void RemoveWrongCopies(const std::string& step);
   /// Removes results of steps that the graph no longer has.
   /// @return lines for the user
   std::vector<std::string> DropStepsOutside(const Graph& graph);

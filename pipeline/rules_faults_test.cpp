@@ -168,6 +168,26 @@ TEST(Rules, AFlippedBitOfAManifestIsNotBelieved) {
   }
 }
 
+TEST(Rules, AResultDamagedWhileItIsCopiedIsMadeAgain) {
+  FakeHouse house;
+  house.Run();
+  const std::string mesh = house.Out("rest/mesh.txt");
+  house.disk.Remove(house.project / "out");
+  bool done = false;
+  house.disk.before_copy = [&](const std::filesystem::path& from) {
+    if (done || from.filename() != "mesh.txt") return;
+    done = true;
+    house.disk.Write(from, "damaged");
+  };
+  const auto outcome = house.Run();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(outcome.result.code, ExitCode::kOk);
+  house.Run();
+  EXPECT_EQ(house.Out("rest/mesh.txt"), mesh);
+  EXPECT_THAT(house.disk.FilesBelow(house.project / "out"),
+              Not(testing::Contains(HasSubstr(".mine"))));
+}
+
 TEST(Rules, NamesThatLeadOutOfTheProjectAreNotFollowed) {
   FakeHouse house;
   house.Run();

@@ -361,7 +361,7 @@ TEST(ResultsFolder, OwnCopyOfAKilledRunIsNotTakenForAnEdit) {
   disk.Write("/p/.keypose/cache/m.txt", "newer");
   artifact.outputs["mesh"] = {"m.txt", false, {Sha256Of("newer"), {}}};
   ResultsFolder results(disk, "/p/out", "/p/.keypose/out.json");
-  EXPECT_TRUE(results.Publish(step, artifact).empty());
+  EXPECT_TRUE(results.Publish(step, artifact).notes.empty());
   EXPECT_EQ(disk.Read("/p/out/m.txt"), "newer");
   EXPECT_EQ(disk.FilesBelow("/p/out").size(), 1u);
 }

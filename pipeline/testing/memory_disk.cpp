@@ -112,7 +112,10 @@ void MemoryDisk::Move(const Path& from, const Path& to) {
   }
 }
 
-void MemoryDisk::Copy(const Path& from, const Path& to) { Write(to, Read(from)); }
+void MemoryDisk::Copy(const Path& from, const Path& to) {
+  if (before_copy) before_copy(from);
+  Write(to, Read(from));
+}
 
 void MemoryDisk::Remove(const Path& path) {
   const std::string key = Key(path);

@@ -1,6 +1,7 @@
 // A disk in memory, with settable times.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -26,6 +27,8 @@ class MemoryDisk final : public Disk {
   void Remove(const Path& path) override;
   void Sync(const Path&) override {}
 
+  /// Stands for another program that is at work while a file is copied; may be empty.
+  std::function<void(const Path& from)> before_copy;
   /// Gives a file a new time with the same content.
   void Touch(const Path& path);
   /// Simulates bit rot: flips a bit and leaves size and times unchanged.
