@@ -201,8 +201,7 @@ void Builder::Publish(int step) {
   results_.RemoveWrongCopies(what.id);
   observer_.Note(
       fmt::format("warning: while the results of {} were copied, its artifact in the cache was "
-                  "damaged ({}); it "
-                  "is made again",
+                  "damaged ({}); it is made again",
                   what.id, damage));
   result_.again = true;
 }
