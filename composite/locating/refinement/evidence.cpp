@@ -52,13 +52,14 @@ double DeviationOf(const OutlineMatches& found, double expected_px) {
 }
 
 void AddOutlines(NormalEquations& equations, const std::vector<SilhouettePoint>& silhouette,
-                 const Evidence& evidence, double reach_px) {
+                 const Evidence& evidence, const Terms& terms) {
+  const double reach_px = terms.reach_px;
   const OutlineMatches found = MatchOutlines(silhouette, evidence.outline, reach_px);
   const double variance = std::pow(DeviationOf(found, evidence.matte_deviation_px), 2);
   // Both directions see the same outline, so each counts half.
   const double base = 0.5 / (variance * EvidenceTuning::kOutlineCorrelation);
   for (const OutlineMatch& match : found.matches)
-    equations.Add(match.position, match.direction, match.distance_px,
+    equations.Add(match.position, match.direction, match.distance_px + terms.offset_px,
                   base * match.length_px * RobustWeight(match.distance_px, reach_px / 2));
 }
 
@@ -163,8 +164,7 @@ NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, cons
   NormalEquations equations(at, center, radius);
   if (!evidence.outline.points().empty() || terms.edges) {
     const std::vector<SilhouettePoint> silhouette = FindSilhouette(figure, at, kStep, terms.edges);
-    if (!evidence.outline.points().empty())
-      AddOutlines(equations, silhouette, evidence, terms.reach_px);
+    if (!evidence.outline.points().empty()) AddOutlines(equations, silhouette, evidence, terms);
     if (terms.edges) AddInnerEdges(equations, silhouette, evidence);
   }
   for (const Sighting& sighting : evidence.sightings) {

@@ -41,6 +41,7 @@ struct Terms {
   double reach_px = 10;                  ///< beyond it, outlines are not compared
   const GreyTexture* texture = nullptr;  ///< null: grey values are not compared
   bool edges = false;                    ///< inner outlines against edges of the picture
+  double offset_px = 0;                  ///< by which all outlines of the matte lie farther out
 };
 
 /// The equations of one frame, without the lens's prior.

@@ -188,6 +188,24 @@ double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep&
   return std::sqrt(std::max(x, y)) / frames.front().evidence->scale;
 }
 
+double FocalByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                     const LensPrior& lens) {
+  Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  Terms terms = TermsOf(step, step.rounds - 1);
+  for (const SharedFrame& frame : frames) {
+    const Placement at = frame.at.Scaled(frame.evidence->scale);
+    terms.offset_px = 0;
+    NormalEquations as_is = EquationsOf(*frame.figure, *frame.evidence, at, terms);
+    terms.offset_px = 1;
+    const NormalEquations farther = EquationsOf(*frame.figure, *frame.evidence, at, terms);
+    g += Eliminated(farther).g - Eliminated(as_is).g;
+    if (&frame == &frames.front()) AddLensPrior(as_is, lens, frame.evidence->scale);
+    h += Eliminated(as_is).h;
+  }
+  return LensStep(h, g, lens)[0];
+}
+
 FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px) {
   constexpr std::array<double, 11> kSteps{-0.7, -0.4, -0.2, -0.1, -0.04, 0,
                                           0.04, 0.1,  0.2,  0.4,  0.7};

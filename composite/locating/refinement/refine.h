@@ -56,6 +56,11 @@ struct FocalProfile {
 /// Profile likelihood: the place is solved anew for each of several focal lengths.
 FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px);
 
+/// By how much the focal length's logarithm changes for each pixel, at the frames' size, by which
+/// all mattes lie farther out than the mesh's outlines. No count of outlines makes that less.
+double FocalByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                     const LensPrior& lens);
+
 /// The placement with another focal length, moved in depth so that its size stays.
 Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center);
 

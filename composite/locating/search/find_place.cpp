@@ -74,8 +74,8 @@ void SortTrials(std::vector<Trial>& trials) {
                    [](const Trial& a, const Trial& b) { return a.score < b.score; });
 }
 
-bool SeenAlike(const Trial& a, const Trial& b) {
-  return RotationDifference(a.at.camera_from_mesh.rotation, b.at.camera_from_mesh.rotation) <
+bool SeenAlike(const Placement& a, const Placement& b) {
+  return RotationDifference(a.camera_from_mesh.rotation, b.camera_from_mesh.rotation) <
          std::pow(std::sin(kSame / 2), 2);
 }
 
@@ -86,7 +86,7 @@ std::vector<Trial> Different(std::vector<Trial> trials, int most) {
   for (const Trial& trial : trials) {
     if (SizeOf(kept) >= most) break;
     if (std::none_of(kept.begin(), kept.end(),
-                     [&](const Trial& other) { return SeenAlike(trial, other); }))
+                     [&](const Trial& other) { return SeenAlike(trial.at, other.at); }))
       kept.push_back(trial);
   }
   return kept;
@@ -158,7 +158,7 @@ FoundPlace PlaceByOutlines(const PosedFigure& figure, const LocateFrame& frame, 
   RefineFinely(trials, figure, frame, look, focal_known);
   FoundPlace found{trials[0].at, "outlines", {}, 0, trials[0].score};
   for (const Trial& trial : trials)
-    if (!SeenAlike(trial, trials[0])) {
+    if (!SeenAlike(trial.at, trials[0].at)) {
       found.rival_ratio = trial.score / std::max(trials[0].score, 1e-3);
       break;
     }
@@ -203,7 +203,14 @@ FoundPlace Best(const std::optional<FoundPlace>& by_features, const FoundPlace* 
   if (by_features) best = JudgedByOutlines(*by_features, figure, frame, look, focal_known);
   if (before) {
     const Judged followed = JudgedByOutlines(*before, figure, frame, look, focal_known);
-    if (!best || followed.place.score < best->place.score) best = followed;
+    if (!best || followed.place.score < best->place.score) {
+      // Seen alike, both are one place, which the features show as well.
+      const bool one = best && SeenAlike(best->place.at, followed.place.at);
+      const std::vector<Sighting> sightings =
+          one ? best->place.sightings : followed.place.sightings;
+      best = followed;
+      best->place.sightings = sightings;
+    }
   }
   if (best && best->outline_px <= SearchTuning::kDoubted) return best->place;
   const FoundPlace by_outlines = PlaceByOutlines(figure, frame, look, camera, focal_known);

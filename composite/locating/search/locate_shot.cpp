@@ -22,6 +22,8 @@ struct ShotTuning {
   KEYPOSE_TUNED(double, kFollowed, 1.5);     // px at 480: the place before still serves
   KEYPOSE_TUNED(double, kColourMatte, 1.5);  // px, deviation of mattes made by colours
   KEYPOSE_TUNED(double, kOnePlace, 0.1);     // px that one place for all frames may cost
+  // px at 960 by which a matte lies beside the mesh's outlines all round, deviation.
+  KEYPOSE_TUNED(double, kCommonOffset, 0.5);
   // Of the weights of the mesh's equations beside the set's, where nothing else tells; chosen on
   // the film of seed 1 with a camera that swings and draws nearer.
   KEYPOSE_TUNED(double, kTrustInMesh, 0.2);
@@ -192,6 +194,7 @@ class Locator {
     RefineShared(frames, {kReach, kFine, 8, texture_.get(), true}, Prior());
     if (!input_.focal_fixed) {
       profile_ = ProfileFocal(frames, kReach);
+      AddOffset(frames);
       if (focal_ == "solved" && profile_.deviation > kMostUncertain) {
         focal_ = "kept";
         for (SharedFrame& frame : frames) {
@@ -206,6 +209,15 @@ class Locator {
     frames = LensFrames(SizeOf(scales_) - 1);
     RefineShared(frames, {kReach, kFine, 3, texture_.get(), true}, Prior());
     TakeLens(frames);
+  }
+
+  /// Mattes and scans err alike all round, which no number of frames makes less.
+  void AddOffset(const std::vector<SharedFrame>& frames) {
+    LensPrior prior = Prior();
+    prior.focal_deviation = 0;
+    const double by_px = FocalByOffset(frames, {kReach, kFine, 8, texture_.get(), true}, prior);
+    profile_.deviation =
+        std::min(1.0, std::hypot(profile_.deviation, ShotTuning::kCommonOffset * by_px));
   }
 
   void FinishFrame(int i) {
