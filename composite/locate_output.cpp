@@ -197,6 +197,7 @@ void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot
   stage.Report("focal_uncertainty", located.focal_deviation);
   stage.Report("focal_seen", located.profile_deviation);
   stage.Report("k1", located.camera.k1);
+  stage.Report("matte_offset_px", located.matte_offset_px / input.scale);
   if (located.center_deviation_px > 0 && std::isfinite(located.center_deviation_px))
     stage.Report("center_seen_px", located.center_deviation_px / input.scale);
   stage.Report("one_place", located.one_place);

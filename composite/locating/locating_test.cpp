@@ -322,43 +322,6 @@ TEST(ProfileFocal, NearIsKnownAndFarIsNot) {
   EXPECT_GT(deviation_at(20), 0.1);
 }
 
-/// The matte with all that lies within `px` of it.
-Image8 Grown(const Image8& matte, int px) {
-  Image8 grown = matte;
-  for (int y = px; y < matte.height - px; ++y)
-    for (int x = px; x < matte.width - px; ++x)
-      for (int v = -px; v <= px; ++v)
-        for (int u = -px; u <= px; ++u)
-          if (u * u + v * v <= px * px && *matte.at(x + u, y + v) > 127) *grown.at(x, y) = 255;
-  return grown;
-}
-
-TEST(FocalByOffset, IsHowTheFocalLengthChangesWithAMatteThatIsWiderAllRound) {
-  const Mesh body = OddBody();
-  const Figure figure(body.points, body.faces);
-  LensPrior free;
-  free.focal_free = true, free.focal_px = TestCamera().fx;
-  const RefineStep step{8, 8, 30};
-  const auto solved = [&](int wider_px, double* by_px) {
-    std::vector<Evidence> evidence;
-    std::vector<SharedFrame> frames;
-    for (const double azimuth : {-40.0, 80.0, 200.0}) {
-      const Placement truth = LookingFrom(azimuth, 20, 0.4);
-      const Image8 matte = Grown(Covered(figure, truth), wider_px);
-      evidence.push_back(MakeEvidence(GreyPicture(matte), matte, 0.5, 1));
-      frames.push_back({&figure, nullptr, truth});
-    }
-    for (int i = 0; i < SizeOf(frames); ++i) frames[i].evidence = &evidence[i];
-    RefineShared(frames, step, free);
-    if (by_px) *by_px = FocalByOffset(frames, step, free);
-    return std::log(frames[0].at.camera.fx);
-  };
-  double by_px = 0;
-  const double exact = solved(0, &by_px), wider = solved(2, nullptr);
-  EXPECT_GT(std::abs(by_px), 0.002);
-  EXPECT_NEAR(wider - exact, 2 * by_px, 0.5 * std::abs(by_px));
-}
-
 TEST(LocateShot, FindsTheCameraByTheOutlineAlone) {
   const Mesh body = OddBody();
   const Placement truth = LookingFrom(115, 10);

@@ -49,7 +49,7 @@ NormalEquations::NormalEquations(const Placement& at, const Eigen::Vector3d& cen
       radius_(radius) {}
 
 void NormalEquations::Add(const Eigen::Vector3d& x_in_mesh, const Eigen::Vector2d& direction,
-                          double distance_px, double weight) {
+                          double distance_px, double weight, bool of_matte) {
   const Eigen::Vector3d x = turn_ * x_in_mesh + at_.camera_from_mesh.translation;
   if (x.z() <= 0) return;
   const PixelDerivatives d = DerivativesAt(at_.camera, x);
@@ -59,6 +59,7 @@ void NormalEquations::Add(const Eigen::Vector3d& x_in_mesh, const Eigen::Vector2
   j.segment<3>(3) = radius_ * pull.transpose();
   j[kLogFocal] = direction.dot(d.by_log_focal);
   j[kK1] = direction.dot(d.by_k1);
+  j[kMatteOffset] = of_matte ? 1 : 0;
   j.segment<2>(kCenterX) = direction;
   h_.noalias() += weight * j * j.transpose();
   g_ += weight * distance_px * j;
@@ -127,7 +128,7 @@ double NormalEquations::TurnEigenvalueRatio(Eigen::Vector3d* axis) const {
 }
 
 std::array<bool, kUnknowns> FreeUnknowns(bool focal, bool k1) {
-  return {true, true, true, true, true, true, focal, k1, false, false};
+  return {true, true, true, true, true, true, focal, k1, false, false, false};
 }
 
 }  // namespace keypose::composite

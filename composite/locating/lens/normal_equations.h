@@ -33,9 +33,10 @@ struct PixelDerivatives {
 PixelDerivatives DerivativesAt(const Camera& camera, const Eigen::Vector3d& x_in_camera);
 
 /// Unknowns: a turn about the mesh's centre [rad, in the camera's frame], its shift in units of the
-/// mesh's radius, log of the focal length, k1, the lens's centre [px]. The centre is never solved:
-/// it is there so that Deviation can say how well pictures would show it.
-constexpr int kUnknowns = 10, kLogFocal = 6, kK1 = 7, kCenterX = 8, kCenterY = 9;
+/// mesh's radius, log of the focal length, k1, by how much mattes lie outside of the figure all
+/// round [px], the lens's centre [px]. The centre is never solved: it is there so that Deviation
+/// can say how well pictures would show it.
+constexpr int kUnknowns = 11, kLogFocal = 6, kK1 = 7, kMatteOffset = 8, kCenterX = 9, kCenterY = 10;
 using Step = Eigen::Matrix<double, kUnknowns, 1>;
 using StepMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -46,8 +47,9 @@ class NormalEquations {
   NormalEquations(const Placement& at, const Eigen::Vector3d& center, double radius);
 
   /// The pixel of `x_in_mesh` should move by `distance_px` along `direction`.
+  /// @param of_matte  a matte says so, which may lie beside the figure
   void Add(const Eigen::Vector3d& x_in_mesh, const Eigen::Vector2d& direction, double distance_px,
-           double weight);
+           double weight, bool of_matte = false);
   /// Unknown `i` should move by `distance`.
   void AddPrior(int i, double distance, double weight);
   void Add(const NormalEquations& other);

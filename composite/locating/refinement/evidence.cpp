@@ -42,9 +42,10 @@ double Truncated(double distance, double scale) {
 }
 
 /// A matte that is worse than it is said to be counts less beside grey values.
-double DeviationOf(const OutlineMatches& found, double expected_px) {
+double DeviationOf(const OutlineMatches& found, double offset_px, double expected_px) {
   std::vector<double> sizes;
-  for (const OutlineMatch& match : found.matches) sizes.push_back(std::abs(match.distance_px));
+  for (const OutlineMatch& match : found.matches)
+    sizes.push_back(std::abs(match.distance_px - offset_px));
   if (sizes.empty()) return expected_px;
   const auto middle = sizes.begin() + SizeOf(sizes) / 2;
   std::nth_element(sizes.begin(), middle, sizes.end());
@@ -55,12 +56,15 @@ void AddOutlines(NormalEquations& equations, const std::vector<SilhouettePoint>&
                  const Evidence& evidence, const Terms& terms) {
   const double reach_px = terms.reach_px;
   const OutlineMatches found = MatchOutlines(silhouette, evidence.outline, reach_px);
-  const double variance = std::pow(DeviationOf(found, evidence.matte_deviation_px), 2);
+  const double variance =
+      std::pow(DeviationOf(found, terms.matte_offset_px, evidence.matte_deviation_px), 2);
   // Both directions see the same outline, so each counts half.
   const double base = 0.5 / (variance * EvidenceTuning::kOutlineCorrelation);
-  for (const OutlineMatch& match : found.matches)
-    equations.Add(match.position, match.direction, match.distance_px + terms.offset_px,
-                  base * match.length_px * RobustWeight(match.distance_px, reach_px / 2));
+  for (const OutlineMatch& match : found.matches) {
+    const double distance = match.distance_px - terms.matte_offset_px;
+    equations.Add(match.position, match.direction, distance,
+                  base * match.length_px * RobustWeight(distance, reach_px / 2), true);
+  }
 }
 
 void AddPoint(NormalEquations& equations, const Eigen::Vector3d& position,
@@ -185,17 +189,21 @@ NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, cons
   return EquationsOf(figure, evidence, at, terms, figure.center, figure.radius);
 }
 
-void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double scale) {
+void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double scale,
+                  double matte_offset_px) {
   const Camera& camera = equations.at().camera;
   if (prior.focal_free && prior.focal_deviation > 0)
     equations.AddPrior(kLogFocal, std::log(prior.focal_px * scale / camera.fx),
                        1 / std::pow(prior.focal_deviation, 2));
   if (prior.k1_free)
     equations.AddPrior(kK1, -camera.k1, 1 / std::pow(kCornerDistortion / CornerSquared(camera), 2));
+  if (prior.matte_offset_deviation > 0)
+    equations.AddPrior(kMatteOffset, -matte_offset_px,
+                       1 / std::pow(prior.matte_offset_deviation * scale, 2));
 }
 
 Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                double reach_px) {
+                double reach_px, double matte_offset_px) {
   Misfit misfit;
   if (!evidence.outline.points().empty()) {
     const OutlineMatches found =
@@ -203,7 +211,8 @@ Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement&
     const double variance = std::pow(evidence.matte_deviation_px, 2);
     const double base = 0.5 / EvidenceTuning::kOutlineCorrelation;
     for (const OutlineMatch& match : found.matches)
-      misfit.cost += base * match.length_px * Truncated(match.distance_px, reach_px) / variance;
+      misfit.cost += base * match.length_px *
+                     Truncated(match.distance_px - matte_offset_px, reach_px) / variance;
     misfit.cost += base * found.unmatched_px * reach_px * reach_px / (2 * variance);
     misfit.count += base * found.length_px;
   }

@@ -34,6 +34,8 @@ struct LensPrior {
   double focal_px = 0;         ///< in the whole picture; the deviation below says how surely
   double focal_deviation = 0;  ///< of its logarithm; 0: fixed
   bool focal_free = false, k1_free = false;
+  /// px of the whole picture: of what mattes lie outside of the figure all round; 0: it is known.
+  double matte_offset_deviation = 0;
 };
 
 /// Which terms are used.
@@ -41,7 +43,7 @@ struct Terms {
   double reach_px = 10;                  ///< beyond it, outlines are not compared
   const GreyTexture* texture = nullptr;  ///< null: grey values are not compared
   bool edges = false;                    ///< inner outlines against edges of the picture
-  double offset_px = 0;                  ///< by which all outlines of the matte lie farther out
+  double matte_offset_px = 0;            ///< by which mattes lie outside of the figure all round
 };
 
 /// The equations of one frame, without the lens's prior.
@@ -51,16 +53,19 @@ NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, cons
 NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, const Placement& at,
                             const Terms& terms);
 
-void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double scale);
+/// @param matte_offset_px  that the equations were made with
+void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double scale,
+                  double matte_offset_px = 0);
 
 /// A sum of truncated squares over outlines, sightings and clicks, in units of their variance: the
 /// same for all placements of one frame, so that they can be compared.
+/// @param matte_offset_px  as in Terms
 struct Misfit {
   double cost = 0;
   double count = 0;  ///< of independent residuals
 };
 Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                double reach_px);
+                double reach_px, double matte_offset_px = 0);
 
 /// The equations that outlines alone give, from smooth normals: a turn that they do not see at all,
 /// as about the axis of a vase, has no part in them.

@@ -20,8 +20,8 @@ double ReachOf(const RefineStep& step, int round) {
   return step.reach_px * std::pow(step.last_reach_px / step.reach_px, t);
 }
 
-Terms TermsOf(const RefineStep& step, int round) {
-  return {ReachOf(step, round), step.texture, step.edges};
+Terms TermsOf(const RefineStep& step, int round, double scale) {
+  return {ReachOf(step, round), step.texture, step.edges, step.matte_offset_px * scale};
 }
 
 Step Limited(Step step) {
@@ -39,26 +39,28 @@ Placement AtWholeSize(const Placement& whole, const Placement& scaled, double st
   return result;
 }
 
-/// The lens's step from the sum of all frames' parts.
-Eigen::Vector2d LensStep(Eigen::Matrix2d h, Eigen::Vector2d g, const LensPrior& lens) {
-  const std::array<bool, 2> free{lens.focal_free, lens.k1_free};
-  for (int i = 0; i < 2; ++i)
+/// The step of what all frames share, from the sum of their parts.
+Eigen::Vector3d LensStep(Eigen::Matrix3d h, Eigen::Vector3d g, const LensPrior& lens) {
+  const std::array<bool, 3> free{lens.focal_free, lens.k1_free, lens.matte_offset_deviation > 0};
+  for (int i = 0; i < 3; ++i)
     if (!free[i]) h.row(i).setZero(), h.col(i).setZero(), h(i, i) = 1, g[i] = 0;
-  const Eigen::Vector2d step = h.ldlt().solve(g);
-  return step.allFinite() ? step : Eigen::Vector2d::Zero();
+  const Eigen::Vector3d step = h.ldlt().solve(g);
+  return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
 /// @return the misfit when each frame's place is refined at this focal length
 double CostAt(const std::vector<SharedFrame>& frames, double focal_px, double reach_px,
-              double* count) {
+              double matte_offset_px, double* count) {
   double cost = 0;
   LensPrior fixed;
   if (count) *count = 0;
   for (const SharedFrame& frame : frames) {
     Placement at = WithFocal(frame.at, focal_px, frame.figure->center);
-    at = Refined(*frame.figure, *frame.evidence, at, {reach_px, reach_px, 5}, fixed);
-    const Misfit misfit =
-        MisfitOf(*frame.figure, *frame.evidence, at.Scaled(frame.evidence->scale), reach_px);
+    at = Refined(*frame.figure, *frame.evidence, at,
+                 {reach_px, reach_px, 5, nullptr, false, matte_offset_px}, fixed);
+    const double scale = frame.evidence->scale;
+    const Misfit misfit = MisfitOf(*frame.figure, *frame.evidence, at.Scaled(scale), reach_px,
+                                   matte_offset_px * scale);
     cost += misfit.cost;
     if (count) *count += misfit.count;
   }
@@ -74,12 +76,12 @@ LensPart Eliminated(const NormalEquations& equations) {
   p.diagonal() *= 1 + kDamping;
   p.diagonal().array() += 1e-12 * p.trace();
   const auto solver = p.ldlt();
-  const Eigen::Matrix<double, 6, 2> cross = m.block<6, 2>(0, kLogFocal);
+  const Eigen::Matrix<double, 6, 3> cross = m.block<6, 3>(0, kLogFocal);
   LensPart part;
   part.place_by_lens = solver.solve(cross);
   part.place = solver.solve(g.head<6>());
-  part.h = m.block<2, 2>(kLogFocal, kLogFocal) - cross.transpose() * part.place_by_lens;
-  part.g = g.segment<2>(kLogFocal) - cross.transpose() * part.place;
+  part.h = m.block<3, 3>(kLogFocal, kLogFocal) - cross.transpose() * part.place_by_lens;
+  part.g = g.segment<3>(kLogFocal) - cross.transpose() * part.place;
   return part;
 }
 
@@ -97,7 +99,8 @@ Placement Refined(const Figure& figure, const Evidence& evidence, const Placemen
   Placement scaled = at.Scaled(evidence.scale);
   const double start_focal = scaled.camera.fx;
   for (int round = 0; round < step.rounds; ++round) {
-    NormalEquations equations = EquationsOf(figure, evidence, scaled, TermsOf(step, round));
+    NormalEquations equations =
+        EquationsOf(figure, evidence, scaled, TermsOf(step, round, evidence.scale));
     AddLensPrior(equations, lens, evidence.scale);
     const Step move =
         Limited(equations.Solve(FreeUnknowns(lens.focal_free, lens.k1_free), kDamping));
@@ -107,28 +110,31 @@ Placement Refined(const Figure& figure, const Evidence& evidence, const Placemen
   return AtWholeSize(at, scaled, start_focal);
 }
 
-void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, const LensPrior& lens) {
+double RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step,
+                    const LensPrior& lens) {
+  RefineStep now = step;
+  const double first_scale = frames.front().evidence->scale;
   for (int round = 0; round < step.rounds; ++round) {
     std::vector<NormalEquations> equations;
     std::vector<LensPart> parts;
-    Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
     for (SharedFrame& frame : frames) {
-      NormalEquations of_frame =
-          EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(frame.evidence->scale),
-                      TermsOf(step, round));
-      if (equations.empty()) AddLensPrior(of_frame, lens, frame.evidence->scale);
+      const double scale = frame.evidence->scale;
+      NormalEquations of_frame = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
+                                             TermsOf(now, round, scale));
+      if (equations.empty()) AddLensPrior(of_frame, lens, scale, now.matte_offset_px * scale);
       equations.push_back(of_frame);
       parts.push_back(Eliminated(of_frame));
       h += parts.back().h, g += parts.back().g;
     }
-    const Eigen::Vector2d lens_step = LensStep(h, g, lens);
+    const Eigen::Vector3d lens_step = LensStep(h, g, lens);
     std::vector<Step> moves(frames.size());
-    double factor = std::min(1.0, kLongestLensStep / std::max(lens_step.norm(), 1e-300));
+    double factor = std::min(1.0, kLongestLensStep / std::max(lens_step.head<2>().norm(), 1e-300));
     for (int i = 0; i < SizeOf(frames); ++i) {
       moves[i].setZero();
       moves[i].head<6>() = parts[i].place - parts[i].place_by_lens * lens_step;
-      moves[i].segment<2>(kLogFocal) = lens_step;
+      moves[i].segment<2>(kLogFocal) = lens_step.head<2>();
       factor = std::min(factor, kLongestTurn / std::max(moves[i].head<6>().norm(), 1e-300));
     }
     // One factor for all, or the frames would end with different lenses.
@@ -136,8 +142,10 @@ void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, cons
       const double start = equations[i].at().camera.fx;
       frames[i].at = AtWholeSize(frames[i].at, equations[i].Moved(factor * moves[i]), start);
     }
+    now.matte_offset_px += factor * lens_step[2] / first_scale;
   }
   for (SharedFrame& frame : frames) frame.at.camera = frames[0].at.camera;
+  return now.matte_offset_px;
 }
 
 Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
@@ -148,8 +156,8 @@ Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& 
     const Placement scaled = result.Scaled(frames[0].evidence->scale);
     NormalEquations sum(scaled, first.center, first.radius);
     for (const SharedFrame& frame : frames)
-      sum.Add(EquationsOf(*frame.figure, *frame.evidence, scaled, TermsOf(step, round),
-                          first.center, first.radius));
+      sum.Add(EquationsOf(*frame.figure, *frame.evidence, scaled,
+                          TermsOf(step, round, frame.evidence->scale), first.center, first.radius));
     AddLensPrior(sum, lens, frames[0].evidence->scale);
     const Step move = Limited(sum.Solve(FreeUnknowns(lens.focal_free, lens.k1_free), kDamping));
     result = AtWholeSize(result, sum.Moved(move), scaled.camera.fx);
@@ -160,22 +168,25 @@ Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& 
 
 double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep& step,
                        const LensPrior& lens) {
-  // The lens's four unknowns, with each frame's place solved for them.
-  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+  // What all frames share, five unknowns, with each frame's place solved for them.
+  using Shared = Eigen::Matrix<double, 5, 5>;
+  Shared sum = Shared::Zero();
   for (const SharedFrame& frame : frames) {
-    NormalEquations equations =
-        EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(frame.evidence->scale),
-                    TermsOf(step, step.rounds - 1));
-    if (&frame == &frames.front()) AddLensPrior(equations, lens, frame.evidence->scale);
+    const double scale = frame.evidence->scale;
+    NormalEquations equations = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
+                                            TermsOf(step, step.rounds - 1, scale));
+    if (&frame == &frames.front())
+      AddLensPrior(equations, lens, scale, step.matte_offset_px * scale);
     const StepMatrix& m = equations.matrix();
-    const Eigen::Matrix<double, 6, 4> cross = m.block<6, 4>(0, kLogFocal);
+    const Eigen::Matrix<double, 6, 5> cross = m.block<6, 5>(0, kLogFocal);
     const Eigen::Matrix<double, 6, 6> place = m.topLeftCorner<6, 6>();
-    sum += m.block<4, 4>(kLogFocal, kLogFocal) -
+    sum += m.block<5, 5>(kLogFocal, kLogFocal) -
            cross.transpose() * place.completeOrthogonalDecomposition().solve(cross);
   }
-  std::vector<int> free{2, 3};
+  std::vector<int> free{kCenterX - kLogFocal, kCenterY - kLogFocal};
   if (lens.focal_free) free.push_back(0);
-  if (lens.k1_free) free.push_back(1);
+  if (lens.k1_free) free.push_back(kK1 - kLogFocal);
+  if (lens.matte_offset_deviation > 0) free.push_back(kMatteOffset - kLogFocal);
   Eigen::MatrixXd known = sum(free, free);
   // Columns are scaled to one: a focal length's logarithm moves pixels a thousand times as much.
   const Eigen::VectorXd scale = known.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -188,32 +199,34 @@ double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep&
   return std::sqrt(std::max(x, y)) / frames.front().evidence->scale;
 }
 
-double FocalByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
-                     const LensPrior& lens) {
-  Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d g = Eigen::Vector2d::Zero();
-  Terms terms = TermsOf(step, step.rounds - 1);
+double FocalDeviationByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                              const LensPrior& lens) {
+  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
   for (const SharedFrame& frame : frames) {
-    const Placement at = frame.at.Scaled(frame.evidence->scale);
-    terms.offset_px = 0;
-    NormalEquations as_is = EquationsOf(*frame.figure, *frame.evidence, at, terms);
-    terms.offset_px = 1;
-    const NormalEquations farther = EquationsOf(*frame.figure, *frame.evidence, at, terms);
-    g += Eliminated(farther).g - Eliminated(as_is).g;
-    if (&frame == &frames.front()) AddLensPrior(as_is, lens, frame.evidence->scale);
-    h += Eliminated(as_is).h;
+    const double scale = frame.evidence->scale;
+    NormalEquations equations = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
+                                            TermsOf(step, step.rounds - 1, scale));
+    if (&frame == &frames.front())
+      AddLensPrior(equations, lens, scale, step.matte_offset_px * scale);
+    h += Eliminated(equations).h;
   }
-  return LensStep(h, g, lens)[0];
+  LensPrior known = lens;
+  known.matte_offset_deviation = 0;
+  // By how much focal length and k1 follow the offset, and what is known of it when they do.
+  const Eigen::Vector3d follows = LensStep(h, h.col(2), known);
+  const double known_of_it = h(2, 2) - h.col(2).head<2>().dot(follows.head<2>());
+  return known_of_it > 0 ? std::abs(follows[0]) / std::sqrt(known_of_it) : 0;
 }
 
-FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px) {
+FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px,
+                          double matte_offset_px) {
   constexpr std::array<double, 11> kSteps{-0.7, -0.4, -0.2, -0.1, -0.04, 0,
                                           0.04, 0.1,  0.2,  0.4,  0.7};
   const double start = frames[0].at.camera.fx;
   std::array<double, kSteps.size()> costs;
   double count = 0;
   for (int i = 0; i < SizeOf(kSteps); ++i)
-    costs[i] = CostAt(frames, start * std::exp(kSteps[i]), reach_px, &count);
+    costs[i] = CostAt(frames, start * std::exp(kSteps[i]), reach_px, matte_offset_px, &count);
   const int best = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   // What the model cannot explain is counted as noise.
   const double variance = std::max(1.0, costs[best] / std::max(1.0, count));

@@ -13,6 +13,7 @@ struct RefineStep {
   int rounds = 6;
   const GreyTexture* texture = nullptr;
   bool edges = false;
+  double matte_offset_px = 0;  ///< of the whole picture, as in Terms
 };
 
 /// @param at  with the whole picture's camera, as the result
@@ -26,7 +27,11 @@ struct SharedFrame {
   Placement at;
 };
 /// @param frames  their placements are refined; all end with one lens
-void RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step, const LensPrior& lens);
+/// @return by how much mattes lie outside of the figure all round [px of the whole picture]: the
+/// step's, unless the lens's prior leaves it free. Mattes and scans err alike in all frames; taken
+/// for the figure's size, that would be a wrong focal length and distance.
+double RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step,
+                    const LensPrior& lens);
 /// Several frames with one lens and one place: the meshes are in one frame of coordinates, and the
 /// camera stands still.
 Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& at,
@@ -34,9 +39,9 @@ Placement RefinedStill(const std::vector<SharedFrame>& frames, const Placement& 
 
 /// The lens's part of one frame's equations when its place is solved for each lens, and back.
 struct LensPart {
-  Eigen::Matrix2d h;  ///< of the focal length's logarithm and k1
-  Eigen::Vector2d g;
-  Eigen::Matrix<double, 6, 2> place_by_lens;
+  Eigen::Matrix3d h;  ///< of the focal length's logarithm, k1 and the matte's offset
+  Eigen::Vector3d g;
+  Eigen::Matrix<double, 6, 3> place_by_lens;
   Eigen::Matrix<double, 6, 1> place;
 };
 LensPart Eliminated(const NormalEquations& equations);
@@ -54,12 +59,13 @@ struct FocalProfile {
       0;  ///< of its logarithm: where twice the log likelihood falls by one; at most 1
 };
 /// Profile likelihood: the place is solved anew for each of several focal lengths.
-FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px);
+FocalProfile ProfileFocal(std::vector<SharedFrame> frames, double reach_px,
+                          double matte_offset_px = 0);
 
-/// By how much the focal length's logarithm changes for each pixel, at the frames' size, by which
-/// all mattes lie farther out than the mesh's outlines. No count of outlines makes that less.
-double FocalByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
-                     const LensPrior& lens);
+/// What is left of the focal length's deviation (of its logarithm) since the matte's offset is not
+/// known better than its prior and the pictures say. No number of outlines makes that less.
+double FocalDeviationByOffset(const std::vector<SharedFrame>& frames, const RefineStep& step,
+                              const LensPrior& lens);
 
 /// The placement with another focal length, moved in depth so that its size stays.
 Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center);

@@ -69,6 +69,7 @@ struct LocatedShot {
   std::string focal;               ///< "exif", "solved", "given" or "kept"
   double focal_deviation = 0;      ///< relative
   double profile_deviation = 1;    ///< of the pictures alone
+  double matte_offset_px = 0;      ///< by which mattes lie outside of the mesh all round
   double center_deviation_px = 0;  ///< of the lens's centre if it were solved; 0: not measured
   bool one_place = false;          ///< one place serves all frames, since the meshes move as filmed
   std::optional<SetFinding> set;   ///< none: the camera stands, or the set shows too little
