@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "fit/testing/spotted_lump.h"
 
 namespace keypose::fit {
@@ -22,8 +24,30 @@ class FitPoseStarts : public testing::Test {
     std::vector<FoundCamera> cameras(views_.size());
     return {CamerasUnder(motion, rig_, cameras), motion};
   }
+  FitInput Input() const { return {mesh_, texture_, stiffness_, views_, rig_, picks_, unplaced_}; }
   Attempt Fitted(const std::vector<Start>& starts) const {
-    return FitPose({mesh_, texture_, stiffness_, views_, rig_, picks_, unplaced_}, starts, nullptr);
+    return FitPose(Input(), starts, nullptr);
+  }
+  /// Each photograph's true camera, found by itself, with matches all over the figure.
+  std::vector<FoundCamera> TrueCameras() const {
+    std::vector<FoundCamera> cameras;
+    for (const int i : {0, 2, 3, 6}) {
+      FoundCamera camera;
+      camera.found = true;
+      camera.camera_from_world = rig_[i].camera_from_world;
+      for (int v = 0; v < mesh_.vertex_count(); v += 7) {
+        FeatureMatch match;
+        match.point.vertices.setConstant(v);
+        const PreparedView& view = views_[cameras.size()];
+        match.pixel =
+            view.camera().Project(camera.camera_from_world * mesh_.points.row(v).transpose());
+        camera.matches.push_back(match);
+      }
+      camera.agreeing = camera.matches;
+      camera.inliers = static_cast<int>(camera.matches.size());
+      cameras.push_back(camera);
+    }
+    return cameras;
   }
 
   Mesh mesh_ = SpottedLump();
@@ -55,6 +79,43 @@ TEST_F(FitPoseStarts, OneWithoutCamerasIsNotTaken) {
   const Attempt attempt = Fitted({On(0, {0, -1, -1, -1}), On(0, {0, 2, 3, 6})});
   EXPECT_EQ(attempt.on_rig.value().rig_view, (std::vector<int>{0, 2, 3, 6}));
   EXPECT_EQ(Fitted({On(0, {0, -1, -1, -1})}).placed.size(), 1u);
+}
+
+TEST_F(FitPoseStarts, OnTheRigNoMotionIsTriedTwice) {
+  const std::vector<int> truth{0, 2, 3, 6};
+  const auto tries_it = [&](const std::vector<Start>& starts) {
+    return std::any_of(starts.begin(), starts.end(), [&](const Start& start) {
+      return start.on_rig && start.on_rig->rig_view == truth;
+    });
+  };
+  EXPECT_TRUE(tries_it(StartsAround(Input(), TrueCameras(), {})));
+  EXPECT_TRUE(tries_it(StartsAround(Input(), TrueCameras(), {On(31, {1, 3, 4, 7})})));
+  EXPECT_FALSE(tries_it(StartsAround(Input(), TrueCameras(), {On(0, truth)})));
+}
+
+TEST_F(FitPoseStarts, FittedAgainAPhotographWithoutACameraGetsOne) {
+  Attempt two;
+  two.cameras = TrueCameras();
+  two.cameras.pop_back(), views_.pop_back();
+  two.cameras[1].found = false;
+  two.result.points = mesh_.points;
+  for (const int i : {0, 2}) two.placed.push_back({views_[i], {}});
+  two.result.view_quality.resize(2);
+  for (ViewQuality& view : two.result.view_quality) view.overlap = 0.98;
+  const Attempt again = FitAgain(Input(), two, nullptr);
+  EXPECT_EQ(again.placed.size(), 3u);
+  EXPECT_GT(again.Agreement(), two.Agreement());
+  EXPECT_LT((again.result.points - mesh_.points).rowwise().norm().mean(), 0.02);
+}
+
+TEST_F(FitPoseStarts, FittedAgainAnAttemptOnTheRigStays) {
+  Attempt on_rig;
+  on_rig.on_rig = RigMotion();
+  on_rig.cameras = TrueCameras();
+  on_rig.result.points = 1.5 * mesh_.points;
+  const Attempt again = FitAgain(Input(), on_rig, nullptr);
+  EXPECT_EQ(again.result.points, on_rig.result.points);
+  EXPECT_EQ(FitAgain(Input(), Attempt(), nullptr).result.points.rows(), 0);
 }
 
 TEST(StartsOf, EachCameraByItselfOnlyWhereNoMotionIsClear) {
