@@ -21,7 +21,7 @@ constexpr double kGoodContour = 1.5;  // px
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "locate";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
   spec.inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
