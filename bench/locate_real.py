@@ -36,7 +36,8 @@ def locate(args, views, middle, scratch):
         rows.append({'name': name, 'turn_deg': angle(rotation, view[0]), 'center': distance(center(rotation, translation), truth) / distance(truth, middle),
                      **{key: measured[key] for key in ('contour_px', 'iou', 'method', 'inliers', 'correlation')}})
         print(json.dumps(rows[-1]))
-    print('focal length over that of sfm', shot['camera']['fx'] / view[2][3][0], report['measurements']['focal'], 'k1', shot['camera']['k1'],
+    print('focal length over that of sfm', shot['camera']['fx'] / view[2][3][0], report['measurements']['focal'],
+          'said to be right to', report['measurements']['focal_uncertainty'], 'k1', shot['camera']['k1'],
           'seconds', report['seconds'], done.stdout.strip().splitlines()[-1] if done.stdout.strip() else '')
     return rows
 
