@@ -39,6 +39,16 @@ Placement AtWholeSize(const Placement& whole, const Placement& scaled, double st
   return result;
 }
 
+/// The equations of one of several frames with one lens; the first has the lens's prior.
+NormalEquations EquationsAmong(const std::vector<SharedFrame>& frames, const SharedFrame& frame,
+                               const RefineStep& step, int round, const LensPrior& lens) {
+  const double scale = frame.evidence->scale;
+  NormalEquations equations = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
+                                          TermsOf(step, round, scale));
+  if (&frame == &frames.front()) AddLensPrior(equations, lens, scale, step.matte_offset_px * scale);
+  return equations;
+}
+
 /// The step of what all frames share, from the sum of their parts.
 Eigen::Vector3d LensStep(Eigen::Matrix3d h, Eigen::Vector3d g, const LensPrior& lens) {
   const std::array<bool, 3> free{lens.focal_free, lens.k1_free, lens.matte_offset_deviation > 0};
@@ -120,12 +130,8 @@ double RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step,
     Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     for (SharedFrame& frame : frames) {
-      const double scale = frame.evidence->scale;
-      NormalEquations of_frame = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
-                                             TermsOf(now, round, scale));
-      if (equations.empty()) AddLensPrior(of_frame, lens, scale, now.matte_offset_px * scale);
-      equations.push_back(of_frame);
-      parts.push_back(Eliminated(of_frame));
+      equations.push_back(EquationsAmong(frames, frame, now, round, lens));
+      parts.push_back(Eliminated(equations.back()));
       h += parts.back().h, g += parts.back().g;
     }
     const Eigen::Vector3d lens_step = LensStep(h, g, lens);
@@ -172,11 +178,7 @@ double CenterDeviation(const std::vector<SharedFrame>& frames, const RefineStep&
   using Shared = Eigen::Matrix<double, 5, 5>;
   Shared sum = Shared::Zero();
   for (const SharedFrame& frame : frames) {
-    const double scale = frame.evidence->scale;
-    NormalEquations equations = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
-                                            TermsOf(step, step.rounds - 1, scale));
-    if (&frame == &frames.front())
-      AddLensPrior(equations, lens, scale, step.matte_offset_px * scale);
+    const NormalEquations equations = EquationsAmong(frames, frame, step, step.rounds - 1, lens);
     const StepMatrix& m = equations.matrix();
     const Eigen::Matrix<double, 6, 5> cross = m.block<6, 5>(0, kLogFocal);
     const Eigen::Matrix<double, 6, 6> place = m.topLeftCorner<6, 6>();
@@ -203,12 +205,7 @@ double FocalDeviationByOffset(const std::vector<SharedFrame>& frames, const Refi
                               const LensPrior& lens) {
   Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
   for (const SharedFrame& frame : frames) {
-    const double scale = frame.evidence->scale;
-    NormalEquations equations = EquationsOf(*frame.figure, *frame.evidence, frame.at.Scaled(scale),
-                                            TermsOf(step, step.rounds - 1, scale));
-    if (&frame == &frames.front())
-      AddLensPrior(equations, lens, scale, step.matte_offset_px * scale);
-    h += Eliminated(equations).h;
+    h += Eliminated(EquationsAmong(frames, frame, step, step.rounds - 1, lens)).h;
   }
   LensPrior known = lens;
   known.matte_offset_deviation = 0;

@@ -247,7 +247,7 @@ class Locator {
   /// What the frames that the lens was solved from have been through already.
   void RefineCoarsely(int i) {
     State& state = states_[i];
-    const Evidence& evidence = state.evidence[std::min(1, SizeOf(scales_) - 1)];
+    const Evidence& evidence = state.evidence[MiddleLevel()];
     state.at = Refined(FigureOf(i).fine, evidence, state.at, PlaceStep(kReach, 8), {});
   }
   void RefinePlace(int i) {
