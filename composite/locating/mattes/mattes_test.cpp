@@ -1,0 +1,55 @@
+// Mattes by a clean plate and by colours.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "composite/locating/mattes/mattes.h"
+#include "core/image.h"
+
+namespace keypose::composite {
+namespace {
+
+TEST(MatteFromPlate, LeavesOutShadowsAndFindsNothingInAnEmptySet) {
+  Image8 plate(200, 150, 3);
+  for (int y = 0; y < 150; ++y)
+    for (int x = 0; x < 200; ++x) {
+      std::uint8_t* p = plate.at(x, y);
+      p[0] = static_cast<std::uint8_t>(100 + x / 4), p[1] = 120,
+      p[2] = static_cast<std::uint8_t>(90 + y / 4);
+    }
+  EXPECT_EQ(MatteShare(MatteFromPlate(plate, plate)), 0);
+  Image8 frame = plate;
+  for (int y = 40; y < 90; ++y)
+    for (int x = 60; x < 120; ++x) {
+      std::uint8_t* p = frame.at(x, y);
+      p[0] = 200, p[1] = 60, p[2] = 50;
+    }
+  for (int y = 90; y < 110; ++y)
+    for (int x = 60; x < 150; ++x)
+      for (int c = 0; c < 3; ++c)
+        frame.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(0.75 * plate.at(x, y)[c]));
+  const Image8 matte = MatteFromPlate(frame, plate);
+  EXPECT_NEAR(MatteShare(matte) * 200 * 150, 50 * 60, 60);
+  EXPECT_EQ(*matte.at(90, 65), 255);
+  EXPECT_EQ(*matte.at(100, 100), 0);
+}
+
+TEST(MatteByColours, FollowsTheFigureWhereTheMeshIsOff) {
+  Image8 truth(300, 300, 1), off(300, 300, 1);
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 300; ++x) {
+      if (std::hypot(x - 150.0, y - 150.0) < 60) *truth.at(x, y) = 255;
+      if (std::hypot(x - 154.0, y - 147.0) < 60) *off.at(x, y) = 255;
+    }
+  Image8 picture(300, 300, 3);
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 300; ++x)
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y)[c] = static_cast<std::uint8_t>(
+            (*truth.at(x, y) ? 170 - 40 * c : 60 + 20 * c) + (7 * x + 13 * y) % 9);
+  EXPECT_LT(Overlap(off, truth), 0.93);
+  EXPECT_GT(Overlap(MatteByColours(picture, off, 10), truth), 0.98);
+}
+
+}  // namespace
+}  // namespace keypose::composite
