@@ -7,6 +7,7 @@
 #include "composite/locating/outline/shrunk.h"
 #include "composite/locating/outline/silhouette.h"
 #include "composite/locating/testing/odd_body.h"
+#include "core/fit_view.h"
 #include "core/geometry.h"
 #include "core/size_of.h"
 

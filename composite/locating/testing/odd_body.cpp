@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/fit_view.h"
 #include "core/geometry.h"
 #include "core/rotations.h"
 #include "core/testing_shapes.h"

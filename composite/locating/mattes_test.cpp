@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "composite/locating/mattes/mattes.h"
+#include "composite/locating/outline/matte_outline.h"
+#include "composite/locating/outline/silhouette.h"
 #include "core/image.h"
 
 namespace keypose::composite {
