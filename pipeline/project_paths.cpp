@@ -26,6 +26,16 @@ std::string WithHome(const std::string& path) {
   return home + path.substr(1);
 }
 
+fs::path UserCacheFolder() {
+  const auto folder_in = [](const char* name) {
+    const char* value = std::getenv(name);
+    return fs::path(value && value[0] == '/' ? value : "");
+  };
+  if (const fs::path cache = folder_in("XDG_CACHE_HOME"); !cache.empty()) return cache / "keypose";
+  const fs::path home = folder_in("HOME");
+  return home.empty() ? home : home / ".cache" / "keypose";
+}
+
 fs::path OnDisk(const Disk& disk, const fs::path& root, const fs::path& path) {
   if (disk.Stat(root / path)) return path;
   fs::path found;

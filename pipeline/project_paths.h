@@ -13,6 +13,10 @@ namespace keypose::pipeline {
 /// @throws UsageError  `~name`, or HOME is not set
 std::string WithHome(const std::string& path);
 
+/// Where a user's programs keep what may be lost: keypose below $XDG_CACHE_HOME, else below
+/// ~/.cache. Empty if neither is an absolute path. Source: XDG Base Directory Specification.
+std::filesystem::path UserCacheFolder();
+
 /// The path on disk for a path that the user wrote. Also finds names whose umlauts are encoded
 /// differently on disk (macOS decomposes letters, and archives carry that to other systems). A path
 /// that does not exist is returned as written.

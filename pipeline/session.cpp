@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "pipeline/pipeline_overlay.h"
+#include "pipeline/project_paths.h"
 
 namespace keypose::pipeline {
 
@@ -42,6 +43,12 @@ void RequireOwnState(const fs::path& project) {
   }
 }
 
+/// What the programs say of themselves, for all projects of this user.
+fs::path SharedStages() {
+  const fs::path folder = UserCacheFolder();
+  return folder.empty() ? folder : folder / "stages.json";
+}
+
 }  // namespace
 
 fs::path FindProject(const std::string& folder) {
@@ -71,7 +78,7 @@ Session::Session(const fs::path& project, const std::vector<Override>& overrides
     : project_(project),
       disk_(project / ".keypose" / "writing"),
       processes_(catch_signals),
-      catalog_(disk_, processes_, project / ".keypose" / "stages.json"),
+      catalog_(disk_, processes_, project / ".keypose" / "stages.json", SharedStages()),
       hasher_(disk_, project / ".keypose" / "hashes.json", project),
       store_(disk_, project / ".keypose"),
       records_(disk_, project / ".keypose"),

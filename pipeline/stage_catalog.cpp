@@ -16,8 +16,12 @@ struct CatalogMemory {
   json entries = json::object();
 };
 
-StageCatalog::StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem::path memory_file)
-    : disk_(disk), processes_(processes), memory_file_(std::move(memory_file)) {}
+StageCatalog::StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem::path memory_file,
+                           std::filesystem::path shared_file)
+    : disk_(disk),
+      processes_(processes),
+      memory_file_(std::move(memory_file)),
+      shared_file_(std::move(shared_file)) {}
 
 namespace {
 
@@ -79,32 +83,68 @@ void StageCatalog::Learn(const std::string& program, const std::optional<FileSta
   memory.entries[program] = {{"stamps", StampsOf(info.programs)}, {"describe", answer.output}};
 }
 
-void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
+CatalogMemory StageCatalog::Remembered(const std::filesystem::path& file) const {
   CatalogMemory memory;
-  if (!memory_file_.empty() && disk_.Stat(memory_file_)) {
-    memory.entries = json::parse(disk_.Read(memory_file_), nullptr, false);
-    if (!memory.entries.is_object()) memory.entries = json::object();
-  }
-  std::vector<std::string> unknown;
-  for (const auto& program : programs) {
-    if (!stages_.contains(program.string()) && !Recall(program.string(), memory))
-      unknown.push_back(program.string());
-  }
-  if (unknown.empty()) return;
-  std::vector<std::vector<std::string>> questions;
-  for (const std::string& program : unknown) questions.push_back({program, "--describe"});
-  asked_ += SizeOf(unknown);
-  std::vector<std::optional<FileStat>> before;
-  for (const std::string& program : unknown) before.push_back(disk_.Stat(program));
-  const auto answers = processes_.Ask(questions);
-  if (processes_.interrupted()) throw Cancelled();
-  for (std::size_t i = 0; i < unknown.size(); ++i) Learn(unknown[i], before[i], answers[i], memory);
   try {
-    if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));
+    if (!file.empty() && disk_.Stat(file))
+      memory.entries = json::parse(disk_.Read(file), nullptr, false);
+  } catch (const DiskError&) {
+    // As if there were none.
+  }
+  if (!memory.entries.is_object()) memory.entries = json::object();
+  return memory;
+}
+
+void StageCatalog::Remember(const std::filesystem::path& file, const CatalogMemory& memory) {
+  if (file.empty()) return;
+  try {
+    disk_.Write(file, memory.entries.dump(0));
   } catch (const DiskError&) {
     // Not an error: if this cannot be saved (full or read-only disk), the programs are run again
     // next time.
   }
+}
+
+void StageCatalog::Ask(const std::vector<std::string>& programs, CatalogMemory& memory) {
+  std::vector<std::vector<std::string>> questions;
+  for (const std::string& program : programs) questions.push_back({program, "--describe"});
+  asked_ += SizeOf(programs);
+  std::vector<std::optional<FileStat>> before;
+  for (const std::string& program : programs) before.push_back(disk_.Stat(program));
+  const auto answers = processes_.Ask(questions);
+  if (processes_.interrupted()) throw Cancelled();
+  for (std::size_t i = 0; i < programs.size(); ++i)
+    Learn(programs[i], before[i], answers[i], memory);
+}
+
+void StageCatalog::Share(const std::vector<std::string>& programs, const CatalogMemory& memory) {
+  if (shared_file_.empty() || programs.empty()) return;
+  CatalogMemory shared = Remembered(shared_file_);
+  for (const std::string& program : programs) shared.entries[program] = memory.entries.at(program);
+  CatalogMemory kept;
+  for (const auto& [program, entry] : shared.entries.items())
+    if (disk_.Stat(program)) kept.entries[program] = entry;
+  Remember(shared_file_, kept);
+}
+
+void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
+  CatalogMemory memory = Remembered(memory_file_);
+  std::vector<std::string> elsewhere, unknown;
+  for (const auto& program : programs) {
+    if (!stages_.contains(program.string()) && !Recall(program.string(), memory))
+      elsewhere.push_back(program.string());
+  }
+  if (elsewhere.empty()) return;
+  const CatalogMemory shared = Remembered(shared_file_);
+  for (const std::string& program : elsewhere) {
+    if (Recall(program, shared))
+      memory.entries[program] = shared.entries.at(program);
+    else
+      unknown.push_back(program);
+  }
+  if (!unknown.empty()) Ask(unknown, memory);
+  Remember(memory_file_, memory);
+  Share(unknown, memory);
 }
 
 const StageInfo& StageCatalog::Get(const std::filesystem::path& program) const {
