@@ -26,6 +26,13 @@ ShotInput InputFor(const Mesh& mesh, const Image8& matte) {
   return input;
 }
 
+/// A further frame that looks as the first, with its exact matte.
+LocateFrame& AddFrame(ShotInput& input, const Image8& matte) {
+  LocateFrame frame = input.frames[0];
+  frame.name = "0002.png", frame.picture = GreyPicture(matte), frame.matte = matte;
+  return input.frames.emplace_back(std::move(frame));
+}
+
 TEST(LocateShot, FindsTheCameraByTheOutlineAlone) {
   const Mesh body = OddBody();
   const Placement truth = LookingFrom(115, 10);
@@ -61,11 +68,7 @@ TEST(LocateShot, AStillCameraWithMeshesInOnePlaceDoesNotJitter) {
   for (Eigen::Index v = 0; v < moved.points.rows(); ++v)
     if (moved.points(v, 0) > 0.06) moved.points(v, 2) += 0.01;  // one ball rises
   input.poses.push_back(moved.points);
-  LocateFrame second = input.frames[0];
-  second.name = "0002.png", second.pose = 1;
-  second.matte = Covered(Figure(moved.points, moved.faces), truth);
-  second.picture = GreyPicture(second.matte);
-  input.frames.push_back(second);
+  AddFrame(input, Covered(Figure(moved.points, moved.faces), truth)).pose = 1;
   const LocatedShot shot = LocateShot(input);
   EXPECT_TRUE(shot.one_place);
   EXPECT_EQ(ShiftBetween(shot.frames[0].at, shot.frames[1].at, body.points), 0);
@@ -79,9 +82,7 @@ TEST(LocateShot, ACharacterThatIsCarriedGetsAPlaceInEachFrame) {
   Placement carried = truth;
   carried.camera_from_mesh.translation.x() += 0.02;
   ShotInput input = InputFor(body, Covered(figure, truth));
-  LocateFrame second = input.frames[0];
-  second.matte = Covered(figure, carried), second.picture = GreyPicture(second.matte);
-  input.frames.push_back(second);
+  AddFrame(input, Covered(figure, carried));
   const LocatedShot shot = LocateShot(input);
   EXPECT_FALSE(shot.one_place);
   EXPECT_LT(ShiftBetween(shot.frames[1].at, carried, body.points), 1);
@@ -94,14 +95,12 @@ TEST(LocateShot, ClicksOnTheFirstFrameServeAllWithoutMattes) {
   Placement carried = truth;
   carried.camera_from_mesh.translation.x() += 0.003;
   ShotInput input = InputFor(body, Covered(figure, truth));
-  LocateFrame second = input.frames[0];
-  second.picture = GreyPicture(Covered(figure, carried));
+  AddFrame(input, Covered(figure, carried));
   for (const int v : {10, 700, 1400, 2100, 2500}) {
     SurfacePoint point;
     point.vertices.setConstant(v);
     input.frames[0].clicks.push_back({"click", truth.Project(body.points.row(v)), point});
   }
-  input.frames.push_back(second);
   for (LocateFrame& frame : input.frames) {
     frame.matte = {};
     for (std::size_t i = 0; i < frame.picture.data.size(); ++i)
