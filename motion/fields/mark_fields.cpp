@@ -3,9 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -26,25 +24,6 @@ constexpr double kSliver = 1e-6;     // as in deform/poisson
 constexpr double kLeastEdge = 1e-4;  // weight of an edge whose cotangents sum to less
 
 using Row = std::vector<std::pair<int, double>>;
-
-/// The mean of the rows of three corners. All rows are sorted by mark.
-Row MeanOf(const Row& a, const Row& b, const Row& c) {
-  Row mean;
-  mean.reserve(std::max({a.size(), b.size(), c.size()}));
-  const std::array<const Row*, 3> rows = {&a, &b, &c};
-  std::array<std::size_t, 3> at = {0, 0, 0};
-  for (;;) {
-    int next = std::numeric_limits<int>::max();
-    for (int k = 0; k < 3; ++k)
-      if (at[k] < rows[k]->size()) next = std::min(next, (*rows[k])[at[k]].first);
-    if (next == std::numeric_limits<int>::max()) return mean;
-    double sum = 0;
-    for (int k = 0; k < 3; ++k)
-      if (at[k] < rows[k]->size() && (*rows[k])[at[k]].first == next)
-        sum += (*rows[k])[at[k]++].second;
-    mean.emplace_back(next, sum / 3);
-  }
-}
 
 /// Drops small weights and makes the rest sum to 1.
 Row Kept(Row row, double least) {
@@ -201,7 +180,7 @@ Eigen::Vector3d HalfCotangents(const PointsX3& p, const FacesX3& faces, Eigen::I
 
 MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
                        const std::vector<int>& marked_faces, const MarkFieldOptions& options)
-    : marks_(SizeOf(marked_faces)), corners_(faces), own_row_(faces.rows(), -1) {
+    : marks_(SizeOf(marked_faces)), own_row_(faces.rows(), -1) {
   if (marked_faces.empty()) throw InputError("transfer: there are no marks");
   const Eigen::Index n = points.rows();
   std::vector<Row> rows(n), own(faces.rows());
@@ -238,18 +217,6 @@ MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
     own_row_[f] = own_rows_.rows();
     own_rows_.Append(Kept(own[f], 0));
   }
-}
-
-std::vector<std::pair<int, double>> MarkFields::RowOfFace(int face) const {
-  const auto row = [](const WeightRows& rows, int at) {
-    Row result;
-    for (int k = rows.begin[at]; k < rows.begin[at + 1]; ++k)
-      result.emplace_back(rows.mark[k], rows.weight[k]);
-    return result;
-  };
-  if (own_row_[face] >= 0) return row(own_rows_, own_row_[face]);
-  return MeanOf(row(vertices_, corners_(face, 0)), row(vertices_, corners_(face, 1)),
-                row(vertices_, corners_(face, 2)));
 }
 
 }  // namespace keypose::motion

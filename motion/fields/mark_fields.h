@@ -44,8 +44,6 @@ class MarkFields {
 
   int marks() const { return marks_; }
   const WeightRows& vertices() const { return vertices_; }
-  /// Of a face, sorted by mark.
-  std::vector<std::pair<int, double>> RowOfFace(int face) const;
   /// For each face: its row of own_rows() if it is marked, else -1.
   const std::vector<int>& own_row() const { return own_row_; }
   const WeightRows& own_rows() const { return own_rows_; }
@@ -57,7 +55,6 @@ class MarkFields {
  private:
   int marks_ = 0, unmarked_parts_ = 0;
   double least_ = 0;
-  FacesX3 corners_;
   WeightRows vertices_, own_rows_;
   std::vector<int> own_row_;
 };

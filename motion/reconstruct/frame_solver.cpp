@@ -2,7 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include "core/parallel.h"
@@ -17,6 +18,7 @@ namespace keypose::motion {
 namespace {
 
 constexpr int kLanes = 4;
+constexpr int kMostGroups = 3;  // of four frames whose fields are mixed together
 
 /// Marks and weights of one row.
 struct WeightedRow {
@@ -29,33 +31,55 @@ inline WeightedRow RowAt(const WeightRows& rows, int at) {
   return {rows.mark.data() + begin, rows.weight.data() + begin, rows.begin[at + 1] - begin};
 }
 
+/// What the marks' values are.
+enum class TurnKind { kQuaternion, kVector, kTwoVectors };
+inline int ComponentsOf(TurnKind kind) {
+  return kind == TurnKind::kQuaternion ? 4 : kind == TurnKind::kVector ? 3 : 6;
+}
+
+/// Rows of places: of the vertices, then of marked faces.
+struct PlaceRows {
+  const WeightRows *vertices, *own;
+};
+inline WeightedRow RowAt(const PlaceRows& rows, int place) {
+  const int own = place - rows.vertices->rows();
+  return own < 0 ? RowAt(*rows.vertices, place) : RowAt(*rows.own, own);
+}
+
+/// Some groups of four frames of the turns of a patch.
+struct MixJob {
+  PlaceRows rows;
+  TurnKind kind;
+  int groups;
+  const double* values;  // of the marks: [mark][component][frame]
+  const int* places;     // of the patch
+  int place_count;
+  double* fields;  // room for [place][component][frame]
+  double* turns;   // [group][place][component][frame of the group]
+};
+
 /// Four frames of the edges of a patch.
 struct TurnJob {
-  const WeightRows *vertex_rows, *own_rows;
-  const int* own_row;    // of each face: its row of own_rows, or -1
-  const double* values;  // of the marks: [mark][component][frame]
-  int components;
-  bool quaternions, remainders;
-  const double* edges;
-  const int *vertices, *corners;  // of the patch: its vertices, and its faces' corners among them
-  int vertex_count;
+  const double *edges, *turns;  // turns: of the group
+  const int* corners;           // of its faces, among the places
   const int* listed;
   int count;
-  double* fields;  // room for [vertex][component][frame]
   double* out;
+};
+
+/// One frame of the turns of all places.
+struct OneMixJob {
+  PlaceRows rows;
+  TurnKind kind;
+  const double* values;  // of the marks: [mark][component], components of the turn 0 .. 3, of the
+                         // remainder 4 .. 7
+  double* turns;         // [place][component]
 };
 
 /// One frame of the edges of some faces.
 struct OneTurnJob {
-  const WeightRows* own_rows;
-  const int* own_row;
-  const double* values;  // of the marks: [mark][component], components of the turn 0 .. 3, of the
-                         // remainder 4 .. 7
-  int components;
-  bool quaternions, remainders;
-  const double* edges;
-  const double* fields;  // of all vertices: [vertex][component]
-  const int* corners;    // of all faces
+  const double *edges, *turns;
+  const int* corners;  // of all faces
   const int* listed;
   int count;
   double* out;  // eight numbers a face
@@ -76,7 +100,7 @@ KEYPOSE_FUSED_END
 
 namespace {
 
-Eigen::Matrix3d SymmetricOf(const Eigen::VectorXd& s) {
+Eigen::Matrix3d SymmetricOf(const Eigen::Matrix<double, 6, 1>& s) {
   Eigen::Matrix3d m;
   m << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
   return m;
@@ -88,51 +112,67 @@ Eigen::Matrix3d ExpOfSymmetric(const Eigen::Matrix3d& m) {
          solver.eigenvectors().transpose();
 }
 
-using Row = std::vector<std::pair<int, double>>;
-
 /// The weighted sum of the marks' rows.
-Eigen::VectorXd MixedRow(const Row& row, const Eigen::MatrixXd& values) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(values.cols());
-  for (const auto& [mark, weight] : row) sum += weight * values.row(mark).transpose();
+template <int Count>
+Eigen::Matrix<double, Count, 1> MixedRow(const WeightedRow& row, const auto& values) {
+  Eigen::Matrix<double, Count, 1> sum = Eigen::Matrix<double, Count, 1>::Zero();
+  for (int k = 0; k < row.count; ++k) sum += row.weight[k] * values.row(row.mark[k]).transpose();
   return sum;
 }
 
-/// The map that the fields ask at a row of weights, without the body.
-Eigen::Matrix3d MapAt(const Row& row, const FrameFields& frame) {
-  Eigen::Matrix3d map;
-  if (frame.quaternions.size() > 0) {
-    const Eigen::Vector4d q = MixedRow(row, frame.quaternions).normalized();
-    map = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-  } else {
-    map = ExpOf(MixedRow(row, frame.turns));
-    if (frame.remainders.size() > 0) map = map * ExpOf(MixedRow(row, frame.remainders));
-  }
-  if (frame.log_stretches.size() > 0)
-    map = map * ExpOfSymmetric(SymmetricOf(MixedRow(row, frame.log_stretches)));
-  return map;
+/// The turn that the fields ask at a place, without the body. Places nearby have quaternions
+/// nearby.
+Eigen::Vector4d TurnAt(const WeightedRow& row, const FrameFields& frame) {
+  if (frame.quaternions.size() > 0) return MixedRow<4>(row, frame.quaternions);
+  Eigen::Quaterniond turn = QuaternionOf(MixedRow<3>(row, frame.turns));
+  if (frame.remainders.size() > 0) turn = turn * QuaternionOf(MixedRow<3>(row, frame.remainders));
+  return {turn.w(), turn.x(), turn.y(), turn.z()};
 }
 
-/// The marks' values of four frames, [mark][component][frame]; the last frame repeats at the end.
-std::vector<double> ValuesOf(const std::vector<FrameFields>& frames, int first, int components) {
-  const bool quaternions = frames[first].quaternions.size() > 0;
+Eigen::Matrix3d RotationOf(const Eigen::Vector4d& turn) {
+  const Eigen::Vector4d q = turn.norm() > 0 ? turn.normalized() : Eigen::Vector4d::Unit(0);
+  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+}
+
+/// The marks' values of some groups of four frames, [mark][component][frame]; the last frame
+/// repeats at the end.
+struct GroupValues {
+  int groups = 0;
+  std::vector<double> values;
+};
+GroupValues ValuesOf(const std::vector<FrameFields>& frames, int first, TurnKind kind) {
+  const bool quaternions = kind == TurnKind::kQuaternion;
+  const int components = ComponentsOf(kind),
+            groups = std::min(kMostGroups, (SizeOf(frames) - first + kLanes - 1) / kLanes),
+            count = groups * kLanes;
   const Eigen::Index marks =
       quaternions ? frames[first].quaternions.rows() : frames[first].turns.rows();
-  std::vector<double> values(marks * components * kLanes, 0.0);
-  for (int lane = 0; lane < kLanes; ++lane) {
+  GroupValues made{groups, std::vector<double>(marks * components * count, 0.0)};
+  for (int lane = 0; lane < count; ++lane) {
     const FrameFields& frame = frames[std::min(first + lane, SizeOf(frames) - 1)];
     for (Eigen::Index k = 0; k < marks; ++k)
       for (int c = 0; c < components; ++c)
-        values[(k * components + c) * kLanes + lane] = quaternions ? frame.quaternions(k, c)
-                                                       : c < 3     ? frame.turns(k, c)
-                                                       : frame.remainders.size() > 0
-                                                           ? frame.remainders(k, c - 3)
-                                                           : 0.0;
+        made.values[(k * components + c) * count + lane] = quaternions ? frame.quaternions(k, c)
+                                                           : c < 3     ? frame.turns(k, c)
+                                                           : frame.remainders.size() > 0
+                                                               ? frame.remainders(k, c - 3)
+                                                               : 0.0;
   }
-  return values;
+  return made;
 }
 
-bool AnyOf(const std::vector<FrameFields>& frames, bool (*has)(const FrameFields&)) {
+bool AnyOf(std::span<const FrameFields> frames, bool (*has)(const FrameFields&)) {
   return std::any_of(frames.begin(), frames.end(), has);
+}
+
+TurnKind KindOf(std::span<const FrameFields> frames) {
+  if (frames[0].quaternions.size() > 0) return TurnKind::kQuaternion;
+  const auto has = [](const FrameFields& frame) { return frame.remainders.size() > 0; };
+  return AnyOf(frames, has) ? TurnKind::kTwoVectors : TurnKind::kVector;
+}
+
+bool AnyStretched(std::span<const FrameFields> frames) {
+  return AnyOf(frames, [](const FrameFields& frame) { return frame.log_stretches.size() > 0; });
 }
 
 }  // namespace
@@ -159,24 +199,35 @@ PoissonSystem FrameSolver::SystemOf(const PointsX3& rest, const FacesX3& faces, 
 
 FrameSolver::FrameSolver(const PointsX3& rest, const FacesX3& faces, const MarkFields& fields,
                          PoissonSystem system)
-    : rest_(rest), fields_(fields), system_(std::move(system)) {
+    : fields_(fields), system_(std::move(system)), corners_(faces) {
   edges_.reserve(6 * faces.rows() + 1);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 1; k < 3; ++k)
       for (int c = 0; c < 3; ++c) edges_.push_back(rest(faces(f, k), c) - rest(faces(f, 0), c));
   edges_.push_back(0);
-  std::vector<int> place(rest.rows(), -1);
+  const int vertices = static_cast<int>(rest.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    if (const int own = fields.own_row()[f]; own >= 0) corners_.row(f).setConstant(vertices + own);
+  CutPatches();
+}
+
+void FrameSolver::CutPatches() {
+  std::vector<int> found(place_count(), -1);
   for (int p = 0; p < system_.patch_count(); ++p) {
     Patch patch;
     for (const int f : system_.FacesOfPatch(p))
       for (int k = 0; k < 3; ++k) {
-        int& at = place[faces(f, k)];
-        if (at < 0) at = SizeOf(patch.vertices), patch.vertices.push_back(faces(f, k));
+        int& at = found[corners_(f, k)];
+        if (at < 0) at = SizeOf(patch.places), patch.places.push_back(corners_(f, k));
         patch.corners.push_back(at);
       }
-    for (const int i : patch.vertices) place[i] = -1;
+    for (const int i : patch.places) found[i] = -1;
     patches_.push_back(std::move(patch));
   }
+}
+
+int FrameSolver::place_count() const {
+  return fields_.vertices().rows() + fields_.own_rows().rows();
 }
 
 std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames) const {
@@ -185,84 +236,112 @@ std::vector<PointsX3> FrameSolver::Solve(const std::vector<FrameFields>& frames)
   return std::move(space.poses);
 }
 
-PointsX3 FrameSolver::SolveOne(const FrameFields& frame) const {
-  const bool quaternions = frame.quaternions.size() > 0, remainders = frame.remainders.size() > 0;
-  const int components = remainders ? 8 : 4;
-  const Eigen::MatrixXd& turns = quaternions ? frame.quaternions : Eigen::MatrixXd(frame.turns);
+/// Turns of all places in one frame, four numbers each.
+std::vector<double> FrameSolver::TurnsOf(const FrameFields& frame) const {
+  const TurnKind kind = KindOf({&frame, 1});
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values =
-      Eigen::MatrixXd::Zero(turns.rows(), components);
-  values.leftCols(turns.cols()) = turns;
-  if (remainders) values.middleCols<3>(4) = frame.remainders;
-  const bool stretched = frame.log_stretches.size() > 0;
-  const FacesX3& faces = system_.faces();
-  std::vector<double> at_vertices(stretched ? 0 : rest_.rows() * components);
-  constexpr int kVerticesTogether = 2048;
-  ParallelBlocks(
-      stretched ? 0 : rest_.rows(), kVerticesTogether, [&](std::int64_t begin, std::int64_t end) {
-        const auto mix = HasFused() ? fused::MixVerticesOfOneFrame : plain::MixVerticesOfOneFrame;
-        mix(fields_.vertices(), static_cast<int>(begin), static_cast<int>(end), values.data(),
-            components, at_vertices.data());
-      });
+      Eigen::MatrixXd::Zero(fields_.marks(), kind == TurnKind::kTwoVectors ? 8 : 4);
+  if (kind == TurnKind::kQuaternion)
+    values = frame.quaternions;
+  else
+    values.leftCols<3>() = frame.turns;
+  if (kind == TurnKind::kTwoVectors) values.middleCols<3>(4) = frame.remainders;
+  std::vector<double> turns(4 * static_cast<std::size_t>(place_count()));
+  const OneMixJob job{
+      {&fields_.vertices(), &fields_.own_rows()}, kind, values.data(), turns.data()};
+  constexpr int kPlacesTogether = 2048;
+  ParallelBlocks(place_count(), kPlacesTogether, [&](std::int64_t begin, std::int64_t end) {
+    const auto mix = HasFused() ? fused::MixTurnsOfOneFrame : plain::MixTurnsOfOneFrame;
+    mix(job, static_cast<int>(begin), static_cast<int>(end));
+  });
+  return turns;
+}
+
+/// Calls take(k, edges) for each of the patch's faces.
+void FrameSolver::StretchPatch(int patch, const FrameFields& frame, const TakeEdges& take) const {
+  const PlaceRows rows{&fields_.vertices(), &fields_.own_rows()};
+  const Patch& of = patches_[patch];
+  std::vector<Eigen::Vector4d> turns;
+  std::vector<Eigen::Matrix<double, 6, 1>> logs;
+  for (const int place : of.places) {
+    const WeightedRow row = RowAt(rows, place);
+    turns.push_back(TurnAt(row, frame));
+    logs.emplace_back(Eigen::Matrix<double, 6, 1>::Zero());
+    if (frame.log_stretches.size() > 0) logs.back() = MixedRow<6>(row, frame.log_stretches);
+  }
+  const std::span<const int> listed = system_.FacesOfPatch(patch);
+  for (int k = 0; k < SizeOf(listed); ++k) {
+    const int a = of.corners[3 * k], b = of.corners[3 * k + 1], c = of.corners[3 * k + 2];
+    const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * listed[k]);
+    const Eigen::Matrix3d stretch = ExpOfSymmetric(SymmetricOf((logs[a] + logs[b] + logs[c]) / 3));
+    take(k, RotationOf(turns[a] + turns[b] + turns[c]) * stretch * rest);
+  }
+}
+
+PointsX3 FrameSolver::SolveOne(const FrameFields& frame) const {
+  const bool stretched = AnyStretched({&frame, 1});
+  const std::vector<double> turns = stretched ? std::vector<double>() : TurnsOf(frame);
   const auto fill = [&](int patch, double* edges) {
-    const std::span<const int> listed = system_.FacesOfPatch(patch);
     if (stretched) {
-      for (std::size_t k = 0; k < listed.size(); ++k) {
-        const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * listed[k]);
+      StretchPatch(patch, frame, [&](int k, const Eigen::Matrix<double, 3, 2>& made) {
         Eigen::Map<Eigen::Matrix<double, 4, 2>> out(edges + 8 * k);
-        out << MapAt(fields_.RowOfFace(listed[k]), frame) * rest, Eigen::RowVector2d::Zero();
-      }
+        out << made, Eigen::RowVector2d::Zero();
+      });
       return;
     }
-    const OneTurnJob job{&fields_.own_rows(), fields_.own_row().data(),
-                         values.data(),       components,
-                         quaternions,         remainders,
-                         edges_.data(),       at_vertices.data(),
-                         faces.data(),        listed.data(),
-                         SizeOf(listed),      edges};
+    const std::span<const int> listed = system_.FacesOfPatch(patch);
+    const OneTurnJob job{edges_.data(), turns.data(),   corners_.data(),
+                         listed.data(), SizeOf(listed), edges};
     HasFused() ? fused::TurnEdgesOfOneFrame(job) : plain::TurnEdgesOfOneFrame(job);
   };
   return system_.SolveOne(fill, RowTargets::Zero(std::ssize(system_.rows()), 3), frame.body);
 }
 
+/// Turns at the places of a patch, kept from one group of frames to the next.
+struct FrameSolver::PatchTurns {
+  int first = -1;  // frame
+  std::unique_ptr<double[]> turns;
+};
+
 void FrameSolver::Solve(const std::vector<FrameFields>& frames, Space& space) const {
-  const bool quaternions = frames[0].quaternions.size() > 0;
-  const bool remainders =
-      AnyOf(frames, [](const FrameFields& frame) { return frame.remainders.size() > 0; });
-  const bool stretched =
-      AnyOf(frames, [](const FrameFields& frame) { return frame.log_stretches.size() > 0; });
-  const int components = quaternions ? 4 : remainders ? 6 : 3;
-  std::vector<std::vector<double>> values;
-  for (int first = 0; first < SizeOf(frames); first += kLanes)
-    values.push_back(ValuesOf(frames, first, components));
+  const TurnKind kind = KindOf(frames);
+  const bool stretched = AnyStretched(frames);
+  constexpr int kTogether = kMostGroups * kLanes;
+  std::vector<GroupValues> values;
+  for (int first = 0; first < SizeOf(frames); first += kTogether)
+    values.push_back(ValuesOf(frames, first, kind));
+  // One thread makes all frames of a patch, in order.
+  std::vector<PatchTurns> mixed(patches_.size());
+  const auto mix = [&](int patch, const GroupValues& of) {
+    const std::vector<int>& places = patches_[patch].places;
+    const std::size_t numbers = places.size() * of.groups * kLanes;
+    const auto fields = std::make_unique_for_overwrite<double[]>(numbers * ComponentsOf(kind));
+    auto turns = std::make_unique_for_overwrite<double[]>(numbers * 4);
+    const MixJob job{{&fields_.vertices(), &fields_.own_rows()},
+                     kind,
+                     of.groups,
+                     of.values.data(),
+                     places.data(),
+                     SizeOf(places),
+                     fields.get(),
+                     turns.get()};
+    HasFused() ? fused::MixTurns(job) : plain::MixTurns(job);
+    return turns;
+  };
   const auto fill = [&](int first, EdgeBatch& edges) {
-    if (stretched) {
-      for (int k = 0; k < SizeOf(edges.listed); ++k) {
-        const int face = edges.listed[k];
-        const Row row = fields_.RowOfFace(face);
-        const Eigen::Map<const Eigen::Matrix<double, 3, 2>> rest(edges_.data() + 6 * face);
-        for (int t = 0; t < edges.frames; ++t)
-          edges.Set(k, t, MapAt(row, frames[first + t]) * rest);
-      }
-      return;
-    }
+    for (int t = 0; stretched && t < edges.frames; ++t)
+      StretchPatch(edges.patch, frames[first + t],
+                   [&](int k, const auto& made) { edges.Set(k, t, made); });
+    if (stretched) return;
     const Patch& patch = patches_[edges.patch];
-    std::vector<double> at_vertices(patch.vertices.size() * components * kLanes);
-    const TurnJob job{&fields_.vertices(),
-                      &fields_.own_rows(),
-                      fields_.own_row().data(),
-                      values[first / kLanes].data(),
-                      components,
-                      quaternions,
-                      remainders,
-                      edges_.data(),
-                      patch.vertices.data(),
-                      patch.corners.data(),
-                      SizeOf(patch.vertices),
-                      edges.listed.data(),
-                      SizeOf(edges.listed),
-                      at_vertices.data(),
-                      edges.Face(0)};
+    PatchTurns& made = mixed[edges.patch];
+    const int start = first / kTogether * kTogether;
+    if (made.first != start) made = {start, mix(edges.patch, values[first / kTogether])};
+    const double* turns = made.turns.get() + (first - start) * 4 * patch.places.size();
+    const TurnJob job{edges_.data(),        turns,        patch.corners.data(), edges.listed.data(),
+                      SizeOf(edges.listed), edges.Face(0)};
     HasFused() ? fused::TurnEdges(job) : plain::TurnEdges(job);
+    if (first + kLanes >= SizeOf(frames)) made = {};
   };
   const RowTargets origin = RowTargets::Zero(std::ssize(system_.rows()), 3);
   std::vector<Eigen::Matrix3d> bodies;
@@ -272,12 +351,7 @@ void FrameSolver::Solve(const std::vector<FrameFields>& frames, Space& space) co
 }
 
 Eigen::Matrix3d FrameSolver::RotationAt(int vertex, const FrameFields& frame) const {
-  FrameFields turns = frame;
-  turns.log_stretches.resize(0, 6);
-  Row row;
-  const WeightedRow weights = RowAt(fields_.vertices(), vertex);
-  for (int k = 0; k < weights.count; ++k) row.emplace_back(weights.mark[k], weights.weight[k]);
-  return frame.body * MapAt(row, turns);
+  return frame.body * RotationOf(TurnAt(RowAt(fields_.vertices(), vertex), frame));
 }
 
 }  // namespace keypose::motion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <vector>
 
 #include "core/mesh.h"
@@ -58,12 +59,21 @@ class FrameSolver {
   const PoissonSystem& system() const { return system_; }
 
  private:
-  const PointsX3 rest_;
+  struct PatchTurns;
+  void CutPatches();
+  int place_count() const;
+  std::vector<double> TurnsOf(const FrameFields& frame) const;
+  using TakeEdges = std::function<void(int k, const Eigen::Matrix<double, 3, 2>& edges)>;
+  void StretchPatch(int patch, const FrameFields& frame, const TakeEdges& take) const;
+
   const MarkFields& fields_;
   PoissonSystem system_;
+  /// Places at which fields are mixed: the vertices, then the marked faces. Of a face: its corners,
+  /// or itself three times.
+  FacesX3 corners_;
   struct Patch {
-    std::vector<int> vertices;
-    std::vector<int> corners;  // of each of its faces three, among `vertices`
+    std::vector<int> places;
+    std::vector<int> corners;  // of each of its faces three, among `places`
   };
   std::vector<Patch> patches_;  // of the system
   // of each face at rest: corner 0 -> 1, then 0 -> 2; and one number more, as edges are read by
