@@ -235,9 +235,10 @@ void Transfer::Impl::Finish(int frame, PointsX3& pose, PoseSettler::Space& space
                             TransferReport& made) const {
   const PoseSettler settler(kept.get(), holds ? holds->patches() : nullptr);
   PoseSettler::Report settled;
-  settler.KeepVolume(pose, space, settled);
-  settler.Settle(holds ? holds->GoalsOf(frame, pose) : std::vector<HeldPatches::Goal>{}, pose,
-                 space, settled);
+  const auto goals_of = [&](const PointOf& point_of) {
+    return holds ? holds->GoalsOf(frame, point_of) : std::vector<HeldPatches::Goal>{};
+  };
+  settler.Settle(goals_of, pose, space, settled);
   made.volume_before = settled.deviation;
   made.volume_move_over_diag = settled.volume_move / diagonal;
   made.holds.held_move = settled.held_move;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry.h"
+#include "core/parallel.h"
 #include "core/size_of.h"
 #include "deform/solvers/lanes.h"
 #include "deform/volume/volume_correction.h"
@@ -17,16 +18,43 @@ namespace {
 constexpr double kMostReach = 0.25;  // of the diagonal
 constexpr double kProbe = 1e-3;      // of the diagonal: a step that tells the curvature at rest
 
-/// Some faces of a pose.
-struct VolumeJob {
+constexpr int kFansTogether = 2048;
+
+/// Some fans of a pose.
+struct FanJob {
   const double* points;
   int last;  // vertex
-  const int* faces;
-  std::ptrdiff_t begin, end;
+  const int *centre, *begin, *chain;
+  int first, last_fan;
 };
 
-VolumeJob JobOf(const PointsX3& pose, const FacesX3& faces) {
-  return {pose.data(), static_cast<int>(pose.rows()) - 1, faces.data(), 0, faces.rows()};
+FanJob JobOf(const PointsX3& pose, const FaceFans& fans, int begin, int end) {
+  return {pose.data(),
+          static_cast<int>(pose.rows()) - 1,
+          fans.centre.data(),
+          fans.begin.data(),
+          fans.chain.data(),
+          begin,
+          end};
+}
+
+/// What is made at the centres of fans.
+struct FieldJob {
+  const double* amount;
+  const double* columns;  // of pulls
+  int pulls;
+  std::ptrdiff_t rows;
+  double* out;
+};
+
+/// Those of closed parts, part by part.
+std::vector<int> VerticesOf(const std::vector<int>& parts, const std::vector<char>& closed) {
+  std::vector<int> vertices;
+  for (int i = 0; i < SizeOf(parts); ++i)
+    if (closed[parts[i]]) vertices.push_back(i);
+  std::stable_sort(vertices.begin(), vertices.end(),
+                   [&](int a, int b) { return parts[a] < parts[b]; });
+  return vertices;
 }
 
 }  // namespace
@@ -53,8 +81,13 @@ KeptVolume::KeptVolume(const PoissonSystem& system, const PointsX3& rest)
                 .rowwise()
                 .sum()
                 .cwiseMax(0.0);
+  const std::vector<int> vertices = VerticesOf(system.parts(), closed_);
+  around_ = FansOfVertices(system.faces(), system.vertex_count(), vertices);
+  once_ = FansOfFaces(system.faces(), system.vertex_count(), vertices);
+  around_blocks_ = BlocksOf(around_);
+  once_blocks_ = BlocksOf(once_);
   State state;
-  Measure(rest, state);
+  Measure(rest, Eigen::MatrixXd(rest.rows(), 0), state);
   volume_ = state.volume;
   // The volume is a cubic of the step, of which a symmetric difference gives the square term.
   const double step = kProbe * diagonal_;
@@ -64,38 +97,47 @@ KeptVolume::KeptVolume(const PoissonSystem& system, const PointsX3& rest)
     curvature_.push_back((outer[p] + inner[p] - 2 * volume_[p]) / (2 * step * step));
 }
 
-void KeptVolume::Measure(const PointsX3& pose, State& state) const {
-  const std::vector<int>& parts = system_->parts();
-  state.gradient.setZero(pose.rows(), 4);
-  state.field.resize(pose.rows(), 3);
+std::vector<KeptVolume::Block> KeptVolume::BlocksOf(const FaceFans& fans) const {
+  std::vector<Block> blocks;
+  for (int f = 0; f < fans.count(); ++f) {
+    const int part = parts()[fans.centre[f]];
+    if (blocks.empty() || blocks.back().part != part || f - blocks.back().begin == kFansTogether)
+      blocks.push_back({part, f, f});
+    blocks.back().end = f + 1;
+  }
+  return blocks;
+}
+
+void KeptVolume::Measure(const PointsX3& pose, const Eigen::MatrixXd& pulls, State& state) const {
+  const int count = static_cast<int>(pulls.cols()), numbers = 2 + 4 * count;
+  if (state.field.rows() != pose.rows()) state.field.setZero(pose.rows(), 3);
+  state.sums.assign(around_blocks_.size() * numbers, 0);
+  const FieldJob field{amount_.data(), pulls.data(), count, pose.rows(), state.field.data()};
+  ParallelFor(std::ssize(around_blocks_), [&](std::int64_t k) {
+    const Block& block = around_blocks_[k];
+    const auto measure = HasFused() ? fused::MeasureFans : plain::MeasureFans;
+    measure(JobOf(pose, around_, block.begin, block.end), field, &state.sums[k * numbers]);
+  });
   state.volume.assign(closed_.size(), 0);
   state.slope.assign(closed_.size(), 0);
-  const VolumeJob job = JobOf(pose, system_->faces());
-  HasFused() ? fused::AddGradients(job, state.gradient.data())
-             : plain::AddGradients(job, state.gradient.data());
-  // Relative to a point of the pose, for accuracy far from the origin.
-  const Eigen::RowVector3d origin = pose.row(0);
-  for (Eigen::Index i = 0; i < pose.rows(); ++i) {
-    const Eigen::RowVector3d row = state.gradient.row(i).head<3>() / 6;
-    state.volume[parts[i]] += (pose.row(i) - origin).dot(row) / 3;
-    const double length = row.norm();
-    state.slope[parts[i]] += amount_[i] * length;
-    state.field.row(i) = row * (length > 0 ? amount_[i] / length : 0.0);
+  state.gains.setZero(part_count(), 3 * count);
+  for (int k = 0; k < SizeOf(around_blocks_); ++k) {
+    const int part = around_blocks_[k].part;
+    const double* sums = &state.sums[static_cast<std::size_t>(k) * numbers];
+    state.volume[part] += sums[0] / 18;
+    state.slope[part] += sums[1] / 6;
+    for (int p = 0; p < count; ++p)
+      for (int c = 0; c < 3; ++c) state.gains(part, 3 * p + c) += sums[2 + 4 * p + c] / 6;
   }
 }
 
 std::vector<double> KeptVolume::Volumes(const PointsX3& pose) const {
-  const FacesX3& faces = system_->faces();
-  const std::vector<int>& parts = system_->parts();
-  std::vector<double> volume(closed_.size(), 0);
-  VolumeJob job = JobOf(pose, faces);
-  for (job.end = 0; job.begin < faces.rows(); job.begin = job.end) {
-    const int part = parts[faces(job.begin, 0)];
-    while (job.end < faces.rows() && parts[faces(job.end, 0)] == part) ++job.end;
-    volume[part] +=
-        (HasFused() ? fused::SumVolumes(job, pose.data()) : plain::SumVolumes(job, pose.data())) /
-        6;
-  }
+  std::vector<double> sums(once_blocks_.size()), volume(closed_.size(), 0);
+  ParallelFor(std::ssize(once_blocks_), [&](std::int64_t k) {
+    const FanJob job = JobOf(pose, once_, once_blocks_[k].begin, once_blocks_[k].end);
+    sums[k] = HasFused() ? fused::SumVolumes(job) : plain::SumVolumes(job);
+  });
+  for (int k = 0; k < SizeOf(sums); ++k) volume[once_blocks_[k].part] += sums[k] / 6;
   return volume;
 }
 

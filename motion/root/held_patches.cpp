@@ -26,9 +26,9 @@ HeldPatches::HeldPatches(const PoissonSystem& system, const std::vector<HeldPatc
       compliance_.row(p) += weight * columns_.row(vertex);
 }
 
-Eigen::RowVector3d HeldPatches::CentreOf(int patch, const PointsX3& pose) const {
+Eigen::RowVector3d HeldPatches::CentreOf(int patch, const PointOf& point_of) const {
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-  for (const auto& [vertex, weight] : patches_[patch].centre) sum += weight * pose.row(vertex);
+  for (const auto& [vertex, weight] : patches_[patch].centre) sum += weight * point_of(vertex);
   return sum;
 }
 

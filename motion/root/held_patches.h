@@ -1,6 +1,7 @@
 // Patches of a surface that are held at given places, by multipliers.
 #pragma once
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "deform/poisson/poisson.h"
 
 namespace keypose::motion {
+
+/// Where a vertex of a pose is.
+using PointOf = std::function<Eigen::RowVector3d(int vertex)>;
 
 /// What a patch's hold moves, and which point of it is held.
 struct HeldPatch {
@@ -31,7 +35,7 @@ class HeldPatches {
   HeldPatches(const PoissonSystem& system, const std::vector<HeldPatch>& patches);
 
   int count() const { return static_cast<int>(patches_.size()); }
-  Eigen::RowVector3d CentreOf(int patch, const PointsX3& pose) const;
+  Eigen::RowVector3d CentreOf(int patch, const PointOf& point_of) const;
   const HeldPatch& patch(int patch) const { return patches_[patch]; }
 
   struct Goal {
@@ -39,16 +43,14 @@ class HeldPatches {
     Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   };
   /// V x P: what a unit pull on each patch does to each vertex.
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Columns& columns() const { return columns_; }
+  const Eigen::MatrixXd& columns() const { return columns_; }
   /// G x G: what a unit pull on the patch of goal b does to the point of the patch of goal a.
   /// @param goals  of different patches
   Eigen::MatrixXd Compliance(const std::vector<Goal>& goals) const;
 
  private:
   std::vector<HeldPatch> patches_;
-  Columns columns_;
-  Eigen::MatrixXd compliance_;  // P x P
+  Eigen::MatrixXd columns_, compliance_;  // compliance: P x P
 };
 
 }  // namespace keypose::motion

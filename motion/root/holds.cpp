@@ -149,7 +149,7 @@ void Holds::Plan(const PoissonSystem& system, const RootPath& path, double fps,
   }
 }
 
-std::vector<HeldPatches::Goal> Holds::GoalsOf(int frame, const PointsX3& pose) const {
+std::vector<HeldPatches::Goal> Holds::GoalsOf(int frame, const PointOf& point_of) const {
   std::vector<HeldPatches::Goal> goals;
   if (!patches_) return goals;
   for (int p = 0; p < SizeOf(soles_); ++p) {
@@ -162,10 +162,10 @@ std::vector<HeldPatches::Goal> Holds::GoalsOf(int frame, const PointsX3& pose) c
     }
     Eigen::RowVector3d move = sole.hold.moves.row(frame);
     double lowest = std::numeric_limits<double>::infinity();
-    for (int i : sole.on_target.vertices) lowest = std::min(lowest, pose(i, 2));
+    for (int i : sole.on_target.vertices) lowest = std::min(lowest, point_of(i)[2]);
     const double sinks = ground_ - lowest - move[2];
     if (sinks > 0) move[2] += sinks;
-    if (firmness > 0 || sinks > 0) goals.push_back({p, patches_->CentreOf(p, pose) + move});
+    if (firmness > 0 || sinks > 0) goals.push_back({p, patches_->CentreOf(p, point_of) + move});
   }
   for (int k = 0; k < SizeOf(pins_); ++k) {
     const int patch = SizeOf(soles_) + k;
@@ -173,7 +173,8 @@ std::vector<HeldPatches::Goal> Holds::GoalsOf(int frame, const PointsX3& pose) c
     if (firmness == 1)
       goals.push_back({patch, pins_[k].at});
     else if (firmness > 0)
-      goals.push_back({patch, patches_->CentreOf(patch, pose) + pins_[k].hold.moves.row(frame)});
+      goals.push_back(
+          {patch, patches_->CentreOf(patch, point_of) + pins_[k].hold.moves.row(frame)});
   }
   return goals;
 }

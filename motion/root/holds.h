@@ -49,7 +49,7 @@ class Holds {
             std::vector<MotionFrame>& frames);
   /// Where patches belong in this frame, from where they are: soles by their centres, pinned ones
   /// by their marks.
-  std::vector<HeldPatches::Goal> GoalsOf(int frame, const PointsX3& pose) const;
+  std::vector<HeldPatches::Goal> GoalsOf(int frame, const PointOf& point_of) const;
   /// None before Plan, or where nothing is held.
   const HeldPatches* patches() const { return patches_ ? &*patches_ : nullptr; }
   const HoldsReport& report() const { return report_; }

@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "core/size_of.h"
+#include "motion/reconstruct/point_moves.h"
 
 namespace keypose::motion {
 
 namespace {
 
-constexpr int kMostSteps = 4;
+constexpr int kMostSteps = 5;
 constexpr double kClose = 1e-5;  // of the volume
 /// Volume and holds disturb each other little, so that their steps converge fast.
 constexpr int kSweeps = 12;
@@ -23,22 +24,26 @@ struct PoseSettler::Step {
   Eigen::MatrixXd pulls;      // goals x 3
 };
 
-void PoseSettler::KeepVolume(PointsX3& pose, Space& space, Report& report) const {
-  if (!volume_ || !volume_->any_closed()) return;
-  volume_->Measure(pose, space.state);
-  Step step{{}, std::vector<double>(volume_->part_count(), 0.0), {}};
-  space.kept.assign(volume_->part_count(), 0);
-  for (int p = 0; p < volume_->part_count(); ++p) {
+/// Brings the pose to its volume, as near as one step does.
+PoseSettler::Step PoseSettler::StepToVolume(const PointsX3& pose, Space& space,
+                                            Report& report) const {
+  static const Eigen::MatrixXd kNoPulls;
+  volume_->Measure(pose, held_ ? held_->columns() : kNoPulls, space.state);
+  const int parts = volume_->part_count();
+  Step step{{}, std::vector<double>(parts, 0.0), {}};
+  space.kept.assign(parts, 0);
+  space.steps.assign(parts, 0);
+  space.missing.assign(parts, 0);
+  for (int p = 0; p < parts; ++p) {
     if (!volume_->Keeps(p, space.state)) continue;
-    const double missing = volume_->Wanted(p) - space.state.volume[p];
+    const double missing = space.missing[p] = volume_->Wanted(p) - space.state.volume[p];
     report.deviation = std::max(report.deviation, std::abs(missing / volume_->Wanted(p)));
     step.along[p] = volume_->StepFor(p, missing, space.state.slope[p], 0);
     space.kept[p] = step.along[p] != 0 || missing == 0;
     // The field's largest entry is about 1.
     report.volume_move = std::max(report.volume_move, std::abs(step.along[p]));
   }
-  Move(step, pose, space);
-  space.steps = step.along;
+  return step;
 }
 
 bool PoseSettler::HasVolume(const Space& space) const {
@@ -55,80 +60,77 @@ void PoseSettler::FindMissing(const PointsX3& pose, Space& space) const {
     space.missing[p] = volume_->Wanted(p) - space.missing[p];
 }
 
-void PoseSettler::FindGains(const std::vector<HeldPatches::Goal>& goals, Space& space) const {
-  const std::vector<int>& parts = volume_->parts();
-  const int count = SizeOf(goals);
-  space.gains.setZero(volume_->part_count(), 3 * count);
-  for (int i = 0; i < SizeOf(parts) && count > 0; ++i)
-    for (int g = 0; g < count; ++g)
-      space.gains.block<1, 3>(parts[i], 3 * g) +=
-          held_->columns()(i, goals[g].patch) / 6 * space.state.gradient.row(i).head<3>();
+/// Parts x 3 goals: how a step along each part's field moves the points of patches.
+Eigen::MatrixXd PoseSettler::MovesOfCentres(const std::vector<HeldPatches::Goal>& goals,
+                                            const Space& space) const {
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(volume_->part_count(), 3 * std::ssize(goals));
+  for (int g = 0; g < SizeOf(goals); ++g)
+    for (const auto& [vertex, weight] : held_->patch(goals[g].patch).centre)
+      moves.block<1, 3>(volume_->parts()[vertex], 3 * g) += weight * space.state.field.row(vertex);
+  return moves;
 }
 
 PoseSettler::Step PoseSettler::StepTo(const std::vector<HeldPatches::Goal>& goals,
                                       const PointsX3& pose, const Space& space) const {
-  const int count = SizeOf(goals);
-  const bool volume = volume_ && volume_->any_closed();
-  const int parts = volume ? volume_->part_count() : 0;
+  const int count = SizeOf(goals), parts = KeepsVolume() ? volume_->part_count() : 0;
   Step step{{}, std::vector<double>(parts, 0.0), Eigen::MatrixXd::Zero(count, 3)};
-  if (count == 0 && !volume) return step;
-  Eigen::MatrixXd gaps(count, 3);
+  Eigen::MatrixXd gaps(count, 3), moves;
+  const PointOf point = [&](int vertex) { return pose.row(vertex); };
   for (int g = 0; g < count; ++g) {
     step.patches.push_back(goals[g].patch);
-    gaps.row(g) = goals[g].centre - held_->CentreOf(goals[g].patch, pose);
+    gaps.row(g) = goals[g].centre - held_->CentreOf(goals[g].patch, point);
   }
   Eigen::PartialPivLU<Eigen::MatrixXd> compliance;
   if (count > 0) compliance.compute(held_->Compliance(goals));
-  for (int sweep = 0; sweep < (count > 0 && volume ? kSweeps : 1); ++sweep) {
+  if (parts > 0) moves = MovesOfCentres(goals, space);
+  for (int sweep = 0; sweep < (count > 0 && parts > 0 ? kSweeps : 1); ++sweep) {
+    Eigen::MatrixXd left = gaps;
     for (int p = 0; p < parts; ++p) {
       if (!space.kept[p]) continue;
       double missing = space.missing[p];
       for (int g = 0; g < count; ++g)
-        missing -= space.gains.block<1, 3>(p, 3 * g).dot(step.pulls.row(g));
+        missing -= space.state.gains.block<1, 3>(p, 3 * goals[g].patch).dot(step.pulls.row(g));
       step.along[p] = volume_->StepFor(p, missing, space.state.slope[p], space.steps[p]);
+      for (int g = 0; g < count; ++g) left.row(g) -= step.along[p] * moves.block<1, 3>(p, 3 * g);
     }
-    if (count == 0) break;
-    Eigen::MatrixXd left = gaps;
-    for (int g = 0; g < count && volume; ++g)
-      for (const auto& [vertex, weight] : held_->patch(goals[g].patch).centre)
-        left.row(g) -=
-            weight * step.along[volume_->parts()[vertex]] * space.state.field.row(vertex);
-    step.pulls = compliance.solve(left);
+    if (count > 0) step.pulls = compliance.solve(left);
   }
   return step;
 }
 
 /// @return the largest displacement by pulls
 double PoseSettler::Move(const Step& step, PointsX3& pose, const Space& space) const {
-  const bool volume = !step.along.empty();
-  const int count = SizeOf(step.patches);
-  double largest = 0;
-  for (Eigen::Index i = 0; i < pose.rows(); ++i) {
-    Eigen::RowVector3d pulled = Eigen::RowVector3d::Zero();
-    for (int g = 0; g < count; ++g)
-      pulled += held_->columns()(i, step.patches[g]) * step.pulls.row(g);
-    largest = std::max(largest, pulled.squaredNorm());
-    if (volume) pulled += step.along[volume_->parts()[i]] * space.state.field.row(i);
-    pose.row(i) += pulled;
+  PointMoves moves;
+  if (!step.along.empty()) {
+    moves.field = &space.state.field;
+    moves.parts = &volume_->parts();
+    moves.along = &step.along;
   }
-  return std::sqrt(largest);
+  if (!step.patches.empty()) moves.columns = &held_->columns();
+  moves.pulled = step.patches;
+  moves.pulls = step.pulls;
+  return MovePoints(moves, pose);
 }
 
-void PoseSettler::Settle(const std::vector<HeldPatches::Goal>& goals, PointsX3& pose, Space& space,
+void PoseSettler::Settle(const GoalsOf& goals_of, PointsX3& pose, Space& space,
                          Report& report) const {
-  const bool volume = volume_ && volume_->any_closed();
-  if (volume) {
-    FindGains(goals, space);
-    FindMissing(pose, space);
-  }
-  bool again = !goals.empty() || (volume && !HasVolume(space));
-  for (int k = 0; k < kMostSteps && again; ++k) {
-    const Step step = StepTo(goals, pose, space);
+  const bool volume = KeepsVolume();
+  Step step;
+  if (volume) step = StepToVolume(pose, space, report);
+  const std::vector<HeldPatches::Goal> goals = goals_of([&](int i) {
+    Eigen::RowVector3d point = pose.row(i);
+    if (volume) point += step.along[volume_->parts()[i]] * space.state.field.row(i);
+    return point;
+  });
+  if (goals.empty() && !volume) return;
+  if (!goals.empty()) step = StepTo(goals, pose, space);
+  for (int k = 0; k < kMostSteps; ++k) {
     report.held_move = std::max(report.held_move, Move(step, pose, space));
     if (!volume) return;
     for (int p = 0; p < SizeOf(step.along); ++p) space.steps[p] += step.along[p];
     FindMissing(pose, space);
-    again = !HasVolume(space);
+    if (HasVolume(space)) return;
+    step = StepTo(goals, pose, space);
   }
 }
 

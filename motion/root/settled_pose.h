@@ -1,6 +1,7 @@
 // Poses that keep their volume while some of their patches are held.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/mesh.h"
@@ -9,7 +10,7 @@
 
 namespace keypose::motion {
 
-/// Brings a pose to its volume, then its held patches to their places while the volume stays.
+/// Brings a pose to its volume, and its held patches to their places while the volume stays.
 ///
 /// The displacement is a step along each part's volume field and a pull on each held patch. Places
 /// are linear in both. Volumes are measured anew after each step, and the step's slope is that of
@@ -29,24 +30,24 @@ class PoseSettler {
     KeptVolume::State state;
     std::vector<char> kept;  // of each part: whether its volume is in reach
     std::vector<double> steps,
-        missing;            // of each part: all steps so far, the volume that is missing
-    Eigen::MatrixXd gains;  // parts x 3 goals: volume that a pull gains
+        missing;  // of each part: all steps so far, the volume that is missing
   };
-  /// Brings the pose to its volume, as near as one step does.
-  void KeepVolume(PointsX3& pose, Space& space, Report& report) const;
-  /// @param space  from KeepVolume of this pose
+  /// Where patches belong, from where they are at the pose's volume, as near as one step comes.
+  using GoalsOf = std::function<std::vector<HeldPatches::Goal>(const PointOf&)>;
   /// Held points are then exactly at their goals, and volumes within 1e-5.
-  void Settle(const std::vector<HeldPatches::Goal>& goals, PointsX3& pose, Space& space,
-              Report& report) const;
+  void Settle(const GoalsOf& goals_of, PointsX3& pose, Space& space, Report& report) const;
 
  private:
   struct Step;
+  bool KeepsVolume() const { return volume_ && volume_->any_closed(); }
+  Step StepToVolume(const PointsX3& pose, Space& space, Report& report) const;
   Step StepTo(const std::vector<HeldPatches::Goal>& goals, const PointsX3& pose,
               const Space& space) const;
+  Eigen::MatrixXd MovesOfCentres(const std::vector<HeldPatches::Goal>& goals,
+                                 const Space& space) const;
   double Move(const Step& step, PointsX3& pose, const Space& space) const;
   bool HasVolume(const Space& space) const;
   void FindMissing(const PointsX3& pose, Space& space) const;
-  void FindGains(const std::vector<HeldPatches::Goal>& goals, Space& space) const;
 
   const KeptVolume* volume_;
   const HeldPatches* held_;
