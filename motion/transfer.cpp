@@ -67,7 +67,7 @@ struct Transfer::Impl {
   void Plan();
   std::vector<PointsX3> LiteralPoses(int first, int count) const;
   PointsX3 PoseOf(int frame) const;
-  void Finish(int frame, PointsX3& pose, PoseSettler::Space& space, TransferReport& made) const;
+  bool Finish(int frame, PointsX3& pose, PoseSettler::Space& space, TransferReport& made) const;
 
   const PointsX3 target, template_reference;
   const FacesX3 faces, template_faces;
@@ -231,7 +231,8 @@ void Transfer::Impl::Plan() {
 }
 
 /// Volume and holds.
-void Transfer::Impl::Finish(int frame, PointsX3& pose, PoseSettler::Space& space,
+/// @return whether the pose is finite
+bool Transfer::Impl::Finish(int frame, PointsX3& pose, PoseSettler::Space& space,
                             TransferReport& made) const {
   const PoseSettler settler(kept.get(), holds ? holds->patches() : nullptr);
   PoseSettler::Report settled;
@@ -242,6 +243,7 @@ void Transfer::Impl::Finish(int frame, PointsX3& pose, PoseSettler::Space& space
   made.volume_before = settled.deviation;
   made.volume_move_over_diag = settled.volume_move / diagonal;
   made.holds.held_move = settled.held_move;
+  return (pose.array() * 0).sum() == 0;
 }
 
 Transfer::Transfer(const Mesh& target, const PointsX3& reference, const FacesX3& template_faces,
@@ -273,15 +275,17 @@ void Transfer::Run(const std::function<void(int, const PointsX3&)>& take, Progre
       space.poses = s.LiteralPoses(first, count);
     std::vector<PointsX3>& poses = space.poses;
     std::vector<TransferReport> made(count);
+    std::vector<char> finite(count);
     // A few blocks of frames, each with its own memory.
     const std::int64_t grain = (count + std::ssize(settling) - 1) / std::ssize(settling);
     ParallelBlocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t k = begin; k < end; ++k)
-        s.Finish(first + static_cast<int>(k), poses[k], settling[begin / grain], made[k]);
+        finite[k] =
+            s.Finish(first + static_cast<int>(k), poses[k], settling[begin / grain], made[k]);
     });
     for (int k = 0; k < count; ++k) {
       s.report.TakeWorst(made[k]);
-      if (!poses[k].allFinite())
+      if (!finite[k])
         throw SolverError("transfer: frame " + std::to_string(first + k) +
                           " is not finite; check the target with keypose cleanup");
       take(first + k, poses[k]);

@@ -89,11 +89,13 @@ struct OneTurnJob {
 
 namespace plain {
 using namespace keypose::plain;
+#include "motion/reconstruct/inverse_root.inc"
 #include "motion/reconstruct/turned_edges.inc"
 }  // namespace plain
 KEYPOSE_FUSED_BEGIN
 namespace fused {
 using namespace keypose::fused;
+#include "motion/reconstruct/inverse_root.inc"
 #include "motion/reconstruct/turned_edges.inc"
 }  // namespace fused
 KEYPOSE_FUSED_END

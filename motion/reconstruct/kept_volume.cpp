@@ -61,11 +61,13 @@ std::vector<int> VerticesOf(const std::vector<int>& parts, const std::vector<cha
 
 namespace plain {
 using namespace keypose::plain;
+#include "motion/reconstruct/inverse_root.inc"
 #include "motion/reconstruct/volume_sums.inc"
 }  // namespace plain
 KEYPOSE_FUSED_BEGIN
 namespace fused {
 using namespace keypose::fused;
+#include "motion/reconstruct/inverse_root.inc"
 #include "motion/reconstruct/volume_sums.inc"
 }  // namespace fused
 KEYPOSE_FUSED_END
@@ -109,7 +111,7 @@ std::vector<KeptVolume::Block> KeptVolume::BlocksOf(const FaceFans& fans) const 
 }
 
 void KeptVolume::Measure(const PointsX3& pose, const Eigen::MatrixXd& pulls, State& state) const {
-  const int count = static_cast<int>(pulls.cols()), numbers = 2 + 4 * count;
+  const int count = static_cast<int>(pulls.cols()), numbers = 2 + 12 * count;
   if (state.field.rows() != pose.rows()) state.field.setZero(pose.rows(), 3);
   state.sums.assign(around_blocks_.size() * numbers, 0);
   const FieldJob field{amount_.data(), pulls.data(), count, pose.rows(), state.field.data()};
@@ -127,7 +129,9 @@ void KeptVolume::Measure(const PointsX3& pose, const Eigen::MatrixXd& pulls, Sta
     state.volume[part] += sums[0] / 18;
     state.slope[part] += sums[1] / 6;
     for (int p = 0; p < count; ++p)
-      for (int c = 0; c < 3; ++c) state.gains(part, 3 * p + c) += sums[2 + 4 * p + c] / 6;
+      for (int c = 0; c < 3; ++c)
+        state.gains(part, 3 * p + c) +=
+            Eigen::Map<const Eigen::Vector4d>(sums + 2 + 12 * p + 4 * c).sum() / 6;
   }
 }
 

@@ -66,23 +66,25 @@ PointsX3 PlacedPoses::MarksOf(const PointsX3& pose) const {
   return marks;
 }
 
-void PlacedPoses::Place(const MotionFrame& frame, PointsX3& pose) const {
-  pose.rowwise() += frame.root - path_.RootOf(MarksOf(pose));
-}
-
-void PlacedPoses::MoveMarks(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const {
-  Eigen::MatrixXd gaps = Eigen::MatrixXd::Zero(std::ssize(places_), 3 * std::ssize(poses));
-  for (int t = 0; t < SizeOf(poses); ++t) {
-    if (frames[t].marks.size() == 0) continue;
+void PlacedPoses::Place(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const {
+  const int count = SizeOf(poses);
+  Eigen::RowVectorXd shifts(3 * count);
+  Eigen::MatrixXd gaps = Eigen::MatrixXd::Zero(std::ssize(places_), 3 * count);
+  for (int t = 0; t < count; ++t) {
+    PointsX3 marks = MarksOf(poses[t]);
+    shifts.segment<3>(3 * t) = frames[t].root - path_.RootOf(marks);
+    if (carried_.size() == 0 || frames[t].marks.size() == 0) continue;
+    marks.rowwise() += shifts.segment<3>(3 * t);
     PointsX3 wanted = frames[t].marks;
     wanted.rowwise() += frames[t].root - path_.RootOf(wanted);
-    gaps.middleCols<3>(3 * t) = wanted - MarksOf(poses[t]);
+    gaps.middleCols<3>(3 * t) = wanted - marks;
   }
-  constexpr int kRows = 4096;
-  ParallelBlocks(carried_.rows(), kRows, [&](std::int64_t begin, std::int64_t end) {
-    Eigen::MatrixXd moves(end - begin, gaps.cols());
-    Multiply(1.0, carried_.middleRows(begin, end - begin), gaps, Flip::kNone, 0.0, moves);
-    for (int t = 0; t < SizeOf(poses); ++t)
+  constexpr int kRows = 512;  // whose moves stay in the second cache
+  ParallelBlocks(poses[0].rows(), kRows, [&](std::int64_t begin, std::int64_t end) {
+    Eigen::MatrixXd moves = shifts.replicate(end - begin, 1);
+    if (carried_.size() > 0)
+      Multiply(1.0, carried_.middleRows(begin, end - begin), gaps, Flip::kNone, 1.0, moves);
+    for (int t = 0; t < count; ++t)
       poses[t].middleRows(begin, end - begin) += moves.middleCols<3>(3 * t);
   });
 }
@@ -96,8 +98,7 @@ std::vector<PointsX3> PlacedPoses::Make(std::span<const MotionFrame> frames) con
 PointsX3 PlacedPoses::MakeOne(const MotionFrame& frame) const {
   PointsX3 pose = solver_.SolveOne(frame.fields);
   joined_.Join(solver_, frame.fields, pose);
-  Place(frame, pose);
-  if (carried_.size() > 0) MoveMarks({&frame, 1}, {&pose, 1});
+  Place({&frame, 1}, {&pose, 1});
   return pose;
 }
 
@@ -106,11 +107,9 @@ void PlacedPoses::Make(std::span<const MotionFrame> frames, FrameSolver::Space& 
   for (const MotionFrame& frame : frames) fields.push_back(frame.fields);
   solver_.Solve(fields, space);
   std::vector<PointsX3>& poses = space.poses;
-  ParallelFor(std::ssize(poses), [&](std::int64_t t) {
-    joined_.Join(solver_, frames[t].fields, poses[t]);
-    Place(frames[t], poses[t]);
-  });
-  if (carried_.size() > 0) MoveMarks(frames, poses);
+  ParallelFor(std::ssize(poses),
+              [&](std::int64_t t) { joined_.Join(solver_, frames[t].fields, poses[t]); });
+  Place(frames, poses);
 }
 
 }  // namespace keypose::motion

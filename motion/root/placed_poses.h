@@ -38,13 +38,12 @@ class PlacedPoses {
   void Make(std::span<const MotionFrame> frames, FrameSolver::Space& space) const;
   /// One frame by itself, as Make to rounding.
   PointsX3 MakeOne(const MotionFrame& frame) const;
-  /// Places an unplaced pose, without its marks' places.
-  void Place(const MotionFrame& frame, PointsX3& pose) const;
   const FrameSolver& solver() const { return solver_; }
   PointsX3 MarksOf(const PointsX3& pose) const;
 
  private:
-  void MoveMarks(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const;
+  /// Moves joined poses to their roots, and marks to their places.
+  void Place(std::span<const MotionFrame> frames, std::span<PointsX3> poses) const;
 
   FacesX3 faces_;
   std::vector<MarkPlace> places_;
