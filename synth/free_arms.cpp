@@ -27,28 +27,40 @@ Flesh Moved(Flesh lump, const Rigid3& move) {
   return lump;
 }
 
-/// One arm and the trunk in one frame.
+/// A place on the arm's axis.
+struct ArmPlace {
+  Vector3d x;
+  double radius = 0;
+  bool at_elbow = false;  // it is beside the trunk in many poses: only the rest matters
+};
+
+/// One arm and what it may touch in one frame.
 struct Posed {
-  std::vector<Flesh> trunk;
-  std::vector<std::pair<Vector3d, double>> arm;  // places on its axis, radii
+  std::vector<Flesh> rest;  // head and thighs
+  std::vector<Flesh> body;  // these and the trunk
+  std::vector<ArmPlace> arm;
   Vector3d shoulder;
 
+  const std::vector<Flesh>& Touched(const ArmPlace& place) const {
+    return place.at_elbow ? rest : body;
+  }
+  Vector3d Turned(const ArmPlace& place, const Quaterniond& turn) const {
+    return shoulder + turn * (place.x - shoulder);
+  }
   /// How far a place of the arm is too deep [m].
-  double Depth(int place, const Quaterniond& turn, Vector3d* at) const {
-    const auto& [x, radius] = arm[place];
-    *at = shoulder + turn * (x - shoulder);
-    return (1 - kPressed) * radius - BodyDistance(trunk, *at);
+  double Depth(const ArmPlace& place, const Quaterniond& turn) const {
+    return (1 - kPressed) * place.radius - BodyDistance(Touched(place), Turned(place, turn));
   }
   /// The turn, and more of it until the arm is outside.
   Quaterniond Outside(Quaterniond turn) const;
 };
 
-Vector3d Outwards(const std::vector<Flesh>& trunk, const Vector3d& x) {
+Vector3d Outwards(const std::vector<Flesh>& body, const Vector3d& x) {
   constexpr double kStep = 1e-4;
   Vector3d normal;
   for (int c = 0; c < 3; ++c) {
     const Vector3d step = kStep * Vector3d::Unit(c);
-    normal[c] = BodyDistance(trunk, x + step) - BodyDistance(trunk, x - step);
+    normal[c] = BodyDistance(body, x + step) - BodyDistance(body, x - step);
   }
   return normal.normalized();
 }
@@ -58,11 +70,13 @@ Quaterniond Posed::Outside(Quaterniond turn) const {
   constexpr double kMostTurn = 0.1;  // [rad] of a step
   for (int step = 0; step < kMostSteps; ++step) {
     double deepest = kEnough;
-    Vector3d place, at;
-    for (int i = 0; i < SizeOf(arm); ++i)
-      if (const double depth = Depth(i, turn, &at); depth > deepest) deepest = depth, place = at;
-    if (deepest == kEnough) break;
-    const Vector3d arm_to = place - shoulder, axis = arm_to.cross(Outwards(trunk, place));
+    const ArmPlace* place = nullptr;
+    for (const ArmPlace& candidate : arm)
+      if (const double depth = Depth(candidate, turn); depth > deepest)
+        deepest = depth, place = &candidate;
+    if (!place) break;
+    const Vector3d at = Turned(*place, turn);
+    const Vector3d axis = (at - shoulder).cross(Outwards(Touched(*place), at));
     // A turn by `axis` times t moves the place outwards by |axis|^2 t.
     const Vector3d wanted = axis * (deepest / std::max(axis.squaredNorm(), 1e-4));
     const double factor = std::min(1.0, kMostTurn / std::max(wanted.norm(), 1e-12));
@@ -98,6 +112,8 @@ class Arm {
     if (SizeOf(channels_) != 3)
       throw InputError("synth: the joint '" + side + "Shoulder' must turn about three axes");
     for (const char* name : {"Hips", "Chest", "Chest2"}) trunk_.push_back(clip->Find(name));
+    for (const char* name : {"Neck", "Head", "LeftHip", "RightHip"})
+      rest_.push_back(clip->Find(name));
   }
 
   void Free() {
@@ -124,16 +140,27 @@ class Arm {
     for (const Flesh& lump : lumps_) {
       const Rigid3 move = Compose(frames[lump.joint], world_from_bind_[lump.joint].Inverse());
       const Flesh here = Moved(lump, move);
-      if (std::count(trunk_.begin(), trunk_.end(), lump.joint)) posed.trunk.push_back(here);
-      if (lump.joint != elbow_ && lump.joint != wrist_) continue;
-      // The elbow's end of the forearm is beside the trunk in many poses.
-      const double from = lump.joint == elbow_ ? 0.4 : 0;
-      for (int k = 0; k <= 3; ++k) {
-        const double t = from + (1 - from) * k / 3;
-        posed.arm.emplace_back((1 - t) * here.a + t * here.b, (1 - t) * here.ra + t * here.rb);
-      }
+      const bool of_rest = std::count(rest_.begin(), rest_.end(), lump.joint) > 0;
+      if (of_rest) posed.rest.push_back(here);
+      if (of_rest || std::count(trunk_.begin(), trunk_.end(), lump.joint))
+        posed.body.push_back(here);
+      AddPlaces(here, &posed.arm);
     }
     return posed;
+  }
+
+  void AddPlaces(const Flesh& lump, std::vector<ArmPlace>* places) const {
+    const auto add = [&](double t, bool at_elbow) {
+      places->push_back({(1 - t) * lump.a + t * lump.b, (1 - t) * lump.ra + t * lump.rb, at_elbow});
+    };
+    if (lump.joint == shoulder_)
+      for (const double t : {0.7, 0.85, 1.0}) add(t, true);
+    if (lump.joint == elbow_) {
+      for (const double t : {0.0, 0.2}) add(t, true);
+      for (const double t : {0.4, 0.6, 0.8, 1.0}) add(t, false);
+    }
+    if (lump.joint == wrist_)
+      for (int k = 0; k <= 3; ++k) add(k / 3.0, false);
   }
 
   static Vector3d Smooth(const std::vector<Vector3d>& values, int frame) {
@@ -165,7 +192,7 @@ class Arm {
   const std::vector<Rigid3>& world_from_bind_;
   MotionClip& clip_;
   int shoulder_, elbow_, wrist_;
-  std::vector<int> trunk_;  // joints
+  std::vector<int> trunk_, rest_;  // joints
   std::vector<std::pair<int, int>> channels_;
 };
 

@@ -1,4 +1,4 @@
-// Arms that do not pass through the trunk.
+// Arms that do not pass through the body.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,10 @@
 namespace keypose::synth {
 
 /// A recorded motion moved another body than the one that a film dresses it in, so that a hand that
-/// lay at the belly may lie inside. Turns such arms about their shoulders, as little as brings
-/// forearm and hand out, smoothly over the frames. Skin may press into clothes by half of its
-/// radius. Other frames keep their bits.
+/// lay at the belly may lie inside, or an elbow on a thigh. Turns such arms about their shoulders,
+/// as little as brings forearm and hand out of trunk, thighs and head, and the elbow out of thighs
+/// and head, smoothly over the frames. Skin may press into clothes by half of its radius. Other
+/// frames keep their bits.
 ///
 /// @param lumps            of the whole body
 /// @param world_from_bind  the joints' frames in the bind pose (UprightFrames)

@@ -1,4 +1,4 @@
-// Arms that would pass through the trunk are turned out of it.
+// Arms that would pass through the trunk, the thighs or the head are turned out of them.
 #include "synth/free_arms.h"
 
 #include <gtest/gtest.h>
@@ -88,6 +88,55 @@ TEST(FreeArms, AHandInTheBellyComesOut) {
   FreeArms(body.lumps, body.bind, &body.clip);
   constexpr double kPressed = 0.015, kLeft = 0.002;
   EXPECT_GT(body.LeastClearance(), kPressed - kLeft);
+}
+
+/// The left arm sinks from the side to its place in the bind pose and back.
+MotionClip ArmSinks() {
+  MotionClip clip = MakeOwnMotion(kFrames, 30, 1);
+  clip.values.setZero();
+  const int column = ColumnOf(clip, "LeftShoulder", BvhChannel::kZrotation);
+  for (int f = 0; f < kFrames; ++f) {
+    const double way = std::clamp(std::min(f - kApart, kFrames - 1 - kApart - f) / 15.0, 0.0, 1.0);
+    clip.values(f, column) = 50 * (1 - way * way * (3 - 2 * way));
+  }
+  return clip;
+}
+
+/// Least distance from the surface of a ball of 8 cm, 3 cm beside the place of one of the left
+/// arm's joints in the bind pose.
+/// @param fixed_to  the joint that the ball is part of
+double LeastFromBall(const std::string& arm_joint, const std::string& fixed_to, bool freed) {
+  Body body;
+  body.clip = ArmSinks();
+  Flesh ball;
+  ball.joint = body.clip.Find(fixed_to);
+  ball.a = body.bind[body.clip.Find(arm_joint)].translation + Eigen::Vector3d(0, 0.03, 0);
+  ball.b = ball.a, ball.ra = ball.rb = 0.08;
+  body.lumps.push_back(ball);
+  if (freed) FreeArms(body.lumps, body.bind, &body.clip);
+  double least = 1e9;
+  for (int f = 0; f < kFrames; ++f) {
+    const Rigid3 move =
+        Compose(UprightFrames(body.clip, f)[ball.joint], body.bind[ball.joint].Inverse());
+    Flesh here = ball;
+    here.a = here.b = move * ball.a;
+    least = std::min(least, FleshDistance(here, body.At(arm_joint, f)));
+  }
+  return least;
+}
+
+TEST(FreeArms, AnElbowInAThighAndAHandInTheHeadComeOut) {
+  constexpr double kUpperArm = 0.025, kForearm = 0.015, kLeft = 0.002;  // [m]; half of the radii
+  for (const char* joint : {"LeftHip", "RightHip"}) {
+    EXPECT_LT(LeastFromBall("LeftElbow", joint, false), -0.04);
+    EXPECT_GT(LeastFromBall("LeftElbow", joint, true), kUpperArm - kLeft);
+  }
+  EXPECT_LT(LeastFromBall("LeftWrist", "Head", false), -0.04);
+  EXPECT_GT(LeastFromBall("LeftWrist", "Head", true), kForearm - kLeft);
+}
+
+TEST(FreeArms, AnElbowBesideTheTrunkStays) {
+  EXPECT_EQ(LeastFromBall("LeftElbow", "Chest", false), LeastFromBall("LeftElbow", "Chest", true));
 }
 
 TEST(FreeArms, WhatWasOutsideKeepsItsBits) {
