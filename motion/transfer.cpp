@@ -111,6 +111,11 @@ Transfer::Impl::Impl(const Mesh& target_mesh, const PointsX3& reference, const F
   Align();
   const bool automatic = options.method == TransferMethod::kAuto;
   const bool holding = automatic && (options.feet || !options.pins.empty());
+  if (holding)
+    holds = std::make_unique<Holds>(
+        target, faces, marks, template_reference, template_faces,
+        [this](const Eigen::RowVector3d& point) { return path->OnTarget(point); }, options.pins,
+        options.feet);
   if (options.method == TransferMethod::kLiteral) {
     literal = std::make_unique<LiteralTransfer>(target, faces, TargetFaces(marks));
   } else {
@@ -119,11 +124,6 @@ Transfer::Impl::Impl(const Mesh& target_mesh, const PointsX3& reference, const F
     if (automatic && options.volume)
       kept = std::make_unique<KeptVolume>(placed->solver().system(), target);
   }
-  if (holding)
-    holds = std::make_unique<Holds>(
-        target, faces, marks, template_reference, template_faces,
-        [this](const Eigen::RowVector3d& point) { return path->OnTarget(point); }, options.pins,
-        options.feet);
   follower = std::make_unique<TurnFollower>(tree, options.follow);
   report.least_weight = fields.least_weight();
   report.unmarked_parts = fields.unmarked_parts();

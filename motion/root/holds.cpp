@@ -5,8 +5,8 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/parallel.h"
 #include "core/size_of.h"
-#include "motion/root/patch_tracks.h"
 
 namespace keypose::motion {
 
@@ -59,6 +59,8 @@ Holds::Holds(const PointsX3& target, const FacesX3& faces, const std::vector<Mar
                        "; frames count from 0, and the first must not be after the last");
     pins_.push_back({pin, mark->on_target, VerticesAround(target, faces, mark->on_target), {}, {}});
   }
+  const auto when = ThreadCount() > 1 ? std::launch::async : std::launch::deferred;
+  if (any()) copy_ = std::async(when, [this] { return CopyOf(target_, faces_); });
 }
 
 void Holds::Watch(const PointsX3& frame) {
@@ -138,7 +140,8 @@ void Holds::Plan(const PoissonSystem& system, const RootPath& path, double fps,
       patches.back().centre.emplace_back(faces_(place.face, c), place.barycentric[c]);
   }
   patches_.emplace(system, patches);
-  std::vector<PointsX3> tracks = TrackPatches(target_, faces_, marks_, centres, frames, path);
+  std::vector<PointsX3> tracks =
+      TrackPatches(copy_.get(), target_, faces_, marks_, centres, frames, path);
   std::vector<Eigen::RowVector3d> before;
   for (const MotionFrame& frame : frames) before.push_back(frame.root);
   if (!soles_.empty()) PlanSoles(tracks, fps, frames);

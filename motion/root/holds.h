@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "motion/fields/marks.h"
 #include "motion/root/feet.h"
 #include "motion/root/held_patches.h"
+#include "motion/root/patch_tracks.h"
 #include "motion/root/placed_poses.h"
 
 namespace keypose::motion {
@@ -84,6 +86,7 @@ class Holds {
   double template_height_ = 0, ground_ = 0, diagonal_ = 1;
   std::optional<HeldPatches> patches_;
   HoldsReport report_;
+  std::future<SmallCopy> copy_;  // of the target; made beside what else is set up
 };
 
 }  // namespace keypose::motion

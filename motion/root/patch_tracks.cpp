@@ -15,10 +15,7 @@ namespace {
 constexpr int kCopyVertices = 2500;
 constexpr int kFramesTogether = 24;
 
-struct SmallCopy {
-  PointsX3 points;
-  FacesX3 faces;
-};
+}  // namespace
 
 SmallCopy CopyOf(const PointsX3& points, const FacesX3& faces) {
   DecimatedMesh mesh = ToDecimatedMesh(points, faces);
@@ -31,12 +28,10 @@ SmallCopy CopyOf(const PointsX3& points, const FacesX3& faces) {
   return copy;
 }
 
-}  // namespace
-
-std::vector<PointsX3> TrackPatches(const PointsX3& target, const FacesX3& faces,
-                                   const std::vector<Mark>& marks, const PointsX3& centres,
-                                   const std::vector<MotionFrame>& frames, const RootPath& path) {
-  const SmallCopy copy = CopyOf(target, faces);
+std::vector<PointsX3> TrackPatches(const SmallCopy& copy, const PointsX3& target,
+                                   const FacesX3& faces, const std::vector<Mark>& marks,
+                                   const PointsX3& centres, const std::vector<MotionFrame>& frames,
+                                   const RootPath& path) {
   const RayScene scene(copy.points, copy.faces);
   std::vector<MarkPlace> places;
   std::vector<int> marked;
