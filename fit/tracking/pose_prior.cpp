@@ -42,7 +42,9 @@ const std::vector<std::pair<int, int>>& Pairs() {
     for (const int arm : {4, 7}) {
       for (const int part : {arm + 1, arm + 2})
         for (const int trunk : {0, 1, 2, 3}) all.emplace_back(part, trunk);
-      for (const int thigh : {10, 13}) all.emplace_back(arm + 2, thigh);
+      // An elbow rests on a thigh where the actor kneels or sits.
+      for (const int part : {arm, arm + 1, arm + 2})
+        for (const int thigh : {10, 13}) all.emplace_back(part, thigh);
     }
     for (const int left : {5, 6})
       for (const int right : {8, 9}) all.emplace_back(left, right);

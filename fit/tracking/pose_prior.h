@@ -22,7 +22,7 @@ struct PoseSystem {
 /// Found on the generated performance with seeds 101 and 102.
 struct PriorTuning {
   KEYPOSE_TUNED(double, kLimit, 0.03);       ///< [rad] beyond a limit, a standard deviation
-  KEYPOSE_TUNED(double, kOverlap, 0.01);     ///< [m] of overlap of two parts, the same
+  KEYPOSE_TUNED(double, kOverlap, 0.003);    ///< [m] of overlap of two parts, the same
   KEYPOSE_TUNED(double, kTurnChange, 0.12);  ///< [rad/frame^2] of change of a joint's speed
   KEYPOSE_TUNED(double, kMoveChange, 0.03);  ///< [m/frame^2] of change of the root's speed
   KEYPOSE_TUNED(double, kTurn, 0.6);         ///< [rad/frame] of a joint

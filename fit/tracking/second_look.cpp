@@ -28,53 +28,85 @@ LimbParts PartsOf(Limb limb) {
   }
 }
 
-/// A limb followed on from a jump.
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + SizeOf(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A limb followed on from a jump, or from where a search found it.
 struct Course {
-  int begin = 0;                     // its first frame, just beyond the jump
+  int begin = 0;                     // its first frame: just beyond the jump, or the one searched
+  int step = 1;                      // -1: backwards in time
+  bool found = false;                // by a search: it has no past
   std::vector<TrackedFrame> frames;  // of it, in the order in which it is followed
   double gain = 0;                   // of cost against the known course, summed up
+  double first_gain = 0;             // of the frame that was searched
   double best_gain = 0;              // the largest that the sum was,
   int best = 0;                      // after so many frames
 };
 
-/// Follows one limb through a take, in one direction.
+/// Follows one limb through a take.
 class LimbFollower {
  public:
   using Reader = std::function<const std::vector<Silhouette>&(int)>;
   LimbFollower(const BodyShape& shape, const LocalSurface& surface, const Reader& read, Limb limb,
-               int step, std::vector<TrackedFrame>* frames)
+               std::vector<TrackedFrame>* frames)
       : shape_(shape),
         surface_(surface),
         read_(read),
+        limb_(limb),
         parts_(PartsOf(limb)),
-        step_(step),
         frames_(*frames) {}
 
-  SecondLooks Follow() {
+  /// From all jumps, in one direction.
+  void FollowJumps(int step) {
     const int count = SizeOf(frames_);
-    if (count < 3) return looks_;
+    if (count < 3) return;
     const double jump = LeastJump();
     std::optional<Course> open;
     for (int i = 2; i < count; ++i) {
-      const int f = step_ > 0 ? i : count - 1 - i;
-      if (!open && Bend(f - step_) < jump) continue;
-      if (!open) open.emplace().begin = f;
+      const int f = step > 0 ? i : count - 1 - i;
+      if (!open && Bend(f - step) < jump) continue;
+      if (!open) open.emplace().begin = f, open->step = step;
       if (Extend(f, &*open)) continue;
-      Take(*open);
+      Take(*open, 0);
       open.reset();
     }
-    if (open) Take(*open);
-    return looks_;
+    if (open) Take(*open, 0);
   }
+
+  /// From where a search of one frame finds it, in both directions.
+  void Search(int f) {
+    if (f <= searched_to_ || OwnCells(f) >= usual_cells_) return;
+    std::optional<Course> found = Found(f);
+    if (!found) return;
+    Course back = *found, on = *std::move(found);
+    back.step = -1;
+    Extend(&back), Extend(&on);
+    searched_to_ = f + SizeOf(on.frames) - 1;
+    const double gain = back.best_gain + on.best_gain - back.first_gain;
+    if (gain < SecondLookTuning::kSure * frames_[f].evidence.cost) return;
+    Take(back, 0), Take(on, 1);
+  }
+
+  const SecondLooks& looks() const { return looks_; }
 
  private:
   /// One more frame of the course.
   /// @return whether to go on
-  bool Extend(int f, Course* course) {
-    course->frames.push_back(Solved(f, *course));
+  bool Extend(int f, Course* course) { return Append(f, Solved(f, *course), course); }
+
+  /// As many frames of the course as there are.
+  void Extend(Course* course) {
+    int f = course->begin + course->step;
+    while (f >= 0 && f < SizeOf(frames_) && Extend(f, course)) f += course->step;
+  }
+
+  bool Append(int f, TrackedFrame frame, Course* course) const {
     const TrackedFrame& known = frames_[f];
-    course->gain +=
-        SecondLookTuning::kBetter * known.evidence.cost - course->frames.back().evidence.cost;
+    course->gain += SecondLookTuning::kBetter * known.evidence.cost - frame.evidence.cost;
+    course->frames.push_back(std::move(frame));
     if (course->gain > course->best_gain)
       course->best_gain = course->gain, course->best = SizeOf(course->frames);
     const bool merged = Apart(course->frames.back().pose, known.pose) < SecondLookTuning::kMerged;
@@ -83,30 +115,55 @@ class LimbFollower {
     return !merged && !hopeless && SizeOf(course->frames) < SecondLookTuning::kLongest;
   }
 
+  /// The best other place of the limb, when it costs less than the known one.
+  std::optional<Course> Found(int f) {
+    std::optional<Course> best;
+    for (const BodyPose& start : SearchLimb(read_(f), shape_, surface_, frames_[f].pose, limb_,
+                                            SecondLookTuning::kCandidates)) {
+      if (start.q == frames_[f].pose.q) continue;
+      Course course;
+      course.begin = f, course.found = true;
+      const bool apart = Append(f, Solved(f, start, {RestPrior()}), &course);
+      course.first_gain = course.gain;
+      if (apart && course.gain > (best ? best->gain : 0)) best = std::move(course);
+    }
+    return best;
+  }
+
   /// The pose so many frames back along the course, or before it.
   const BodyPose& Back(const Course& course, int f, int back) const {
     const int own = SizeOf(course.frames);
-    return own >= back ? course.frames[own - back].pose : frames_[f - back * step_].pose;
+    return own >= back ? course.frames[own - back].pose : frames_[f - back * course.step].pose;
   }
 
   /// The frame's known pose, but the limb goes on as it went.
-  BodyPose GoingOn(const Course& course, int f) const {
+  BodyPose GoingOn(const Course& course, int f, bool still) const {
     BodyPose pose = frames_[f].pose;
     const auto last = Back(course, f, 1).q.segment(parts_.first_dof, parts_.dofs);
+    pose.q.segment(parts_.first_dof, parts_.dofs) = last;
+    if (still) return pose;
     const auto before = Back(course, f, 2).q.segment(parts_.first_dof, parts_.dofs);
-    pose.q.segment(parts_.first_dof, parts_.dofs) = last + TrackerTuning::kSpeed * (last - before);
+    pose.q.segment(parts_.first_dof, parts_.dofs) += TrackerTuning::kSpeed * (last - before);
     return pose;
   }
 
   TrackedFrame Solved(int f, const Course& course) {
-    const BodyPose start = GoingOn(course, f);
+    // The first frame that was searched tells no speed.
+    const bool still = course.found && SizeOf(course.frames) == 1;
+    const BodyPose start = GoingOn(course, f, still);
+    std::vector<QuadraticPrior> priors{RestPrior()};
+    if (!still)
+      for (const QuadraticPrior& calm : CalmPriors(InChart(Back(course, f, 1), start.root_chart),
+                                                   InChart(Back(course, f, 2), start.root_chart)))
+        priors.push_back(calm);
+    return Solved(f, start, std::move(priors));
+  }
+
+  TrackedFrame Solved(int f, const BodyPose& start, std::vector<QuadraticPrior> priors) {
     PoseOptions options;
     options.rounds = TrackerTuning::kRounds;
     options.first_reach = 2 * OutlineTuning::kReach;
-    options.priors = {RestPrior()};
-    for (const QuadraticPrior& calm : CalmPriors(InChart(Back(course, f, 1), start.root_chart),
-                                                 InChart(Back(course, f, 2), start.root_chart)))
-      options.priors.push_back(calm);
+    options.priors = std::move(priors);
     const std::vector<Silhouette>& silhouettes = read_(f);
     ++looks_.solved;
     TrackedFrame frame = FrameOf(SolvePose(silhouettes, shape_, surface_, start, options), shape_);
@@ -114,9 +171,10 @@ class LimbFollower {
     return frame;
   }
 
-  void Take(const Course& course) {
-    for (int i = 0; i < course.best; ++i) {
-      TrackedFrame& frame = frames_[course.begin + i * step_];
+  /// @param from  of the course's frames
+  void Take(const Course& course, int from) {
+    for (int i = from; i < course.best; ++i) {
+      TrackedFrame& frame = frames_[course.begin + i * course.step];
       std::vector<Limb> found = std::move(frame.found);
       frame = course.frames[i];
       frame.found = std::move(found);
@@ -146,17 +204,25 @@ class LimbFollower {
   double LeastJump() const {
     std::vector<double> bends;
     for (int f = 1; f + 1 < SizeOf(frames_); ++f) bends.push_back(Bend(f));
-    const auto middle = bends.begin() + SizeOf(bends) / 2;
-    std::nth_element(bends.begin(), middle, bends.end());
-    return std::max(SecondLookTuning::kJump, SecondLookTuning::kUnusual * *middle);
+    return std::max(SecondLookTuning::kJump, SecondLookTuning::kUnusual * MedianOf(bends));
+  }
+
+  /// In all views, that the limb covers and no other part of the body.
+  double OwnCells(int f) const { return frames_[f].coverage.limb[static_cast<std::size_t>(limb_)]; }
+  double UsualCells() const {
+    std::vector<double> cells;
+    for (int f = 0; f < SizeOf(frames_); ++f) cells.push_back(OwnCells(f));
+    return cells.empty() ? 0 : MedianOf(cells);
   }
 
   const BodyShape& shape_;
   const LocalSurface& surface_;
   const Reader& read_;
+  const Limb limb_;
   const LimbParts parts_;
-  const int step_;  // -1: backwards in time
   std::vector<TrackedFrame>& frames_;
+  const double usual_cells_ = UsualCells();
+  int searched_to_ = -1;  // the last frame of the last search's course
   SecondLooks looks_;
 };
 
@@ -167,11 +233,21 @@ SecondLooks LookAgain(const BodyShape& shape,
                       std::vector<TrackedFrame>* frames) {
   const LocalSurface surface = SurfaceOf(shape);
   SecondLooks sum;
+  const auto add = [&](const SecondLooks& looks) {
+    sum.solved += looks.solved, sum.changed += looks.changed;
+  };
   for (const int step : {-1, 1})
     for (const Limb limb : kLimbs) {
-      const SecondLooks looks = LimbFollower(shape, surface, read, limb, step, frames).Follow();
-      sum.solved += looks.solved, sum.changed += looks.changed;
+      LimbFollower follower(shape, surface, read, limb, frames);
+      follower.FollowJumps(step);
+      add(follower.looks());
     }
+  std::vector<LimbFollower> arms;
+  for (const Limb arm : {Limb::kLeftArm, Limb::kRightArm})
+    arms.emplace_back(shape, surface, read, arm, frames);
+  for (int f = SecondLookTuning::kEvery / 2; f < SizeOf(*frames); f += SecondLookTuning::kEvery)
+    for (LimbFollower& arm : arms) arm.Search(f);
+  for (const LimbFollower& arm : arms) add(arm.looks());
   return sum;
 }
 
