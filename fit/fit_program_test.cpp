@@ -56,12 +56,16 @@ class FitProgram : public testing::Test {
         << program << ": " << ReadFile(folder / "log");
   }
   static int Fit(const fs::path& images, const fs::path& rig, const std::string& more = "") {
+    return FitUntextured(images, rig,
+                         "--texture " + (folder / "template.png").string() + " " + more);
+  }
+  static int FitUntextured(const fs::path& images, const fs::path& rig, const std::string& more) {
     const std::string f = folder.string();
     return Call("fit",
-                "--template " + f + "/template.obj --texture " + f + "/template.png --images " +
-                    images.string() + " --rig " + rig.string() + " --fitted " + f +
-                    "/fitted.obj --model " + f + "/model --picture " + f +
-                    "/fitted.png --overwrite --report " + f + "/fit.json " + more,
+                "--template " + f + "/template.obj --images " + images.string() + " --rig " +
+                    rig.string() + " --fitted " + f + "/fitted.obj --model " + f +
+                    "/model --picture " + f + "/fitted.png --overwrite --report " + f +
+                    "/fit.json " + more,
                 folder / "log");
   }
   static fs::path Rig() { return folder / "world/truth/rest/cameras"; }
@@ -152,22 +156,22 @@ std::string LandmarksFlag(const fs::path& folder, const std::vector<Clicks>& mar
          (folder / "limbs.json").string();
 }
 
-// In small pictures the left hand, which turned, is found wrong.
+// Without a texture the left hand, which turned, is found wrong.
 TEST_F(FitProgram, ThreePicksBringAHandToItsPlaceWithAnyNumberOfThreads) {
-  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320"), 0) << Log();
-  EXPECT_GT(Scored()["max"], 0.045);
+  ASSERT_EQ(FitUntextured(folder / "limbs", Rig(), "--max_size 320"), 0) << Log();
+  EXPECT_GT(Scored()["max"], 0.06);
   const Clicks finger = TrueClicks(folder, "left_finger", 2),
                elbow = TrueClicks(folder, "left_elbow", 1);
   ASSERT_EQ(finger.pixels.size() + elbow.pixels.size(), 3u);
   const std::string picks = LandmarksFlag(folder, {finger, elbow});
   ASSERT_EQ(setenv("KEYPOSE_THREADS", "1", 1), 0);
-  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
+  ASSERT_EQ(FitUntextured(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
   const std::string one = ReadFile(folder / "fitted.obj");
   ASSERT_EQ(setenv("KEYPOSE_THREADS", "3", 1), 0);
-  ASSERT_EQ(Fit(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
+  ASSERT_EQ(FitUntextured(folder / "limbs", Rig(), "--max_size 320" + picks), 0) << Log();
   unsetenv("KEYPOSE_THREADS");
   EXPECT_EQ(one, ReadFile(folder / "fitted.obj"));
-  EXPECT_LT(Scored()["max"], 0.03);
+  EXPECT_LT(Scored()["max"], 0.04);
   EXPECT_EQ(Measured()["landmarks"], 3);
   EXPECT_EQ(Measured()["landmarks_refused"], 0);
   const nlohmann::json measured = Measured();

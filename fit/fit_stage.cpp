@@ -49,7 +49,7 @@ struct FitStageOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "fit";
-  spec.version = "9";
+  spec.version = "10";
   spec.summary = "Bends the template into a few photographs of another pose.";
   spec.inputs = {
       {"template", "file", "the unwrapped template (.obj)", ""},
@@ -351,6 +351,7 @@ void ReportMarks(StageContext& stage, const BendMarks& marks, const BendResult& 
 
 void ReportShape(StageContext& stage, const BendResult& result) {
   const double count = static_cast<double>(result.views.size());
+  stage.Report("limbs_turned", result.limbs_turned);
   stage.Report("unfolded", result.unfolded);
   stage.Report("flipped", result.flipped);
   stage.Report("volume_ratio", result.volume_ratio);

@@ -16,6 +16,7 @@
 #include "fit/bending/joint_solve.h"
 #include "fit/bending/schedule.h"
 #include "fit/bending/unfold.h"
+#include "fit/limbs/limb_search.h"
 
 namespace keypose::fit {
 namespace {
@@ -27,6 +28,7 @@ struct BendTuning {
 };
 
 constexpr int kSolverSteps = 10;
+constexpr double kLimbRadius = 80;          // half the figure's diagonal where limbs are drawn [px]
 constexpr Eigen::Index kMostJointly = 800;  // vertices of a level solved together with the cameras
 
 class Bending {
@@ -34,7 +36,8 @@ class Bending {
   Bending(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
           const std::vector<BendView>& views, const BendMarks& marks, const BendOptions& options,
           Progress* progress)
-      : texture_(mesh, texture),
+      : colors_(texture.empty() ? Eigen::MatrixX3f() : VertexColors(mesh, texture)),
+        texture_(mesh, texture),
         views_(views),
         options_(options),
         progress_(progress),
@@ -52,6 +55,8 @@ class Bending {
   void RunRounds(const std::vector<Round>& rounds);
   void RunRound(const Round& round);
   void RunFar();
+  void TurnLimbsRight();
+  void HoldLimbs(const Round& round, std::vector<Constraint>& constraints) const;
   std::vector<FitView> FullViews() const;
   void Solve(int level, const std::vector<Constraint>& constraints, int turns);
   void KeepSize(int level);
@@ -61,6 +66,7 @@ class Bending {
 
   const FacesX3& faces() const { return rest_.mesh.faces; }
 
+  Eigen::MatrixX3f colors_;  // of the vertices
   SurfaceTexture texture_;
   const std::vector<BendView>& views_;
   const BendOptions& options_;
@@ -76,6 +82,8 @@ class Bending {
   std::optional<ViewEvidence> evidence_;
   std::vector<Evidence> last_;
   std::optional<Marks> marks_;
+  std::vector<std::pair<int, Eigen::Vector3d>> turned_;  // vertices of limbs, and where they belong
+  int limbs_turned_ = 0;
   int at_ = 0;                 // the level in use
   int rounds_ = 1, done_ = 0;  // all, and those that were run
 };
@@ -191,6 +199,7 @@ void Bending::RunRound(const Round& round) {
     all.insert(all.end(), last_[v].constraints.begin(), last_[v].constraints.end());
   }
   marks_->AddPlaces(shape.points, MarkWeight(round, options_), MarkScale(round), all);
+  HoldLimbs(round, all);
   Solve(level, all, round.turns);
   if (options_.hold_cameras == 0) KeepSize(level);
 }
@@ -211,6 +220,7 @@ BendResult Bending::Finish() {
   const std::vector<Eigen::Matrix3d>& maps = (*levels_)[0].fit->maps();
   result.unfolded = Unfold(rest_.points, faces(), maps, points);
   result.flipped = FlippedFaces(rest_.points, faces(), maps, points);
+  result.limbs_turned = limbs_turned_;
   if (options_.hold_cameras == 0) KeepPlace(points);
   result.marks = marks_->Quality(FullViews(), points);
   for (MarkQuality& mark : result.marks) mark.off *= unit_;
@@ -256,7 +266,10 @@ void Bending::RunRounds(const std::vector<Round>& rounds) {
 /// The far rounds; again from the start without picks that contradict the rest, which would leave
 /// the shape bent.
 void Bending::RunFar() {
-  const std::vector<Round> rounds = FarRounds(options_.hold_cameras > 0);
+  std::vector<Round> rounds = FarRounds(options_.hold_cameras > 0);
+  // A few picks alone would draw the whole figure along.
+  if (texture_.blank() && options_.hold_cameras > 0)
+    std::erase_if(rounds, [](const Round& round) { return round.outlines == 0; });
   constexpr int kMostTries = 4;
   for (int attempt = 1;; ++attempt) {
     at_ = LevelOf(rounds.front().level);
@@ -268,13 +281,41 @@ void Bending::RunFar() {
   }
 }
 
+/// A limb that turned about itself shows another side, so features do not find it, and outlines
+/// draw it to a wrong place near by.
+void Bending::TurnLimbsRight() {
+  std::vector<SmallPicture> pictures;
+  for (int v = 0; v < SizeOf(views_); ++v)
+    pictures.push_back(MakeSmallPicture(views_[v].view, poses_[v], kLimbRadius));
+  const TurnedLimbs found = TurnLimbs(rest_.points, faces(), colors_, pictures, FullPoints(at_));
+  limbs_turned_ = found.count;
+  if (found.count == 0) return;
+  Level& level = (*levels_)[at_];
+  level.moved = found.points(level.fine, Eigen::all);
+  level.fit->FitMaps(level.moved);
+  evidence_->HoldNear(found.turned);
+  for (int v = 0; v < SizeOf(found.turned); ++v)
+    if (found.turned[v]) turned_.emplace_back(v, found.points.row(v).transpose());
+}
+
+/// Grey values of the coarse rounds would draw a limb away from where it was turned to.
+void Bending::HoldLimbs(const Round& round, std::vector<Constraint>& constraints) const {
+  const double weight = round.limbs * SurfaceWeight(round) / SizeOf(rest_.cell_of);
+  if (weight > 0)
+    for (const auto& [vertex, place] : turned_)
+      constraints.push_back(
+          {-1, vertex, Eigen::Vector3d::Zero(), weight * Eigen::Matrix3d::Identity(), place});
+}
+
 BendResult Bending::Run() {
   const std::vector<Round> near = texture_.blank() ? UntexturedRounds() : NearRounds();
   rounds_ = 0;
   for (const auto& rounds : {FarRounds(options_.hold_cameras > 0), near})
     for (const Round& round : rounds) rounds_ += round.repeats;
   RunFar();
-  if (!options_.only_far) RunRounds(near);
+  if (options_.only_far) return Finish();
+  if (!texture_.blank()) TurnLimbsRight();
+  RunRounds(near);
   return Finish();
 }
 

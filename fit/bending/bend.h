@@ -28,6 +28,7 @@ struct BendResult {
   Eigen::VectorXd confidence;   ///< V, 0 to 1: how firmly the views hold the vertex
   std::vector<ViewQuality> view_quality;
   std::vector<MarkQuality> marks;  ///< of the marks' pixels, then of their places
+  int limbs_turned = 0;            ///< that stood wrongly after the far rounds
   int unfolded = 0;                ///< vertices moved because a face beside them was flipped
   int flipped = 0;                 ///< faces that could not be turned back so
   double volume_ratio = 1;         ///< over the template's
@@ -35,7 +36,8 @@ struct BendResult {
 
 /// Coarse to fine. First the features alone bend a coarse level with a robust weight, so that
 /// limbs find far places; then outlines join (from the silhouette to the mask and back, which
-/// prevents shrinking), then grey values of patches around every vertex. The shape is as rigid as
+/// prevents shrinking). Limbs that the photographs still contradict are then looked for in other
+/// turns. At last grey values of patches around every vertex. The shape is as rigid as
 /// possible throughout, so what no view shows follows its neighbours rigidly. Marks pull strongly
 /// in the far rounds, and weakly beside grey values. A mark that is still far off after the far
 /// rounds is refused, and these begin again without it.

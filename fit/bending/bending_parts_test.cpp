@@ -92,6 +92,28 @@ TEST(SolveJointly, FindsShiftedCamerasOfARigidShape) {
   EXPECT_LT((Transformed(back, points) - sphere.points).rowwise().norm().maxCoeff(), 1e-3);
 }
 
+TEST(SolveJointly, APullOfNoCameraIsAmongThePullsOnly) {
+  const Mesh sphere = MakeIcosphere(2);
+  ArapFit fit(sphere.points, sphere.faces, {}, 0.01);
+  fit.SetMaps(std::vector<Eigen::Matrix3d>(sphere.vertex_count(), Eigen::Matrix3d::Identity()));
+  std::vector<Rigid3> with = Ring(2), without = Ring(2);
+  std::vector<LevelConstraint> constraints;
+  for (int v = 0; v < 2; ++v)
+    for (int i = 0; i < sphere.vertex_count(); i += 3) {
+      const Eigen::Vector3d x = sphere.points.row(i).transpose();
+      const Constraint c =
+          PullToPixel({v, kCamera, with[v]}, i, {0, 0, 0}, x, kCamera.Project(with[v] * x), 1, 10);
+      constraints.push_back({v, i, {0, 0, 0}, c.q, c.goal});
+    }
+  Pulls pulls(sphere.points.rows());
+  pulls.q[5] = Eigen::Matrix3d::Identity();
+  pulls.b.row(5) = 1.1 * sphere.points.row(5);
+  const PointsX3 expected = SolveJointly(fit, sphere.points, constraints, pulls, 1e-3, without);
+  constraints.push_back({-1, 5, {0, 0, 0}, pulls.q[5], 1.1 * sphere.points.row(5).transpose()});
+  EXPECT_EQ(SolveJointly(fit, sphere.points, constraints, pulls, 1e-3, with), expected);
+  EXPECT_GT((expected - sphere.points).row(5).norm(), 0.01);
+}
+
 TEST(Unfold, TurnsAFlippedFaceBackAndLeavesTheRest) {
   const Mesh sphere = MakeIcosphere(3);
   PointsX3 points = sphere.points;

@@ -23,6 +23,7 @@ struct EvidenceTuning {
   // Matches in one cell of the coarse level from which on they have the cell's whole weight.
   KEYPOSE_TUNED(double, kMatchesForAll, 4);
   KEYPOSE_TUNED(double, kOutlineWeight, 3);   // of outlines, relative to a vertex held by texture
+  KEYPOSE_TUNED(double, kPlacedReach, 0.05);  // of features on vertices that stand nearly right
   KEYPOSE_TUNED(double, kLeastFacing, 0.25);  // cosine at which a vertex is compared
 };
 using Tuning = EvidenceTuning;
@@ -82,8 +83,22 @@ void ViewEvidence::MatchAgain(const BentShape& shape, const std::vector<Rigid3>&
         rest_.mesh.faces, *shape.scene, RenderIn(at, shape), at, pictures_[v].features, reach_px);
     const std::vector<FeatureMatch> patches = PatchMatches(view, shape, poses[v], reach);
     found.insert(found.end(), patches.begin(), patches.end());
+    DropFar(at, shape, found);
     pictures_[v].matches =
         NearbyMatches(rest_.points, shape.points, found, at.camera, at.camera_from_world);
+  });
+}
+
+/// Those that would pull vertices away from where they were put.
+void ViewEvidence::DropFar(const FitView& at, const BentShape& shape,
+                           std::vector<FeatureMatch>& matches) const {
+  if (placed_.empty()) return;
+  const double reach_px =
+      Tuning::kPlacedReach * at.camera.fx / at.camera_from_world.translation.norm();
+  std::erase_if(matches, [&](const FeatureMatch& match) {
+    const Eigen::Vector3d x = PositionOf(match.point, shape.points);
+    return placed_[match.point.vertices[0]] &&
+           (at.camera.Project(at.camera_from_world * x) - match.pixel).norm() > reach_px;
   });
 }
 

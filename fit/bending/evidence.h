@@ -61,6 +61,9 @@ class ViewEvidence {
                const std::vector<BendView>& views, const BendOptions& options,
                std::vector<Rigid3> first_poses);
 
+  /// Vertices that stand nearly right: from now on features are matched with them close by only.
+  /// @param placed  V: 1 for these
+  void HoldNear(const std::vector<char>& placed) { placed_ = placed; }
   /// Looks for features again, now that the mesh is near, and takes them in place of the first.
   void MatchAgain(const BentShape& shape, const std::vector<Rigid3>& poses, double reach);
   /// Features, marks, outlines and grey values of one view, as the round asks.
@@ -93,6 +96,7 @@ class ViewEvidence {
   void ImprovePose(const std::vector<SeenVertex>& seen, const BentShape& shape, FitView& at,
                    std::vector<PatchShift>& shifts, Evidence& evidence) const;
   int LevelIn(int view, int pyramid) const;
+  void DropFar(const FitView& at, const BentShape& shape, std::vector<FeatureMatch>& matches) const;
 
   const RestShape& rest_;
   const SurfaceTexture& texture_;
@@ -100,6 +104,7 @@ class ViewEvidence {
   const BendOptions& options_;
   const std::vector<Rigid3> first_poses_;
   std::vector<Picture> pictures_;
+  std::vector<char> placed_;  // V, or empty
 };
 
 }  // namespace keypose::fit

@@ -51,6 +51,7 @@ Blocks Collect(const PointsX3& now, const std::vector<LevelConstraint>& constrai
                 std::vector<Matrix6>(views, Matrix6::Zero()),
                 Eigen::VectorXd::Zero(3 * vertices + 6 * views)};
   for (const LevelConstraint& c : constraints) {
+    if (c.view < 0) continue;  // among the pulls
     const Eigen::Vector3d p = now.row(c.vertex), goal = c.goal - c.arm;
     const Matrix36 move = MoveByPose(poses[c.view], p + c.arm);
     const Matrix36 coupled = c.q * move;

@@ -12,7 +12,7 @@ namespace keypose::fit {
 
 /// A constraint on a level of the mesh: its vertex, and the arm as it stands now.
 struct LevelConstraint {
-  int view = 0;                                   ///< of `poses`
+  int view = 0;                                   ///< of `poses`; below 0: of none, left out here
   int vertex = 0;                                 ///< of the level
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< from the vertex, turned by its map
   Eigen::Matrix3d q = Eigen::Matrix3d::Zero();

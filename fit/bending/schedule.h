@@ -15,6 +15,7 @@ struct Round {
   int turns;           ///< of positions and maps
   int repeats;         ///< of the whole round
   double rematch = 0;  ///< before it, features are matched within this distance [half diagonals]
+  double limbs = 0;    ///< weight of a turned limb's places, over a vertex's share of the shape's
 };
 
 /// Where the first rounds end that use grey values: before, all is far.
