@@ -13,6 +13,12 @@ constexpr int kRings = 16;
 // The tip is rigid over so many radii: a hand, a ball at a tail's end.
 constexpr double kRigidTip = 2.5;
 
+/// Near a distance from the tip; never 0, since a limb of long faces may have no vertex near it.
+double Nearness(double apart) {
+  constexpr double kLeast = 1e-9;
+  return std::exp(-apart * apart) + kLeast;
+}
+
 /// 0 on the body's side of a joint, 1 on the tip's.
 double Share(double along, double joint, double half_width) {
   const double t = std::clamp((joint + half_width - along) / (2 * half_width), 0.0, 1.0);
@@ -51,7 +57,7 @@ Rigid3 LimbChain::At(double along, const PointsX3& now) const {
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     const double apart =
         along <= tip ? std::max(0.0, limb_.along[i] - tip) : limb_.along[i] - along;
-    weights[i] = std::exp(-apart * apart / (width * width));
+    weights[i] = Nearness(apart / width);
   }
   const Similarity3 fitted = FitSimilarity(rest_, now, weights, false);
   return {Eigen::Quaterniond(fitted.rotation), fitted.translation};
@@ -73,8 +79,7 @@ void LimbChain::PlaceJoints(const PointsX3& now) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weight = 0;
     for (Eigen::Index i = 0; i < now.rows(); ++i) {
-      const double apart = (limb_.along[i] - joint_along_[j]) / radius;
-      const double w = std::exp(-4 * apart * apart);
+      const double w = Nearness(2 * (limb_.along[i] - joint_along_[j]) / radius);
       sum += w * now.row(i).transpose(), weight += w;
     }
     joint_.push_back(sum / weight);

@@ -66,7 +66,8 @@ void CutAtNeck(const Eigen::VectorXd& areas, double shortest, Limb& limb) {
     rings[static_cast<std::size_t>(limb.along[i] / step)] += areas[limb.vertices[i]];
   const auto width = [&](int r) { return rings[r - 1] + 2 * rings[r] + rings[r + 1]; };
   for (int r = kRingsInShortest, neck = r; r + 1 < SizeOf(rings); ++r) {
-    if (width(r) < width(neck)) neck = r;
+    if (width(r) == 0) continue;  // faces are longer than rings
+    if (width(r) < width(neck) || width(neck) == 0) neck = r;
     if (width(r) < LimbTuning::kWider * width(neck)) continue;
     limb.length = neck * step;
     break;

@@ -16,8 +16,9 @@ struct Limb {
 };
 
 /// The parts around the peaks of the mean geodesic distance to all of the surface. Each begins at
-/// a peak and ends where the field has fallen to the saddle towards a higher peak, or where the
-/// part would be more than a tenth of the surface. Longest first.
+/// a peak and ends where the field has fallen to the saddle towards a higher peak, where the part
+/// would be more than a tenth of the surface, or at a neck beyond which its width doubles. Longest
+/// first.
 /// Source: mean geodesic distances, Hilaga et al., SIGGRAPH 2001.
 /// @throws InputError  no vertices
 std::vector<Limb> FindLimbs(const PointsX3& points, const FacesX3& faces);

@@ -157,6 +157,17 @@ TEST(LimbChain, ASqueezedTipIsWholeAgain) {
             0.5 * MeanError(squeezed, mesh.points, arm.vertices));
 }
 
+TEST(LimbChain, AThinLimbOfLongFacesTurnsToo) {
+  const Mesh thin = MakeCylinder(0.01, 2, 6, 2);
+  Limb limb;
+  for (int v = 0; v < thin.vertex_count(); ++v) limb.vertices.push_back(v);
+  limb.along = 2 - thin.points.col(2).array();
+  limb.length = 2;
+  const LimbChain chain(limb, thin.points, thin.points);
+  EXPECT_LT((chain.Turned(LimbChain::Turns::Zero()) - thin.points).norm(), 1e-9);
+  EXPECT_TRUE(chain.Turned(LimbChain::Turns::Constant(0.5)).allFinite());
+}
+
 TEST(MakeSmallPicture, ShowsAPointAtTheSamePlace) {
   const Mesh mesh = MakeBottle();
   const View view = FitView(mesh.points, 30, 20, 400, 300);
