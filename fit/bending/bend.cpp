@@ -287,7 +287,10 @@ void Bending::TurnLimbsRight() {
   std::vector<SmallPicture> pictures;
   for (int v = 0; v < SizeOf(views_); ++v)
     pictures.push_back(MakeSmallPicture(views_[v].view, poses_[v], kLimbRadius));
-  const TurnedLimbs found = TurnLimbs(rest_.points, faces(), colors_, pictures, FullPoints(at_));
+  const double done = static_cast<double>(done_) / rounds_;
+  SubProgress standing(progress_, done, done);
+  const TurnedLimbs found =
+      TurnLimbs(rest_.points, faces(), colors_, pictures, FullPoints(at_), &standing);
   limbs_turned_ = found.count;
   if (found.count == 0) return;
   Level& level = (*levels_)[at_];

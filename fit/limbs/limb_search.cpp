@@ -158,11 +158,15 @@ Try DrawnLimb::Best() const {
 }  // namespace
 
 TurnedLimbs TurnLimbs(const PointsX3& rest, const FacesX3& faces, const Eigen::MatrixX3f& colors,
-                      const std::vector<SmallPicture>& pictures, const PointsX3& now) {
+                      const std::vector<SmallPicture>& pictures, const PointsX3& now,
+                      Progress* progress) {
   TurnedLimbs result{now, std::vector<char>(now.rows(), 0)};
   const Drawing drawing = MakeDrawing(rest, faces);
   const Eigen::MatrixX3f drawn_colors = colors(drawing.vertices, Eigen::all);
-  for (const Limb& limb : FindLimbs(rest, faces)) {
+  const std::vector<Limb> limbs = FindLimbs(rest, faces);
+  for (int l = 0; l < SizeOf(limbs); ++l) {
+    ReportProgress(progress, static_cast<double>(l) / SizeOf(limbs), "limbs");
+    const Limb& limb = limbs[l];
     std::vector<char> of_limb(now.rows(), 0), of_drawn;
     for (const int v : limb.vertices) of_limb[v] = 1;
     for (const int v : drawing.vertices) of_drawn.push_back(of_limb[v]);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/progress.h"
 #include "fit/limbs/limb_pictures.h"
 
 namespace keypose::fit {
@@ -19,9 +20,11 @@ struct TurnedLimbs {
 /// @param rest    V x 3, the shape before it was bent
 /// @param colors  V x 3, of the vertices (VertexColors)
 /// @param now     V x 3, where the vertices stand
+/// @throws Cancelled
 /// Same bits for any thread count. Cost: 2 s of processor time for a limb that is looked for.
 /// See docs/algorithms/fit.md.
 TurnedLimbs TurnLimbs(const PointsX3& rest, const FacesX3& faces, const Eigen::MatrixX3f& colors,
-                      const std::vector<SmallPicture>& pictures, const PointsX3& now);
+                      const std::vector<SmallPicture>& pictures, const PointsX3& now,
+                      Progress* progress = nullptr);
 
 }  // namespace keypose::fit

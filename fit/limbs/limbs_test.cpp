@@ -203,6 +203,17 @@ TEST(TurnLimbs, AHandThatTurnedAboutItsArmIsFound) {
   }
 }
 
+TEST(TurnLimbs, StopsWhenAsked) {
+  class Cancelling final : public Progress {
+    void Update(double, std::string_view) override {}
+    bool cancelled() const override { return true; }
+  } cancelling;
+  const Mesh mesh = MakeBottle();
+  EXPECT_THROW(
+      TurnLimbs(mesh.points, mesh.faces, mesh.colors.cast<float>(), {}, mesh.points, &cancelling),
+      Cancelled);
+}
+
 TEST(TurnLimbs, OneThatIsRightStays) {
   const Mesh mesh = MakeBottle();
   const PointsX3 truth = WithTurnedHand(mesh);
