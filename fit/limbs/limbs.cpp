@@ -20,12 +20,9 @@ constexpr int kSamples = 40;  // from which mean distances are taken
 
 Eigen::VectorXd VertexAreas(const PointsX3& points, const FacesX3& faces) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Eigen::RowVector3d a = points.row(faces(f, 0)), b = points.row(faces(f, 1)),
-                             c = points.row(faces(f, 2));
-    const double third = (b - a).cross(c - a).norm() / 6;
-    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += third;
-  }
+  const Eigen::VectorXd of_faces = FaceAreas(points, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += of_faces[f] / 3;
   return areas;
 }
 
