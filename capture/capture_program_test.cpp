@@ -99,6 +99,9 @@ TEST_F(CaptureProgram, ShrinksToMaxSize) {
   ASSERT_EQ(Run("--max_size 90").code, 0);
   EXPECT_EQ(ReadImageInfo(images / "p10.jpg").width, 90);
   EXPECT_EQ(ReadImageInfo(images / "masks/p10.jpg.png").width, 90);
+  const ImageSet set = ReadImageSet(images);
+  EXPECT_EQ(set.images[0].photograph_width, 180);
+  EXPECT_EQ(set.images[0].photograph_height, 120);
 }
 
 TEST_F(CaptureProgram, BlackMasksAreAnInputError) {

@@ -108,6 +108,11 @@ Written WriteOne(const PhotographImport& import, std::size_t i, const fs::path& 
   entry.name = import.photographs[i].name;
   entry.width = image.width;
   entry.height = image.height;
+  if (const Photograph& photograph = import.photographs[i];
+      photograph.width != image.width || photograph.height != image.height) {
+    entry.photograph_width = photograph.width;
+    entry.photograph_height = photograph.height;
+  }
   entry.focal_px = import.photographs[i].focal_px * import.factor;
   entry.mask = "masks/" + entry.name + ".png";
   entry.mask_fraction = MaskFraction(mask);

@@ -446,6 +446,8 @@ TEST_F(HostileImageSet, SizesThatCannotBeAndNamesTwiceAreRefused) {
   refuse(R"({"name":"a.jpg","width":-1,"height":3})");
   refuse(R"({"name":"a.jpg","width":100000,"height":100000})");
   refuse(R"({"name":"a.jpg","width":4,"height":3,"focal_px":-1})");
+  refuse(R"({"name":"a.jpg","width":4,"height":3,"photograph":[-8,6]})");
+  refuse(R"({"name":"a.jpg","width":4,"height":3,"photograph":[8]})");
   EXPECT_TRUE(
       Says(refuse(R"({"name":"a.jpg","width":4,"height":3},{"name":"a.jpg","width":4,"height":3})"),
            "twice"));

@@ -88,6 +88,9 @@ void RequireUsableNumbers(const CapturedImage& image) {
   if (image.width < 0 || image.height < 0 || std::int64_t{image.width} * image.height > kMostPixels)
     throw InputError(image.name + " is " + std::to_string(image.width) + " x " +
                      std::to_string(image.height) + " pixels");
+  if (image.photograph_width < 0 || image.photograph_height < 0 ||
+      (image.photograph_width == 0) != (image.photograph_height == 0))
+    throw InputError(image.name + " was made of a photograph of an impossible size");
   if (!(image.focal_px >= 0 && image.focal_px < 1e7))
     throw InputError(image.name + " has an impossible focal length");
 }
@@ -108,6 +111,10 @@ CapturedImage ImageFrom(const json& entry, const std::optional<BoardLayout>& boa
   image.name = entry.at("name");
   image.width = entry.at("width");
   image.height = entry.at("height");
+  if (entry.contains("photograph")) {
+    image.photograph_width = entry.at("photograph").at(0);
+    image.photograph_height = entry.at("photograph").at(1);
+  }
   image.focal_px = entry.value("focal_px", 0.0);
   image.mask = entry.value("mask", "");
   image.mask_given = entry.value("mask_given", false);
@@ -190,6 +197,8 @@ void WriteImageSet(const ImageSet& set) {
                   {"height", image.height},     {"focal_px", image.focal_px},
                   {"mask", image.mask},         {"sharpness", image.sharpness},
                   {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
+    if (image.photograph_width > 0)
+      entry["photograph"] = {image.photograph_width, image.photograph_height};
     if (image.mask_given) entry["mask_given"] = true;
     if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
     if (!image.group.empty()) entry["group"] = image.group;

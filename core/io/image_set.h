@@ -24,6 +24,8 @@ struct TurntablePlace {
 struct CapturedImage {
   std::string name;  ///< file name in the folder, e.g. "IMG_0001.jpg"
   int width = 0, height = 0;
+  /// of the photograph, upright, where it is another: it was made smaller or turned; else 0
+  int photograph_width = 0, photograph_height = 0;
   double focal_px = 0;      ///< from EXIF, 0 when unknown
   std::string mask;         ///< path relative to the folder, "masks/IMG_0001.jpg.png"
   bool mask_given = false;  ///< the user made the mask; it must not be changed

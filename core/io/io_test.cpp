@@ -134,6 +134,8 @@ TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   CapturedImage image;
   image.name = "a.jpg";
   image.group = "lying";
+  image.photograph_width = 4000;
+  image.photograph_height = 3000;
   image.board_corners = {{0, Eigen::Vector2d(1.25, 1.0 / 3)}, {47, Eigen::Vector2d(-2, 1e3)}};
   set.images = {image};
   WriteFile(folder_ / "a.jpg", "x");
@@ -143,6 +145,8 @@ TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   EXPECT_EQ(read.board->columns, 9);
   EXPECT_EQ(read.board->marker_m, 0.02);
   EXPECT_EQ(read.images[0].group, "lying");
+  EXPECT_EQ(read.images[0].photograph_width, 4000);
+  EXPECT_EQ(read.images[0].photograph_height, 3000);
   ASSERT_EQ(read.images[0].board_corners.size(), 2u);
   EXPECT_EQ(read.images[0].board_corners[1].id, 47);
   EXPECT_EQ(read.images[0].board_corners[0].pixel, image.board_corners[0].pixel);
