@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capture/segmentation/mask_options.h"
 #include "core/calibration_board.h"
+#include "core/figure_strokes.h"
 #include "core/options.h"
 
 namespace keypose::capture {
@@ -27,6 +29,7 @@ struct CaptureOptions {
   int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
   double board_square_mm = 1000 * BoardLayout{}.square_m;
   std::string board_page = "A4";
+  std::string figure;  ///< as ParseFigureStrokes reads it
 
   BoardLayout Board() const {
     const double square_m = board_square_mm / 1000;
@@ -66,8 +69,13 @@ struct CaptureOptions {
           {"side of a square, as measured on the print", "mm", 2, 200, {}});
     visit("board_page", board_page,
           {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
+    visit("figure", figure, {kFigureHelp});
   }
-  std::vector<std::string> Problems() const { return Board().Problems(); }
+  std::vector<std::string> Problems() const {
+    std::vector<std::string> problems = Board().Problems();
+    for (std::string& problem : FigureTextProblems(figure)) problems.push_back(std::move(problem));
+    return problems;
+  }
 };
 
 }  // namespace keypose::capture

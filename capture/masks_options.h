@@ -1,8 +1,12 @@
 // Options of keypose-masks.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "capture/agreement/space_options.h"
 #include "capture/segmentation/mask_options.h"
+#include "core/figure_strokes.h"
 #include "core/options.h"
 
 namespace keypose::capture {
@@ -11,6 +15,7 @@ struct MasksOptions {
   int mask_px = MaskOptions{}.working_px;
   double mask_smoothness = MaskOptions{}.smoothness;
   int resolution = SpaceOptions{}.resolution;
+  std::string figure;  ///< as ParseFigureStrokes reads it
 
   MaskOptions Masking() const {
     MaskOptions masking;
@@ -29,7 +34,9 @@ struct MasksOptions {
           {"cost of a mask border through a surface of one colour", "log odds", 0, 200, {}});
     visit("resolution", resolution,
           {"voxels along the longest side of the space that the masks share", "", 16, 256, {}});
+    visit("figure", figure, {kFigureHelp});
   }
+  std::vector<std::string> Problems() const { return FigureTextProblems(figure); }
 };
 
 }  // namespace keypose::capture

@@ -20,6 +20,11 @@
 
 namespace keypose {
 
+/// The option `figure`, for the stages' help.
+inline constexpr const char* kFigureHelp =
+    "what a person said the figure is, which `keypose figure` writes: clicks PICTURE:X,Y or lines "
+    "PICTURE:X,Y-X,Y..., separated by spaces; ! before one: this is not the figure";
+
 struct FigureStroke {
   /// a photograph, as its path below the pose's folder: IMG_0012.jpg, lying/IMG_0012.jpg; of a film
   /// CAMERA/FRAME
