@@ -114,6 +114,25 @@ TEST_F(Video, OfATrimmedFilmOnlyWhatIsShownCounts) {
   EXPECT_EQ(OpenShot(folder_ / "shot").cameras.at(0).frames(), 3);
 }
 
+TEST_F(Video, OfAFilmThatPlayersTurnTheHeaderSaysTheSizeThatIsShown) {
+  // As phones film upright: the pictures lie on their side, and the track's matrix turns them.
+  std::string bytes = ReadFile(film_);
+  const std::size_t matrix = bytes.find("tkhd") + 4 + 40;
+  ASSERT_EQ(NumberAt(bytes, matrix), 0x10000u);
+  const std::uint32_t quarter[] = {0, 0x10000, 0, 0xffff0000, 0};
+  for (std::size_t i = 0; i < 5; ++i) PutNumber(bytes, matrix + 4 * i, quarter[i]);
+  const fs::path turned = folder_ / "turned.mp4";
+  WriteFile(turned, bytes);
+  const MovieHeader header = ReadMovieHeader(turned);
+  EXPECT_EQ(header.width, kHeight);
+  EXPECT_EQ(header.height, kWidth);
+  FrameSource source;
+  source.video = turned, source.frames = kFrames;
+  const Image8 shown = FrameReader(source).Read(0, 3);
+  EXPECT_EQ(shown.width, header.width);
+  EXPECT_EQ(shown.height, header.height);
+}
+
 /// Asks to stop when it has been looked at so many times.
 class Stopping : public Progress {
  public:

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/errors.h"
@@ -201,6 +202,16 @@ std::uint64_t ShownFrames(const std::vector<Edit>& edits, const Bytes& tables,
   return shown;
 }
 
+/// Whether a player shows the track turned by a quarter, as telephones film upright.
+bool IsQuarterTurned(const Bytes& track) {
+  const auto box = track.Box("tkhd");
+  const std::size_t matrix = box && box->Number(0, 1) == 1 ? 52 : 40;
+  const auto entry = [&](std::size_t i) {
+    return box ? box->Number(matrix + 4 * i, 4).value_or(0) : 0;
+  };
+  return entry(0) == 0 && entry(4) == 0 && entry(1) != 0 && entry(3) != 0;
+}
+
 /// The header of a track; nothing where it is no video.
 /// @param movie_unit  the film's units of time in a second
 std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, double movie_unit) {
@@ -228,6 +239,7 @@ std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, d
   header.fps = static_cast<double>(*unit) * static_cast<double>(times->frames) /
                static_cast<double>(times->duration);
   header.width = static_cast<int>(*width), header.height = static_cast<int>(*height);
+  if (IsQuarterTurned(track)) std::swap(header.width, header.height);
   header.codec = WithoutOddBytes(std::string(kinds->Part(12, 4)));
   return header;
 }

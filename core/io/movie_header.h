@@ -9,8 +9,8 @@ namespace keypose {
 struct MovieHeader {
   int frames = 0;  ///< that are shown: without those before and after an edit list's parts
   double fps = 0;  ///< mean over all that the file has
-  int width = 0, height = 0;
-  std::string codec;  ///< four letters, such as avc1 (H.264), hvc1, ap4h (ProRes)
+  int width = 0, height = 0;  ///< as a player shows it: of a film that is turned by its header too
+  std::string codec;          ///< four letters, such as avc1 (H.264), hvc1, ap4h (ProRes)
 };
 
 /// Whether the file begins as MP4 and QuickTime files do. False when it cannot be read.

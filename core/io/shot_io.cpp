@@ -14,6 +14,7 @@
 #include "core/file_names.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
+#include "core/io/rig_calibration.h"
 
 namespace keypose {
 
@@ -344,6 +345,52 @@ std::vector<FilmPicture> FilmPictures(const fs::path& path) {
                      " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)" +
                      OtherPictures(names));
   return pictures;
+}
+
+std::vector<fs::path> NumberedContent(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (!entry.path().filename().string().starts_with(".")) paths.push_back(entry.path());
+  if (error)
+    throw DiskError("cannot read the folder " + PrintableName(folder) + ": " + error.message());
+  std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
+    return NumberedBefore(a.filename().string(), b.filename().string());
+  });
+  return paths;
+}
+
+bool IsFramePicture(const fs::path& path) {
+  static const std::set<std::string> kinds{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
+  return kinds.contains(LowerExtension(path));
+}
+
+std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
+  static const std::set<std::string> videos{".mp4", ".mov", ".avi", ".mkv",
+                                            ".m4v", ".mpg", ".webm"};
+  std::vector<CameraFilm> films;
+  if (!fs::is_directory(folder)) return films;
+  for (const fs::path& path : NumberedContent(folder)) {
+    CameraFilm film{path.filename().string(), {}, {}};
+    if (film.name == "masks" || film.name == "background") continue;
+    if (fs::is_directory(path)) {
+      film.pictures = NumberedContent(path);
+      std::erase_if(film.pictures, [](const fs::path& file) { return !IsFramePicture(file); });
+    } else if (videos.contains(LowerExtension(path))) {
+      film.name = path.stem().string();
+      film.video = path;
+    }
+    if (film.pictures.empty() && film.video.empty()) continue;
+    if (std::any_of(films.begin(), films.end(),
+                    [&](const CameraFilm& other) { return other.name == film.name; }))
+      throw InputError("the shot " + PrintableName(folder) + " has two sources for the camera " +
+                       film.name + "; leave a folder or a video");
+    films.push_back(std::move(film));
+  }
+  std::sort(films.begin(), films.end(), [](const CameraFilm& a, const CameraFilm& b) {
+    return NumberedBefore(a.name, b.name);
+  });
+  return films;
 }
 
 }  // namespace keypose

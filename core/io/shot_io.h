@@ -1,5 +1,5 @@
 // Reads and writes shot.json: the camera of a filmed shot, and the character's place in its frames.
-// Also lists the pictures of a film.
+// Also lists the pictures of a film, and the films of several cameras.
 #pragma once
 
 #include <filesystem>
@@ -41,5 +41,25 @@ std::vector<FilmPicture> NumberedPictures(const std::filesystem::path& folder,
 /// 0004.png) takes time. Other files, hidden files and folders are left out.
 /// @throws InputError  no picture; a name without a number beside others; a number twice
 std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path);
+
+/// What lies in a folder for one of several cameras that filmed together: a folder of pictures, or
+/// a video.
+struct CameraFilm {
+  std::string name;                             ///< of the folder, or of the video without ending
+  std::vector<std::filesystem::path> pictures;  ///< sorted, numbers as numbers; empty: a video
+  std::filesystem::path video;                  ///< empty: pictures
+};
+
+/// A folder's content without hidden files, numbers in names as numbers.
+/// @throws DiskError  it cannot be read
+std::vector<std::filesystem::path> NumberedContent(const std::filesystem::path& folder);
+/// JPEG, PNG and TIFF, by the name: what films of several cameras may consist of.
+bool IsFramePicture(const std::filesystem::path& path);
+
+/// Those of a folder, but for what is called masks and background; sorted, numbers as numbers.
+/// Folders without a picture are left out; none where there is no such folder.
+/// @throws DiskError   it cannot be read
+/// @throws InputError  two of one name
+std::vector<CameraFilm> CameraFilms(const std::filesystem::path& folder);
 
 }  // namespace keypose

@@ -178,6 +178,27 @@ TEST_F(FilmFolder, PicturesOfCompositingProgramsAreCalledWhatTheyAre) {
   EXPECT_THAT(Fault(), HasSubstr("oiiotool"));
 }
 
+TEST_F(FilmFolder, OfSeveralCamerasFilmsAreListedByNumber) {
+  for (const char* name : {"cam10", "cam2", "masks", "background", "notes", ".trash"})
+    fs::create_directories(folder_ / name);
+  for (const char* name :
+       {"cam10/2.jpg", "cam10/10.png", "cam10/.x.jpg", "cam10/a.txt", "cam2/000.TIF", "masks/1.png",
+        "background/cam2.jpg", "notes/a.txt", ".trash/1.jpg", "cam1.MP4", "rig.yml"})
+    Touch(name);
+  const std::vector<CameraFilm> films = CameraFilms(folder_);
+  ASSERT_EQ(films.size(), 3u);
+  EXPECT_EQ(films[0].name, "cam1");
+  EXPECT_EQ(films[0].video, folder_ / "cam1.MP4");
+  EXPECT_EQ(films[1].name, "cam2");
+  EXPECT_EQ(films[2].name, "cam10");
+  EXPECT_TRUE(films[2].video.empty());
+  EXPECT_EQ(films[2].pictures,
+            (std::vector<fs::path>{folder_ / "cam10/2.jpg", folder_ / "cam10/10.png"}));
+  EXPECT_TRUE(CameraFilms(folder_ / "nothing").empty());
+  Touch("cam2.mov");
+  EXPECT_THROW(CameraFilms(folder_), InputError);
+}
+
 TEST_F(FilmFolder, WhatCannotBeNumberedIsRefused) {
   EXPECT_THAT(Fault(), HasSubstr("has no pictures"));
   Touch("a_01.png"), Touch("b_1.jpg");

@@ -9,11 +9,11 @@
 #include <system_error>
 
 #include "core/errors.h"
-#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/movie_header.h"
 #include "core/io/rig_calibration.h"
+#include "core/io/shot_io.h"
 #include "core/size_of.h"
 #include "views/shot/together.h"
 
@@ -24,30 +24,6 @@ namespace {
 
 constexpr const char* kRateFile = "rate.json";
 constexpr double kMostRate = 1e6;  // frames per second
-
-bool IsPicture(const fs::path& path) {
-  static const std::set<std::string> kinds{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
-  return kinds.count(LowerExtension(path)) > 0;
-}
-
-bool IsVideo(const fs::path& path) {
-  static const std::set<std::string> kinds{".mp4", ".mov", ".avi", ".mkv", ".m4v", ".mpg", ".webm"};
-  return kinds.count(LowerExtension(path)) > 0;
-}
-
-/// The content of a folder without hidden files, numbers as numbers.
-std::vector<fs::path> Content(const fs::path& folder) {
-  std::vector<fs::path> paths;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (!entry.path().filename().string().starts_with(".")) paths.push_back(entry.path());
-  if (error)
-    throw DiskError("cannot read the folder " + PrintableName(folder) + ": " + error.message());
-  std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
-    return NumberedBefore(a.filename().string(), b.filename().string());
-  });
-  return paths;
-}
 
 FrameSource OpenVideo(const fs::path& path) {
   cv::VideoCapture video(path.string());
@@ -69,19 +45,6 @@ FrameSource OpenVideo(const fs::path& path) {
   return source;
 }
 
-/// The source that lies at a path: a folder with pictures, or a video. Empty when it is neither.
-FrameSource SourceAt(const fs::path& path) {
-  FrameSource source;
-  if (fs::is_directory(path)) {
-    for (const fs::path& file : Content(path))
-      if (IsPicture(file)) source.pictures.push_back(file);
-    source.frames = SizeOf(source.pictures);
-  } else if (IsVideo(path)) {
-    source = OpenVideo(path);
-  }
-  return source;
-}
-
 /// As WriteShotRate has left it; 0: nowhere.
 double RateIn(const fs::path& folder) {
   const fs::path file = folder / kRateFile;
@@ -98,24 +61,16 @@ double RateIn(const fs::path& folder) {
 
 std::map<std::string, FrameSource> SourcesIn(const fs::path& folder) {
   std::map<std::string, FrameSource> sources;
-  if (!fs::is_directory(folder)) return sources;
-  for (const fs::path& path : Content(folder)) {
-    const std::string name = path.filename().string();
-    if (name == "masks" || name == "background") continue;
-    FrameSource source = SourceAt(path);
-    if (source.empty()) continue;
-    const std::string camera = fs::is_directory(path) ? name : path.stem().string();
-    if (!sources.emplace(camera, std::move(source)).second)
-      throw InputError("the shot " + PrintableName(folder) + " has two sources for the camera " +
-                       camera + "; leave a folder or a video");
-  }
+  for (const CameraFilm& film : CameraFilms(folder))
+    sources[film.name] = film.video.empty() ? FrameSource{film.pictures, {}, SizeOf(film.pictures)}
+                                            : OpenVideo(film.video);
   return sources;
 }
 
 fs::path PlateOf(const fs::path& folder, const std::string& camera) {
   if (fs::is_directory(folder))
-    for (const fs::path& path : Content(folder))
-      if (path.stem() == camera && IsPicture(path)) return path;
+    for (const fs::path& path : NumberedContent(folder))
+      if (path.stem() == camera && IsFramePicture(path)) return path;
   return {};
 }
 
