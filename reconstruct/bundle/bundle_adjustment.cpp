@@ -119,10 +119,6 @@ void RequireValid(const Scene& scene, const std::vector<Observation>& observatio
   if (scene.views.size() < 2)
     throw InputError("bundle adjustment needs two views or more, got " +
                      std::to_string(scene.views.size()));
-  for (const View& view : scene.views)
-    if (FromCamera(view.camera) != FromCamera(scene.views[0].camera))
-      throw InputError("bundle adjustment: " + view.name + " has another camera than " +
-                       scene.views[0].name + "; one camera is assumed");
   for (const Observation& o : observations)
     if (o.view < 0 || o.view >= std::ssize(scene.views) || o.point < 0 ||
         o.point >= std::ssize(scene.points))
@@ -152,14 +148,35 @@ std::vector<int> FixedIntrinsics(const BundleOptions& options) {
   return fixed;
 }
 
+/// The lenses of a scene: views with equal cameras share one.
+struct Lenses {
+  std::vector<Intrinsics> unknowns;
+  std::vector<std::size_t> of_view;
+
+  explicit Lenses(const Scene& scene) {
+    std::vector<const Camera*> first;
+    for (const View& view : scene.views) {
+      const auto same = std::find_if(first.begin(), first.end(), [&](const Camera* c) {
+        return c->width == view.camera.width && c->height == view.camera.height &&
+               FromCamera(*c) == FromCamera(view.camera);
+      });
+      of_view.push_back(static_cast<std::size_t>(same - first.begin()));
+      if (same != first.end()) continue;
+      first.push_back(&view.camera);
+      unknowns.push_back(FromCamera(view.camera));
+    }
+  }
+  double* Of(int view) { return unknowns[of_view[static_cast<std::size_t>(view)]].data(); }
+};
+
 /// Adds residuals of known points; body 0 is fixed.
 void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering, Scene& scene,
-               Bodies& bodies, Intrinsics& camera, ceres::LossFunction* loss,
+               Bodies& bodies, Lenses& lenses, ceres::LossFunction* loss,
                ceres::Manifold* manifold) {
   for (const BodyObservation& o : bodies.observations) {
     View& view = scene.views[o.view];
     Rigid3& body = bodies.world_from_body[o.body];
-    problem.AddResidualBlock(new BodyError(o.on_body, o.pixel), loss, camera.data(),
+    problem.AddResidualBlock(new BodyError(o.on_body, o.pixel), loss, lenses.Of(o.view),
                              view.camera_from_world.rotation.coeffs().data(),
                              view.camera_from_world.translation.data(),
                              body.rotation.coeffs().data(), body.translation.data());
@@ -187,12 +204,13 @@ double BodiesRms(const Scene& scene, const Bodies& bodies) {
              : std::sqrt(sum / static_cast<double>(bodies.observations.size()));
 }
 
-/// Parameters of the camera and the poses. One group per array, because Ceres orders a group by
+/// Parameters of the lenses and the poses. One group per array, because Ceres orders a group by
 /// address, makes the sums independent of memory locations.
 /// @param gauge_is_free  nothing else fixes the frame: the first pose stays
 void AddCameras(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering, Scene& scene,
-                Intrinsics& camera, bool gauge_is_free, ceres::EigenQuaternionManifold* manifold) {
-  ordering.AddElementToGroup(camera.data(), 1);
+                Lenses& lenses, bool gauge_is_free, ceres::EigenQuaternionManifold* manifold) {
+  for (Intrinsics& lens : lenses.unknowns)
+    if (problem.HasParameterBlock(lens.data())) ordering.AddElementToGroup(lens.data(), 1);
   bool first = gauge_is_free;
   for (View& view : scene.views) {
     double *rotation = view.camera_from_world.rotation.coeffs().data(),
@@ -227,7 +245,7 @@ ceres::Solver::Options SolverFor(const BundleOptions& options,
 /// @return number of iterations
 int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observations,
           const BundleOptions& options) {
-  Intrinsics camera = FromCamera(scene.views[0].camera);
+  Lenses lenses(scene);
   ceres::Problem problem;
   ceres::LossFunction* loss = new ceres::CauchyLoss(options.robust_px);
   auto* manifold = new ceres::EigenQuaternionManifold;
@@ -235,23 +253,26 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
   for (const Observation& o : observations) {
     View& view = scene.views[o.view];
     double* point = scene.points[o.point].position.data();
-    problem.AddResidualBlock(new ReprojectionError(o.pixel), loss, camera.data(),
+    problem.AddResidualBlock(new ReprojectionError(o.pixel), loss, lenses.Of(o.view),
                              view.camera_from_world.rotation.coeffs().data(),
                              view.camera_from_world.translation.data(), point);
     ordering->AddElementToGroup(point, 0);
   }
-  AddBodies(problem, *ordering, scene, bodies, camera, loss, manifold);
-  AddCameras(problem, *ordering, scene, camera, bodies.observations.empty(), manifold);
+  AddBodies(problem, *ordering, scene, bodies, lenses, loss, manifold);
+  AddCameras(problem, *ordering, scene, lenses, bodies.observations.empty(), manifold);
   if (const auto fixed = FixedIntrinsics(options); !fixed.empty())
-    problem.SetManifold(camera.data(), new ceres::SubsetManifold(8, fixed));
+    for (Intrinsics& lens : lenses.unknowns)
+      if (problem.HasParameterBlock(lens.data()))
+        problem.SetManifold(lens.data(), new ceres::SubsetManifold(8, fixed));
   ceres::Solver::Summary summary;
   ceres::Solve(SolverFor(options, ordering), &problem, &summary);
   if (!summary.IsSolutionUsable())
     throw SolverError("sfm: bundle adjustment failed: " + summary.message);
   if (problem.NumResidualBlocks() == 0) return 0;
-  for (View& view : scene.views) {
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    View& view = scene.views[v];
     view.camera_from_world.rotation.normalize();
-    ToCamera(camera, view.camera);
+    ToCamera(lenses.unknowns[lenses.of_view[v]], view.camera);
   }
   for (Rigid3& body : bodies.world_from_body) body.rotation.normalize();
   return SizeOf(summary.iterations);

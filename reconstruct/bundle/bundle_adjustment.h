@@ -1,4 +1,4 @@
-// Bundle adjustment with one shared camera, a robust loss and removal of outliers; it follows
+// Bundle adjustment with few shared cameras, a robust loss and removal of outliers; it follows
 // COLMAP's mapping.
 #pragma once
 
@@ -52,14 +52,14 @@ struct BundleResult {
   int observations = 0, dropped = 0, iterations = 0;
 };
 
-/// Refines all cameras, points, and the shared camera.
+/// Refines all poses, points, and lenses: views whose cameras are equal share one lens.
 ///
-/// @param scene         cameras all equal; its points' `views` and `error_px` are set from the
+/// @param scene         its points' `views` and `error_px` are set from the
 /// remaining observations
 /// @param observations  at least two for each point
 /// @param bodies        known points in views, in addition to the features or instead of them; may
 /// be empty
-/// @throws InputError   indices out of range, or cameras that differ
+/// @throws InputError   indices out of range
 /// @throws SolverError  Ceres finds no usable solution
 /// Cost: one sparse Schur solve per iteration, on one thread, so that the result has the same bits
 /// on any number of cores.

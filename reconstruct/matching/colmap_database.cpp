@@ -100,36 +100,46 @@ void ColmapDatabase::Execute(const std::string& sql) const {
     Throw(database_.get(), "a statement failed");
 }
 
-ColmapDatabase ColmapDatabase::Create(const fs::path& path, const Camera& camera, bool focal_known,
-                                      const std::vector<std::string>& images) {
+ColmapDatabase ColmapDatabase::Create(const fs::path& path, const std::vector<Camera>& cameras,
+                                      bool focal_known, const std::vector<std::string>& images,
+                                      const std::vector<int>& camera_of_image) {
   ColmapDatabase database(OpenFile(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE));
   database.Execute("PRAGMA synchronous = OFF");
   database.Execute(kSchema);
   database.Execute("BEGIN");
-  const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
-  Statement add_camera(database.database_.get(), "INSERT INTO cameras VALUES (1, ?, ?, ?, ?, ?)");
-  add_camera.Bind(1, kSimpleRadial);
-  add_camera.Bind(2, camera.width);
-  add_camera.Bind(3, camera.height);
-  add_camera.BindBlob(4, parameters, sizeof parameters);
-  add_camera.Bind(5, focal_known ? 1 : 0);
-  add_camera.RunOnce();
+  Statement add_camera(database.database_.get(), "INSERT INTO cameras VALUES (?, ?, ?, ?, ?, ?)");
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const Camera& camera = cameras[c];
+    const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
+    add_camera.Bind(1, static_cast<std::int64_t>(c + 1));
+    add_camera.Bind(2, kSimpleRadial);
+    add_camera.Bind(3, camera.width);
+    add_camera.Bind(4, camera.height);
+    add_camera.BindBlob(5, parameters, sizeof parameters);
+    add_camera.Bind(6, focal_known ? 1 : 0);
+    add_camera.RunOnce();
+  }
   Statement add_image(database.database_.get(),
-                      "INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, 1)");
+                      "INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, ?)");
   for (std::size_t i = 0; i < images.size(); ++i) {
     add_image.Bind(1, static_cast<std::int64_t>(i + 1));
     add_image.Bind(2, images[i]);
+    add_image.Bind(3, camera_of_image[i] + 1);
     add_image.RunOnce();
   }
   database.Execute("COMMIT");
   return database;
 }
 
-void ColmapDatabase::SetFocal(const Camera& camera) const {
-  const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
-  Statement update(database_.get(), "UPDATE cameras SET params = ? WHERE camera_id = 1");
-  update.BindBlob(1, parameters, sizeof parameters);
-  update.RunOnce();
+void ColmapDatabase::SetFocals(const std::vector<Camera>& cameras) const {
+  Statement update(database_.get(), "UPDATE cameras SET params = ? WHERE camera_id = ?");
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const Camera& camera = cameras[c];
+    const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
+    update.BindBlob(1, parameters, sizeof parameters);
+    update.Bind(2, static_cast<std::int64_t>(c + 1));
+    update.RunOnce();
+  }
 }
 
 Features ColmapDatabase::ReadFeatures(int image) const {

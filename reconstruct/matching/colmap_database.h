@@ -42,18 +42,21 @@ struct PairGeometry {
 
 class ColmapDatabase {
  public:
-  /// A new database with one SIMPLE_RADIAL camera and the images in the order given.
+  /// A new database with SIMPLE_RADIAL cameras and the images in the order given.
+  /// @param camera_of_image  for each image the index of its camera
   /// @throws DiskError  cannot be written
-  static ColmapDatabase Create(const std::filesystem::path& path, const Camera& camera,
-                               bool focal_known, const std::vector<std::string>& images);
+  static ColmapDatabase Create(const std::filesystem::path& path,
+                               const std::vector<Camera>& cameras, bool focal_known,
+                               const std::vector<std::string>& images,
+                               const std::vector<int>& camera_of_image);
   /// @throws DiskError  cannot be opened
   explicit ColmapDatabase(const std::filesystem::path& path);
   ~ColmapDatabase();
   ColmapDatabase(ColmapDatabase&&) noexcept;
   ColmapDatabase(const ColmapDatabase&) = delete;
 
-  /// Sets another initial focal length of the shared camera.
-  void SetFocal(const Camera& camera) const;
+  /// Sets other initial focal lengths of the cameras, in the order in which they were created.
+  void SetFocals(const std::vector<Camera>& cameras) const;
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
   /// Copies the features of the image of that name in another database to image i (0-based), moved

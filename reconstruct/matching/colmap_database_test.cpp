@@ -28,8 +28,8 @@ class DatabaseTest : public ::testing::Test, public TestingFolder {
 };
 
 TEST_F(DatabaseTest, VerifiedMatchesAreReadInPairOrderAsTheyWerePut) {
-  ColmapDatabase database =
-      ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg", "b.jpg", "c.jpg"});
+  ColmapDatabase database = ColmapDatabase::Create(folder / "d.db", {camera}, true,
+                                                   {"a.jpg", "b.jpg", "c.jpg"}, {0, 0, 0});
   database.PutInliers({{1, 2, {{0, 3}, {4, 5}}}, {0, 1, {{7, 8}}}, {0, 2, {}}});
   database.PutInliers({{1, 2, {{6, 9}}}});  // replaces the previous matches
   const std::vector<PairMatches> pairs = database.VerifiedMatches();
@@ -44,8 +44,10 @@ TEST_F(DatabaseTest, VerifiedMatchesAreReadInPairOrderAsTheyWerePut) {
 }
 
 TEST_F(DatabaseTest, ImagesWithoutFeaturesReadAsEmpty) {
-  EXPECT_EQ(
-      ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg"}).ReadFeatures(0).count(), 0);
+  EXPECT_EQ(ColmapDatabase::Create(folder / "d.db", {camera}, true, {"a.jpg"}, {0})
+                .ReadFeatures(0)
+                .count(),
+            0);
 }
 
 TEST_F(DatabaseTest, MissingFileThrowsDiskError) {
