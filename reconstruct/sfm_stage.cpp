@@ -20,6 +20,7 @@
 #include "reconstruct/sfm/matched_features.h"
 #include "reconstruct/sfm/posed_model.h"
 #include "reconstruct/sfm/strategies.h"
+#include "reconstruct/sfm/surroundings.h"
 #include "reconstruct/turntable/leveling.h"
 #include "reconstruct/turntable/ring_picture.h"
 
@@ -69,6 +70,16 @@ const char* kWhatToShoot =
 /// right; then the masks must be wrong.
 void RequireRight(StageContext& stage, const StrategyResult& found, const CameraEvidence& evidence,
                   const SfmOptions& options) {
+  if (evidence.by_surroundings) {
+    if (IsPlausible(evidence)) return;
+    throw InputError("sfm: no cameras fit these photographs: of " + std::to_string(evidence.pairs) +
+                     " pairs of photographs that share places only " +
+                     std::to_string(evidence.pairs_agree) +
+                     " agree with the best cameras that were found. The figure must not move "
+                     "against the table or mat that it stands on, and nothing else may move with "
+                     "the camera. " +
+                     kWhatToShoot);
+  }
   if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;
   char overlap[64];
   std::snprintf(overlap, sizeof overlap, "%.2f, at least %.2f is required", evidence.hull_iou,
@@ -141,6 +152,15 @@ Scene Leveled(StageContext& stage, const ImageSet& set, const Scene& scene) {
   return Transformed(down, level);
 }
 
+/// As Leveled, on the plane that the figure stands on where the points show one.
+Scene LeveledInRoom(StageContext& stage, const ImageSet& set, const Scene& scene) {
+  const auto support = FindSupportPlane(scene);
+  stage.Report("support_plane", support.has_value());
+  if (!support) return Leveled(stage, set, scene);
+  stage.Report("support_plane_points", support->points);
+  return Transformed(LevelBySupport(*support, scene.views), scene);
+}
+
 /// The cameras, coloured by the rings that they form about one axis.
 Image8 Picture(const Scene& scene) {
   std::vector<int> rings(scene.views.size(), -1);
@@ -181,13 +201,20 @@ void Run(StageContext& stage, const SfmOptions& options) {
   stage.Report("method", found.method);
   stage.Report("scale_source", found.model.scale_source);
   found.measurements.Report(stage);
-  Scene scene = RefineByPatches(stage, set, found.model, matched.focal_known, options);
+  Scene scene = RefineByPatches(stage, set, found.model, matched, options);
   watch.Lap(stage, "patches");
-  const CameraEvidence evidence = check.Evaluate(scene, matched.features, matched.verified);
+  if (matched.whole) {
+    scene = check.WithoutContradicted(scene, matched.features, matched.verified);
+    RequirePlaced(set, scene, options);
+  }
+  const CameraEvidence evidence =
+      matched.whole ? check.EvaluateSurroundings(scene, matched.features, matched.verified)
+                    : check.Evaluate(scene, matched.features, matched.verified);
   ReportEvidence(stage, evidence);
   watch.Lap(stage, "hull_check");
   RequireRight(stage, found, evidence, options);
-  if (options.level && found.model.scale_source == "none") scene = Leveled(stage, set, scene);
+  if (options.level && found.model.scale_source == "none")
+    scene = matched.whole ? LeveledInRoom(stage, set, scene) : Leveled(stage, set, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   if (const fs::path picture = stage.Output("picture"); !picture.empty())
@@ -197,7 +224,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "9",
+    .version = "10",
     .summary =
         "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},

@@ -37,7 +37,7 @@ bool IsIn(const HullBox& box, const Vector3d& x) {
 
 /// Whether most matches of a pair agree with its two cameras.
 bool PairAgrees(const View& a, const View& b, const Features& first, const Features& second,
-                const PairMatches& pair, const HullBox& near, double max_error_px) {
+                const PairMatches& pair, const HullBox* near, double max_error_px) {
   const Eigen::Matrix3d ra = a.camera_from_world.rotation.toRotationMatrix(),
                         rb = b.camera_from_world.rotation.toRotationMatrix();
   const Eigen::Matrix3d essential =
@@ -53,7 +53,7 @@ bool PairAgrees(const View& a, const View& b, const Features& first, const Featu
     const Vector3d y = b.camera.Unproject(second.positions.row(s).transpose().cast<double>());
     if (SquaredSampson(essential, x, y) > limit * limit) continue;
     const auto met = Meeting(from_a, ra.transpose() * x, from_b, rb.transpose() * y);
-    agree += met && IsIn(near, *met);
+    agree += met && (!near || IsIn(*near, *met));
   }
   return 2 * agree > count;
 }
@@ -110,21 +110,44 @@ std::optional<OutlineAgreement> Compare(const std::vector<PreparedView>& views) 
 
 }  // namespace
 
+namespace {
+
+std::vector<char> Agreement(const Scene& scene, const std::vector<int>& view_of_image,
+                            const std::vector<Features>& features,
+                            const std::vector<PairMatches>& verified, const HullBox* near,
+                            double max_error_px) {
+  std::vector<char> agrees(verified.size(), -1);
+  ParallelFor(std::ssize(verified), [&](std::int64_t k) {
+    const PairMatches& pair = verified[k];
+    const int a = view_of_image[pair.first], b = view_of_image[pair.second];
+    if (a < 0 || b < 0 || pair.features.empty()) return;
+    agrees[k] = PairAgrees(scene.views[a], scene.views[b], features[pair.first],
+                           features[pair.second], pair, near, max_error_px);
+  });
+  return agrees;
+}
+
+}  // namespace
+
 double CameraEvidence::Score() const {
   const double share = images > 0 ? static_cast<double>(placed) / images : 0;
   // A few pairs are not conclusive: kFewestPairs pairs of which half agree are added.
   const double agree = (pairs_agree + 0.5 * CameraEvidenceTuning::kFewestPairs) /
                        (pairs + CameraEvidenceTuning::kFewestPairs);
-  return share * (outlines ? hull_iou : 1) *
+  return share * (outlines && !by_surroundings ? hull_iou : 1) *
          (1 - CameraEvidenceTuning::kPairWeight + CameraEvidenceTuning::kPairWeight * agree);
 }
 
 bool IsPlausible(const CameraEvidence& evidence) {
+  if (evidence.by_surroundings)
+    return evidence.placed > 0 &&
+           evidence.pairs_agree_share() >= CameraEvidenceTuning::kSurePairShare;
   return evidence.placed > 0 &&
          (!evidence.outlines || evidence.hull_iou >= CameraEvidenceTuning::kLeastHullOverlap);
 }
 
 bool IsSure(const CameraEvidence& evidence) {
+  if (evidence.by_surroundings) return IsPlausible(evidence);
   if (!evidence.outlines) return evidence.placed > 0;
   return evidence.hull_iou >= CameraEvidenceTuning::kSureHullOverlap &&
          (evidence.pairs < CameraEvidenceTuning::kFewestPairs ||
@@ -141,20 +164,20 @@ bool IsBetter(const CameraEvidence& other, const CameraEvidence& best) {
   return other.Score() > best.Score() + CameraEvidenceTuning::kClearly;
 }
 
+std::vector<char> AgreementOfPairs(const Scene& scene, const std::vector<int>& view_of_image,
+                                   const std::vector<Features>& features,
+                                   const std::vector<PairMatches>& verified, double max_error_px) {
+  return Agreement(scene, view_of_image, features, verified, nullptr, max_error_px);
+}
+
 void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_image,
                         const std::vector<Features>& features,
                         const std::vector<PairMatches>& verified, const HullBox& hull,
                         double max_error_px, CameraEvidence& evidence) {
   const Vector3d margin = CameraEvidenceTuning::kAround * (hull.high - hull.low);
   const HullBox near{hull.low - margin, hull.high + margin};
-  std::vector<char> agrees(verified.size(), -1);
-  ParallelFor(std::ssize(verified), [&](std::int64_t k) {
-    const PairMatches& pair = verified[k];
-    const int a = view_of_image[pair.first], b = view_of_image[pair.second];
-    if (a < 0 || b < 0 || pair.features.empty()) return;
-    agrees[k] = PairAgrees(scene.views[a], scene.views[b], features[pair.first],
-                           features[pair.second], pair, near, max_error_px);
-  });
+  const std::vector<char> agrees =
+      Agreement(scene, view_of_image, features, verified, &near, max_error_px);
   evidence.pairs =
       static_cast<int>(std::count_if(agrees.begin(), agrees.end(), [](char a) { return a >= 0; }));
   evidence.pairs_agree = static_cast<int>(std::count(agrees.begin(), agrees.end(), 1));

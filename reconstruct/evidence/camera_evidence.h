@@ -24,6 +24,9 @@ struct CameraEvidence {
   bool holes_filled = false;
   /// views whose outlines differ from the others' (see HullCheck)
   std::vector<std::string> disagreeing = {};
+  /// the cameras were placed by whole photographs: matches all over the picture judge them, and
+  /// masks, which are doubtful in a room, do not
+  bool by_surroundings = false;
   int pairs = 0;        ///< pairs of placed photographs with verified matches
   int pairs_agree = 0;  ///< of these, the pairs most of whose matches agree with the cameras
 
@@ -65,6 +68,12 @@ bool IsBetter(const CameraEvidence& other, const CameraEvidence& best);
 struct HullBox {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
 };
+
+/// Whether most matches of each pair agree with its two cameras: 1 or 0, -1 where one of the two is
+/// not placed. As CountAgreeingPairs, but matches may meet anywhere before both cameras.
+std::vector<char> AgreementOfPairs(const Scene& scene, const std::vector<int>& view_of_image,
+                                   const std::vector<Features>& features,
+                                   const std::vector<PairMatches>& verified, double max_error_px);
 
 /// Counts the pairs of placed photographs whose verified matches agree with the cameras. For most
 /// matches of such a pair, each match lies within `max_error_px` of its epipolar line, and the rays

@@ -41,11 +41,12 @@ struct Prepared {
   int x0 = 0, y0 = 0;
 };
 
-Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int margin_px) {
+Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, bool whole,
+                      int margin_px) {
   const CapturedImage& image = set.images[i];
   const std::string file = std::to_string(i) + ".png";
   const Image8 photo = ReadImage(set.ImagePath(i), 1);
-  if (image.mask.empty()) {
+  if (whole || image.mask.empty()) {
     WriteImage(folder / "images" / file, photo);
     return {file};
   }
@@ -61,22 +62,29 @@ Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int ma
   return {file, crop.x0, crop.y0};
 }
 
+/// The longer side to which photographs are reduced before features are found.
+int SizeFor(const SfmOptions& options, const FeatureKind& kind) {
+  return kind.whole ? std::min(options.whole_px, options.max_image_size) : options.max_image_size;
+}
+
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
 /// @return the images' names there
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
-                                  const fs::path& folder, const SfmOptions& options, bool fine) {
+                                  const fs::path& folder, const SfmOptions& options,
+                                  const FeatureKind& kind) {
   fs::create_directories(folder / "images");
   fs::create_directories(folder / "masks");
   std::vector<Prepared> prepared;
-  int limit = options.max_image_size;
+  const int most_px = SizeFor(options, kind);
+  int limit = most_px;
   for (int i = begin; i < end; ++i) {
-    prepared.push_back(PrepareImage(set, i, folder, options.mask_margin_px));
+    prepared.push_back(PrepareImage(set, i, folder, kind.whole, options.mask_margin_px));
     // Features are extracted at the scale that the whole photograph would have, so the size limit
     // shrinks with the crop.
     const CapturedImage& whole = set.images[i];
     const ImageInfo crop = ReadImageInfo(folder / "images" / prepared.back().file);
-    const double scale = std::min(
-        1.0, options.max_image_size / static_cast<double>(std::max(whole.width, whole.height)));
+    const double scale =
+        std::min(1.0, most_px / static_cast<double>(std::max(whole.width, whole.height)));
     if (scale < 1) limit = static_cast<int>(std::lround(scale * std::max(crop.width, crop.height)));
   }
   Colmap(stage, {"feature_extractor",
@@ -99,9 +107,9 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
                  "--SiftExtraction.peak_threshold",
                  Text(options.peak_threshold),
                  "--SiftExtraction.first_octave",
-                 fine ? "-1" : "0",
+                 kind.fine ? "-1" : "0",
                  "--SiftExtraction.estimate_affine_shape",
-                 Text(options.affine_shape),
+                 Text(options.affine_shape && !kind.whole),
                  "--SiftExtraction.domain_size_pooling",
                  Text(options.domain_size_pooling)});
   return prepared;
@@ -110,9 +118,12 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
 }  // namespace
 
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                     const SfmOptions& options, bool fine) {
+                     const SfmOptions& options, const FeatureKind& kind) {
   const int images = SizeOf(set.images);
-  const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
+  const int most_px = SizeFor(options, kind);
+  const bool shrunk = std::any_of(
+      set.images.begin(), set.images.end(),
+      [&](const CapturedImage& image) { return std::max(image.width, image.height) > most_px; });
   const int per_part = shrunk ? 1 : 3;  // a part has one limit for all its images
   const int parts = (images + per_part - 1) / per_part;
   const auto folder = [&](std::int64_t k) {
@@ -122,7 +133,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
   std::atomic<int> done = 0;
   ParallelFor(parts, [&](std::int64_t k) {
     const int begin = static_cast<int>(k) * per_part, end = std::min(images, begin + per_part);
-    prepared[k] = ExtractPart(stage, set, begin, end, folder(k), options, fine);
+    prepared[k] = ExtractPart(stage, set, begin, end, folder(k), options, kind);
     done += end - begin;
     ReportProgress(
         stage.progress(), 0.4 * done / images,

@@ -19,13 +19,21 @@ struct SfmFiles {
   std::filesystem::path scratch, images, database;
 };
 
+/// Which features of the photographs are extracted.
+struct FeatureKind {
+  /// also at twice the photographs' size, which gives four of five features and takes most of the
+  /// time
+  bool fine = false;
+  /// of the whole photographs, reduced to `whole_px`, without adapting to slanted surfaces; else
+  /// of the masks alone
+  bool whole = false;
+};
+
 /// Writes the SIFT features of all images into the database. The photographs are cropped to their
-/// masks; photographs without a mask are used whole.
-/// @param fine  also at twice the photographs' size, which gives four of five features and takes
-/// most of the time
+/// masks unless they are used whole; those without a mask always are.
 /// @throws InputError  a mask of another size than its photograph
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                     const SfmOptions& options, bool fine);
+                     const SfmOptions& options, const FeatureKind& kind);
 
 /// A model as COLMAP wrote it.
 struct ColmapModel {

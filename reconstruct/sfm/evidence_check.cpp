@@ -72,13 +72,59 @@ CameraEvidence EvidenceCheck::Evaluate(const Scene& scene, const std::vector<Fea
   if (views.size() < 3) return evidence;
   const auto hull = MeasureOutlines(views, evidence);
   if (!hull) return evidence;
+  CountAgreeingPairs(scene, ViewOfImage(scene), features, verified, *hull,
+                     EvidenceCheckTuning::kMaxError_px, evidence);
+  return evidence;
+}
+
+std::vector<int> EvidenceCheck::ViewOfImage(const Scene& scene) const {
   std::vector<int> view_of_image(set_.images.size(), -1);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     if (const int i = set_.Find(scene.views[v].name); i >= 0)
       view_of_image[i] = static_cast<int>(v);
-  CountAgreeingPairs(scene, view_of_image, features, verified, *hull,
-                     EvidenceCheckTuning::kMaxError_px, evidence);
+  return view_of_image;
+}
+
+CameraEvidence EvidenceCheck::EvaluateSurroundings(const Scene& scene,
+                                                   const std::vector<Features>& features,
+                                                   const std::vector<PairMatches>& verified) const {
+  CameraEvidence evidence = Evaluate(scene, {}, {});
+  evidence.by_surroundings = true;
+  const std::vector<char> agrees = AgreementOfPairs(scene, ViewOfImage(scene), features, verified,
+                                                    EvidenceCheckTuning::kMaxError_px);
+  evidence.pairs =
+      static_cast<int>(std::count_if(agrees.begin(), agrees.end(), [](char a) { return a >= 0; }));
+  evidence.pairs_agree = static_cast<int>(std::count(agrees.begin(), agrees.end(), 1));
   return evidence;
+}
+
+Scene EvidenceCheck::WithoutContradicted(const Scene& scene, const std::vector<Features>& features,
+                                         const std::vector<PairMatches>& verified) const {
+  const std::vector<int> view_of_image = ViewOfImage(scene);
+  const std::vector<char> agrees =
+      AgreementOfPairs(scene, view_of_image, features, verified, EvidenceCheckTuning::kMaxError_px);
+  std::vector<int> for_it(scene.views.size(), 0), against(scene.views.size(), 0);
+  for (std::size_t k = 0; k < verified.size(); ++k) {
+    if (agrees[k] < 0) continue;
+    for (const int image : {verified[k].first, verified[k].second})
+      ++(agrees[k] ? for_it : against)[static_cast<std::size_t>(view_of_image[image])];
+  }
+  Scene right;
+  std::vector<int> index(scene.views.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    if (against[v] > for_it[v]) continue;
+    index[v] = static_cast<int>(right.views.size());
+    right.views.push_back(scene.views[v]);
+  }
+  for (const SparsePoint& point : scene.points) {
+    SparsePoint kept = point;
+    kept.views.clear();
+    for (const int v : point.views)
+      if (index[static_cast<std::size_t>(v)] >= 0)
+        kept.views.push_back(index[static_cast<std::size_t>(v)]);
+    if (kept.views.size() >= 2) right.points.push_back(std::move(kept));
+  }
+  return right;
 }
 
 void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {

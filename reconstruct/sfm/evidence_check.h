@@ -27,10 +27,19 @@ class EvidenceCheck {
   /// @param features, verified  of all images; may be empty
   CameraEvidence Evaluate(const Scene& scene, const std::vector<Features>& features,
                           const std::vector<PairMatches>& verified) const;
+  /// The evidence for cameras that whole photographs placed. Outlines are measured, but do not
+  /// count.
+  CameraEvidence EvaluateSurroundings(const Scene& scene, const std::vector<Features>& features,
+                                      const std::vector<PairMatches>& verified) const;
+  /// The scene without views that most of their pairs contradict: wrong ones.
+  Scene WithoutContradicted(const Scene& scene, const std::vector<Features>& features,
+                            const std::vector<PairMatches>& verified) const;
   /// Masks of all images at about 500 px; empty where there is none.
   const std::vector<Image8>& masks() const { return masks_; }
 
  private:
+  std::vector<int> ViewOfImage(const Scene& scene) const;
+
   const ImageSet& set_;
   std::vector<Image8> masks_;
 };

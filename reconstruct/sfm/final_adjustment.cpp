@@ -43,15 +43,16 @@ Image8 Shrunk(const Image8& image, double scale) {
                  static_cast<int>(std::lround(scale * image.height)));
 }
 
+/// @param whole  also what is not in the masks
 std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<View>& views,
-                                        int max_size_px, const PatchOptions& options) {
+                                        int max_size_px, bool whole, const PatchOptions& options) {
   std::vector<PatchImage> images(views.size());
   ParallelFor(std::ssize(views), [&](std::int64_t v) {
     const int i = set.Find(views[v].name);
     const CapturedImage& captured = set.images[i];
     const double scale =
         std::min(1.0, max_size_px / static_cast<double>(std::max(captured.width, captured.height)));
-    const Image8 mask = captured.mask.empty() ? Image8{} : ReadImage(set.MaskPath(i), 1);
+    const Image8 mask = whole || captured.mask.empty() ? Image8{} : ReadImage(set.MaskPath(i), 1);
     images[v] = MakePatchImage(Shrunk(ReadImage(set.ImagePath(i), 1), scale), Shrunk(mask, scale),
                                scale, options);
   });
@@ -122,23 +123,23 @@ void ColorPoints(const ImageSet& set, Scene& scene) {
 }
 
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
-                      bool focal_known, const SfmOptions& options) {
+                      const MatchedFeatures& matched, const SfmOptions& options) {
   if (model.fixed || !options.patches ||
       SizeOf(model.scene.points) < FinalAdjustmentTuning::kFewestPoints)
     return model.scene;
   ReportProgress(stage.progress(), 0.93, "refining points by grey values");
   const PatchOptions patches;
   const std::vector<PatchImage> images =
-      ReadPatchImages(set, model.scene.views, options.max_image_size, patches);
+      ReadPatchImages(set, model.scene.views, options.max_image_size, matched.whole, patches);
   PointSet current = SpreadPoints(model.scene, model.observations, options.adjusted_points);
   Bodies bodies = model.bodies;
-  RingFitOptions fitting = FittingFor(model, focal_known, options);
+  RingFitOptions fitting = FittingFor(model, matched.focal_known, options);
   // With a single ring of views, the pixels' aspect ratio and the distance would be ambiguous.
   if (!options.refine_distortion && bodies.observations.empty())
     for (View& view : current.scene.views)
       view.camera.fx = view.camera.fy = 0.5 * (view.camera.fx + view.camera.fy);
-  const bool ring =
-      bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
+  const bool ring = matched.lenses.size() == 1 && bodies.observations.empty() &&
+                    !options.refine_principal_point && !options.refine_distortion;
   CornerOptions corners;
   corners.most_points = options.adjusted_points;
   RingFit fit;

@@ -16,8 +16,10 @@ namespace keypose::reconstruct {
 /// unchanged. Reports patch_points, patch_observations, patch_error_px, turntable_chi2_ratio,
 /// on_turntable.
 /// @param model  adjusted; with the observations of its points
+/// @param matched  the features that the model was made of: of whole photographs, patches are
+/// tracked all over the pictures too
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
-                      bool focal_known, const SfmOptions& options);
+                      const MatchedFeatures& matched, const SfmOptions& options);
 
 /// Sets the colours of points of our own models, each from the first photograph that shows it.
 void ColorPoints(const ImageSet& set, Scene& scene);

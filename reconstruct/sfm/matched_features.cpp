@@ -12,57 +12,57 @@
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
+#include "reconstruct/sfm/set_lenses.h"
+#include "reconstruct/surroundings/likely_figure.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-/// The shared camera: median focal length of the EXIF data, else COLMAP's default of 1.2 times the
-/// longer side.
-Camera StartCamera(const ImageSet& set, bool& focal_known) {
-  std::vector<double> focals;
-  for (const CapturedImage& image : set.images) {
-    if (image.width != set.images[0].width || image.height != set.images[0].height)
-      throw InputError("sfm: " + image.name + " is " + std::to_string(image.width) + " x " +
-                       std::to_string(image.height) + ", but " + set.images[0].name + " is " +
-                       std::to_string(set.images[0].width) + " x " +
-                       std::to_string(set.images[0].height) +
-                       "; one camera is assumed: run capture again");
-    if (image.focal_px > 0) focals.push_back(image.focal_px);
-  }
-  Camera camera;
-  camera.width = set.images[0].width;
-  camera.height = set.images[0].height;
-  std::sort(focals.begin(), focals.end());
-  focal_known = !focals.empty();
-  camera.fx = camera.fy =
-      focal_known ? focals[focals.size() / 2] : 1.2 * std::max(camera.width, camera.height);
-  camera.cx = camera.width / 2.0;
-  camera.cy = camera.height / 2.0;
-  return camera;
-}
-
-/// Raw matches without those on a static background.
-/// @param rejected  number of those
+/// Raw matches, also those on a static background.
 std::vector<PairMatches> MatchPairs(const std::vector<Features>& features,
-                                    const std::vector<ImagePair>& pairs, int longer_side_px,
-                                    const SfmOptions& options, int& rejected, Progress* progress) {
+                                    const std::vector<ImagePair>& pairs, const SfmOptions& options,
+                                    Progress* progress) {
   std::vector<PairMatches> matches(pairs.size());
-  std::vector<int> static_matches(pairs.size(), 0);
   MatchOptions matching;
   matching.max_ratio = options.max_ratio;
   ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
     const auto [i, j] = pairs[k];
-    PairMatches& pair = matches[k];
-    pair.first = i;
-    pair.second = j;
-    const Features &first = features[i], &second = features[j];
-    pair.features = MatchDescriptors(first, second, matching);
-    static_matches[k] = RejectStaticMatches(first, second, longer_side_px, pair.features);
+    matches[k] = {i, j, MatchDescriptors(features[i], features[j], matching)};
   });
-  rejected = std::accumulate(static_matches.begin(), static_matches.end(), 0);
-  std::erase_if(matches, [](const PairMatches& pair) { return pair.features.empty(); });
   return matches;
+}
+
+/// Leaves out matches on a static background.
+/// @return number of those
+int LeaveOutStatic(const std::vector<Features>& features, int longer_side_px,
+                   std::vector<PairMatches>& matches) {
+  std::vector<int> rejected(matches.size(), 0);
+  ParallelFor(std::ssize(matches), [&](std::int64_t k) {
+    PairMatches& pair = matches[k];
+    rejected[k] = RejectStaticMatches(features[pair.first], features[pair.second], longer_side_px,
+                                      pair.features);
+  });
+  return std::accumulate(rejected.begin(), rejected.end(), 0);
+}
+
+/// Leaves out matches of features that move otherwise than the figure.
+void LeaveOutOthers(const FigureMotion& motion, std::vector<PairMatches>& matches) {
+  for (PairMatches& pair : matches)
+    std::erase_if(pair.features, [&](const auto& match) {
+      return motion.left_behind[pair.first][match.first] ||
+             motion.left_behind[pair.second][match.second];
+    });
+}
+
+std::vector<Eigen::VectorXf> LikelyOnFigure(const std::vector<Features>& features,
+                                            const ImageSet& set, const std::vector<Image8>& masks) {
+  std::vector<Eigen::VectorXf> likely(features.size());
+  ParallelFor(std::ssize(likely), [&](std::int64_t i) {
+    const CapturedImage& image = set.images[i];
+    likely[i] = LikelyOnFigure(features[i], image.width, image.height, masks[i]);
+  });
+  return likely;
 }
 
 /// The pairs whose matches fit one rigid scene, in the pairs' order.
@@ -150,12 +150,19 @@ std::vector<std::string> NamesOf(const ImageSet& set) {
 }
 
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                              const SfmOptions& options, bool fine, Stopwatch& watch) {
+                              const SfmOptions& options, const FeatureKind& kind,
+                              const std::vector<Image8>& masks, Stopwatch& watch) {
   MatchedFeatures matched;
-  matched.camera = StartCamera(set, matched.focal_known);
+  matched.whole = kind.whole;
+  SetLenses lenses = LensesOf(set);
   const std::vector<std::string> names = NamesOf(set);
-  ColmapDatabase::Create(files.database, matched.camera, matched.focal_known, names);
-  ExtractFeatures(stage, set, files, options, fine);
+  ColmapDatabase::Create(files.database, lenses.cameras, lenses.focal_known, names,
+                         lenses.of_image);
+  matched.camera = lenses.cameras.front();
+  matched.focal_known = lenses.focal_known;
+  matched.lenses = std::move(lenses.cameras);
+  matched.lens_of_image = std::move(lenses.of_image);
+  ExtractFeatures(stage, set, files, options, kind);
   watch.Lap(stage, "features");
   matched.features = ReadAllFeatures(stage, files.database, names.size());
   const std::vector<Features>& features = matched.features;
@@ -163,16 +170,24 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
   ReportProgress(stage.progress(), 0.45, "matching");
-  const int longer_side_px = std::max(matched.camera.width, matched.camera.height);
-  int static_matches = 0;
-  matched.matches =
-      MatchPairs(features, pairs, longer_side_px, options, static_matches, stage.progress());
+  int longer_side_px = 0;
+  for (const Camera& lens : matched.lenses)
+    longer_side_px = std::max({longer_side_px, lens.width, lens.height});
+  matched.matches = MatchPairs(features, pairs, options, stage.progress());
+  watch.Lap(stage, "matching");
+  if (kind.whole) {
+    matched.motion = FollowFigure(features, matched.matches, LikelyOnFigure(features, set, masks),
+                                  longer_side_px, FigureMotionOptions{}, stage.progress());
+    LeaveOutOthers(matched.motion, matched.matches);
+    watch.Lap(stage, "motions");
+  }
+  const int static_matches = LeaveOutStatic(features, longer_side_px, matched.matches);
+  std::erase_if(matched.matches, [](const PairMatches& pair) { return pair.features.empty(); });
   stage.Report("static_matches_rejected", static_matches);
-  if (static_matches > 0)
+  if (static_matches > 0 && !kind.whole)
     stage.Warn(std::to_string(static_matches) +
                " matches lie on a background that does not move while the object turns; they are "
                "left out (better masks would avoid them)");
-  watch.Lap(stage, "matching");
   ReportProgress(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = matched.matches;
   std::erase_if(
@@ -181,6 +196,13 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
       VerifyAll(stage, features, enough, longer_side_px, options, watch);
   ReportMatches(stage, pairs.size(), enough.size(), verified);
   for (Verified& pair : verified) matched.verified.push_back(std::move(pair.inliers));
+  if (kind.whole) {
+    // Guided matching looks at all features again.
+    LeaveOutOthers(matched.motion, matched.verified);
+    std::erase_if(matched.verified, [&](const PairMatches& pair) {
+      return SizeOf(pair.features) < options.min_inliers;
+    });
+  }
   ColmapDatabase(files.database).PutInliers(matched.verified);
   matched.upside_down.assign(names.size(), 0);
   return matched;

@@ -72,9 +72,15 @@ void Append(std::vector<View>& views, const Scene& scene) {
             [](const View& a, const View& b) { return a.name < b.name; });
 }
 
-/// Sets the first view's camera in all views: the sets were shot with one camera.
-void ShareCamera(std::vector<View>& views, const Camera& camera) {
-  for (View& view : views) view.camera = camera;
+/// Gives all views of one lens the camera of the first of them, those in `first` before others.
+void ShareCameras(const ModelInput& in, const std::vector<View>& first, std::vector<View>& views) {
+  std::map<int, Camera> of_lens;
+  const auto lens_of = [&](const View& view) {
+    return in.matched.lens_of_image[static_cast<std::size_t>(in.set.Find(view.name))];
+  };
+  for (const View& view : first) of_lens.try_emplace(lens_of(view), view.camera);
+  for (View& view : views)
+    view.camera = of_lens.try_emplace(lens_of(view), view.camera).first->second;
 }
 
 PosedModel Triangulated(const ModelInput& in, const std::vector<View>& views,
@@ -340,7 +346,7 @@ std::optional<PosedModel> ModelFromBoards(const ModelInput& in, const SetBoards&
       Append(views, moved);
     }
   }
-  ShareCamera(views, Camera(views[0].camera));
+  ShareCameras(in, {}, views);
   PosedModel model = Triangulated(in, views, "boards");
   // The board of a group that was not joined has no known pose.
   SetBoards known = boards;
@@ -396,7 +402,7 @@ PosedModel ModelFromMapper(const ModelInput& in, const std::vector<ColmapModel>&
   const ColmapModel& first = models[0];
   std::vector<View> views = JoinedViews(in, models);
   if (views.size() > first.scene.views.size()) {
-    ShareCamera(views, first.scene.views[0].camera);
+    ShareCameras(in, first.scene.views, views);
     model = Triangulated(in, views, "joined");
     model.scale_source = "none";
   } else {

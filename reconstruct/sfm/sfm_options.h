@@ -19,7 +19,10 @@ struct SfmOptions {
   std::string method = "auto";
   std::string rings = "auto";  ///< sizes of the rings in the order of names, such as 18+18
   int max_image_size = 2000;   ///< longer side at which features are found
-  int max_features = 8192;     ///< per image
+  /// whether the whole photographs place the cameras: what stands still with the figure
+  std::string surroundings = "auto";
+  int whole_px = 1200;      ///< longer side at which features of whole photographs are found
+  int max_features = 8192;  ///< per image
   /// COLMAP's default of 0.0067 finds few features on clay, plush and paint
   double peak_threshold = 0.002;
   std::string detail = "auto";  ///< size of the smallest features
@@ -85,6 +88,14 @@ struct SfmOptions {
            {}});
     visit("max_image_size", max_image_size,
           {"longer side at which features are found", "px", 320, 20000, {}});
+    visit(
+        "surroundings", surroundings,
+        {"place cameras by all that stands still with the figure (a mat, a table, a room), not by "
+         "the figure alone; auto does so where there is enough of it",
+         "",
+         0,
+         0,
+         {"auto", "use", "ignore"}});
     visit("max_features", max_features,
           {"largest number of features per image", "", 256, 65536, {}});
     visit("peak_threshold", peak_threshold,

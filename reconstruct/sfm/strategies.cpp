@@ -9,6 +9,7 @@
 #include "core/tuned.h"
 #include "reconstruct/bundle/track_selection.h"
 #include "reconstruct/sfm/set_overlap.h"
+#include "reconstruct/sfm/surroundings.h"
 #include "reconstruct/sfm/turntable_strategies.h"
 
 namespace keypose::reconstruct {
@@ -100,12 +101,12 @@ StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const S
   if (context.IsSettled(best)) return best;
   const std::vector<double> focals = FocalsToTry(matched);
   for (std::size_t k = 1; k < focals.size(); ++k) {
-    ColmapDatabase(files.database).SetFocal(WithFocal(matched.camera, focals[k]));
+    ColmapDatabase(files.database).SetFocals(WithFocal(matched.lenses, focals[k]));
     StrategyResult result = PlaceByFeatures(context, files, matched, boards);
     if (result.views() > 0 && result.evidence.Score() > best.evidence.Score())
       best = std::move(result);
   }
-  if (focals.size() > 1) ColmapDatabase(files.database).SetFocal(matched.camera);
+  if (focals.size() > 1) ColmapDatabase(files.database).SetFocals(matched.lenses);
   return best;
 }
 
@@ -141,6 +142,39 @@ SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
   return {scratch, set.folder, scratch / (fine ? "fine.db" : "coarse.db")};
 }
 
+/// Whether photographs of one placement, without a board, may be placed by all that stands still
+/// with the figure.
+bool MayUseSurroundings(const StrategyContext& context) {
+  const auto& [stage, set, options, check, watch] = context;
+  return options.method == "auto" && options.surroundings != "ignore" && !stage.Has("poses") &&
+         std::none_of(set.images.begin(), set.images.end(), [&](const CapturedImage& image) {
+           return !image.board_corners.empty() || image.group != set.images.front().group;
+         });
+}
+
+/// The cameras by whole photographs; again with more features where that leaves photographs out.
+/// @param matched  set to the features of the result
+StrategyResult PlaceBySurroundings(const StrategyContext& context, const fs::path& scratch,
+                                   MatchedFeatures& matched) {
+  const auto& [stage, set, options, check, watch] = context;
+  StrategyResult best;
+  for (const bool fine : {false, true}) {
+    const SfmFiles files{scratch, set.folder, scratch / (fine ? "whole_fine.db" : "whole.db")};
+    MatchedFeatures found =
+        BuildDatabase(stage, set, files, options, {fine, true}, check.masks(), watch);
+    StrategyResult result = PlaceByFeaturesOfAnyFocal(context, files, found, {});
+    result.method = "surroundings";
+    watch.Lap(stage, "surroundings");
+    if (best.views() == 0 || IsBetter(result.evidence, best.evidence)) {
+      best = std::move(result);
+      matched = std::move(found);
+    }
+    if (context.IsSettled(best)) break;
+  }
+  MeasureSurroundings(check, matched, best);
+  return best;
+}
+
 void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& result,
                        bool few_points, bool settled) {
   const char* doubt = few_points ? ", with few points" : settled ? "" : ", but without certainty";
@@ -154,10 +188,20 @@ void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& res
 StrategyResult FindCameras(const StrategyContext& context, const fs::path& scratch,
                            MatchedFeatures& matched) {
   const auto& [stage, set, options, check, watch] = context;
+  StrategyResult by_surroundings;
+  MatchedFeatures whole;
+  if (MayUseSurroundings(context) &&
+      (options.surroundings == "use" || HasSurroundings(context, scratch))) {
+    by_surroundings = PlaceBySurroundings(context, scratch, whole);
+    if (options.surroundings == "use" || IsEnough(context, by_surroundings)) {
+      matched = std::move(whole);
+      return by_surroundings;
+    }
+  }
   // The ring model works with few features, so it gets the fine ones at once.
   bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
   SfmFiles files = FilesOf(set, scratch, fine);
-  matched = BuildDatabase(stage, set, files, options, fine, watch);
+  matched = BuildDatabase(stage, set, files, options, {fine, false}, {}, watch);
   if (stage.Has("poses")) return PlaceByPoses(context, files, matched);
   const SetBoards boards = PlaceBoards(stage, set, matched.camera, matched.focal_known, options);
   if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0)
@@ -170,7 +214,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
     NoteFinerFeatures(context, best, few_points, settled);
     fine = true;
     files = FilesOf(set, scratch, fine);
-    matched = BuildDatabase(stage, set, files, options, fine, watch);
+    matched = BuildDatabase(stage, set, files, options, {fine, false}, {}, watch);
     matched.upside_down = FindUpsideDown(stage, set, check, matched);
     StrategyResult finer = PlaceByMatches(context, files, matched, boards);
     if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);
@@ -179,6 +223,12 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   // A figure that was turned over between two placements is not on one turntable: the other
   // strategies' results for both would be wrong.
   if (boards.groups.size() > 1) return best;
+  // In a room masks are doubtful, and what is judged by outlines would search for long.
+  if (by_surroundings.views() > 0) {
+    if (!IsBetter(by_surroundings.evidence, best.evidence)) return best;
+    matched = std::move(whole);
+    return by_surroundings;
+  }
   return PlaceByTurntable(context, files, matched, std::move(best));
 }
 

@@ -23,7 +23,9 @@ StrategyResult StrategyContext::WithEvidence(StrategyResult result,
                                              const MatchedFeatures& matched) const {
   constexpr std::size_t kMostViews = 32;
   const Scene some = SomeViews(result.model.scene, kMostViews);
-  result.evidence = check.Evaluate(some, matched.features, matched.verified);
+  result.evidence = matched.whole ? check.EvaluateSurroundings(result.model.scene, matched.features,
+                                                               matched.verified)
+                                  : check.Evaluate(some, matched.features, matched.verified);
   result.evidence.placed = static_cast<int>(result.views());
   return result;
 }
@@ -49,6 +51,12 @@ std::vector<double> FocalsToTry(const MatchedFeatures& matched) {
 Camera WithFocal(Camera camera, double focal_px) {
   camera.fx = camera.fy = focal_px;
   return camera;
+}
+
+std::vector<Camera> WithFocal(std::vector<Camera> cameras, double focal_px) {
+  const double factor = focal_px / cameras.front().fx;
+  for (Camera& camera : cameras) camera = WithFocal(camera, factor * camera.fx);
+  return cameras;
 }
 
 }  // namespace keypose::reconstruct

@@ -45,5 +45,7 @@ std::vector<double> FocalsToTry(const MatchedFeatures& matched);
 
 /// The camera with another focal length.
 Camera WithFocal(Camera camera, double focal_px);
+/// The cameras with focal lengths scaled so that the first one has this.
+std::vector<Camera> WithFocal(std::vector<Camera> cameras, double focal_px);
 
 }  // namespace keypose::reconstruct
