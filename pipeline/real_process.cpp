@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/io/shared_files.h"
 #include "pipeline/guardian.h"
 
 extern char** environ;
@@ -273,7 +274,7 @@ std::optional<std::filesystem::path> RealProcessRunner::FindTool(const std::stri
     const std::filesystem::path candidate = std::filesystem::path(folder) / name;
     if (access(candidate.c_str(), X_OK) == 0) return candidate;
   }
-  return std::nullopt;
+  return FindSharedFile(name);
 }
 
 }  // namespace keypose::pipeline

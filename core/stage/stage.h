@@ -33,6 +33,9 @@ struct StageSpec {
   std::vector<Port> inputs = {}, outputs = {};
   /// external programs that it calls, e.g. "colmap"; their versions are part of the fingerprint
   std::vector<std::string> tools = {};
+  /// files of the installation that it reads where they are there, e.g. "isnet.onnx" (see
+  /// core/io/shared_files.h); their versions are part of the fingerprint too
+  std::vector<std::string> shared_files = {};
   int cores = 0;          ///< cores it can use; 0 means all
   double memory_gib = 1;  ///< approximate peak memory
   /// names of the most used options; --help lists them first, in the order of the struct

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "core/io/files.h"
+#include "core/io/shared_files.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/awaited_arguments.h"
@@ -88,6 +89,8 @@ json Describe(const StageSpec& spec, const BoundOptions& options) {
   json tools = json::array();
   for (const std::string& tool : spec.tools)
     tools.push_back({{"name", tool}, {"version", ToolVersion(tool)}});
+  for (const std::string& file : spec.shared_files)
+    tools.push_back({{"name", file}, {"version", SharedFileVersion(file)}});
   return {{"schema", 1},
           {"stage", spec.name},
           {"version", spec.version},
