@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <system_error>
+#include <utility>
 
 #include "pipeline/commands.h"
 #include "pipeline/session.h"
@@ -24,10 +25,18 @@ const std::vector<std::string> kCommands = {"init",   "run",   "status", "explai
                                             "log",    "graph", "gc",     "verify",
                                             "unlock", "pack",  "report", "doctor"};
 
+/// Commands that are programs of their own, and what they are for.
+const std::vector<std::pair<std::string, std::string>> kProgramCommands = {
+    {"studio", "open the project in a web page"},
+    {"shoot", "photograph poses with a camera and a turntable"},
+    {"figure", "say what the figure is, where the photographs cannot tell"}};
+
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;
   for (const std::string& name : RealDisk().Children(ProgramFolder())) {
-    const bool stage = name != "keypose-studio" && name != "keypose-shoot";
+    const bool stage =
+        std::none_of(kProgramCommands.begin(), kProgramCommands.end(),
+                     [&](const auto& own) { return name == "keypose-" + own.first; });
     if (name.starts_with("keypose-") && stage) names.push_back(name.substr(8));
   }
   return names;
@@ -63,7 +72,7 @@ bool MeansStage(int argc, char** argv) {
   const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
   if (!IsStage(argv[1])) {
     std::vector<std::string> known = kCommands;
-    known.insert(known.end(), {"studio", "shoot"});
+    for (const auto& own : kProgramCommands) known.push_back(own.first);
     for (const std::string& stage : StageNames()) known.push_back(stage);
     throw UsageError(
         fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1],
@@ -281,12 +290,10 @@ class CommandLine {
   }
 
   void AddLater() {
-    Command("studio", "open the project in a web page", []() -> ExitCode {
-      throw ToolError("keypose-studio is missing; install keypose again");
-    })->allow_extras();
-    Command("shoot", "photograph poses with a camera and a turntable", []() -> ExitCode {
-      throw ToolError("keypose-shoot is missing; install keypose again");
-    })->allow_extras();
+    for (const auto& [name, help] : kProgramCommands)
+      Command(name, help, [program = "keypose-" + name]() -> ExitCode {
+        throw ToolError(program + " is missing; install keypose again");
+      })->allow_extras();
   }
 
   CLI::App app_;

@@ -1,8 +1,10 @@
-// Three small stages for the tests of the runner with real processes. The program's name selects
-// the stage:
+// Small stages for the tests of the runner with real processes. The program's name selects the
+// stage:
 // - keypose-gather: photos (folder) -> images (folder): every file in capitals
 // - keypose-join: images (folder) -> text (file): all files one after the other
 // - keypose-merge: texts (files) -> all (folder): one file per text
+// - keypose-capture, keypose-masks, keypose-silhouettes: photos, images or video (folder) -> images
+//   or masked (folder): figure.txt, which holds the option `figure`
 //
 // Each writes its output in small pieces. Environment variables:
 // - TEXT_STAGE_DELAY_MS: pause before each piece
@@ -49,6 +51,18 @@ std::vector<fs::path> Sorted(const fs::path& folder) {
   return files;
 }
 
+/// The ports of a stage that is told what the figure is; none: another stage.
+struct FigurePorts {
+  const char* in = nullptr;
+  const char* out = nullptr;
+};
+FigurePorts FigurePortsOf(const std::string& stage) {
+  if (stage == "capture") return {"photos", "images"};
+  if (stage == "masks") return {"images", "masked"};
+  if (stage == "silhouettes") return {"video", "masked"};
+  return {};
+}
+
 int Describe(const std::string& stage) {
   const auto port = [](const char* name, const char* kind, const char* file, bool many) {
     return json{{"name", name},       {"kind", kind},      {"file", file},
@@ -62,6 +76,10 @@ int Describe(const std::string& stage) {
     inputs = port("images", "folder", "", false), outputs = port("text", "file", "text.txt", false);
   if (stage == "merge")
     inputs = port("texts", "file", "", true), outputs = port("all", "folder", "all", false);
+  const FigurePorts ports = FigurePortsOf(stage);
+  if (ports.in)
+    inputs = port(ports.in, "folder", "", false),
+    outputs = port(ports.out, "folder", ports.out, false);
   const json code = {{"name", "exit_code"},
                      {"type", "int"},
                      {"default", 0},
@@ -70,13 +88,23 @@ int Describe(const std::string& stage) {
                      {"max", 255},
                      {"choices", json::array()},
                      {"help", ""}};
+  json options = json::array({code});
+  if (ports.in)
+    options.push_back({{"name", "figure"},
+                       {"type", "string"},
+                       {"default", ""},
+                       {"unit", ""},
+                       {"min", nullptr},
+                       {"max", nullptr},
+                       {"choices", json::array()},
+                       {"help", ""}});
   std::cout << json{{"schema", 1},
                     {"stage", stage},
                     {"version", "1"},
                     {"summary", "a test"},
                     {"inputs", json::array({inputs})},
                     {"outputs", json::array({outputs})},
-                    {"options", json::array({code})},
+                    {"options", options},
                     {"tools", json::array()},
                     {"resources", {{"cores", 1}, {"memory_bytes", 1 << 20}}}};
   return 0;
@@ -138,7 +166,9 @@ int Run(const std::string& stage, std::map<std::string, std::vector<std::string>
   const char* lines = std::getenv("TEXT_STAGE_LOG_LINES");
   for (int i = 0; i < (lines ? std::atoi(lines) : 0); ++i)
     std::cout << "line " << i << " of a long log\n";
-  if (stage == "gather") {
+  if (const FigurePorts ports = FigurePortsOf(stage); ports.in) {
+    Writer(1).Write(fs::path(flags[ports.out][0]) / "figure.txt", flags["figure"][0]);
+  } else if (stage == "gather") {
     const auto files = Sorted(flags["photos"][0]);
     Writer writer(files.size());
     for (const fs::path& file : files) {

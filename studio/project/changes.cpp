@@ -52,42 +52,13 @@ nlohmann::json JsonOfFile(const fs::path& file) {
 std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
                             const std::string& pose, const YamlPath& below,
                             const std::string& value) {
-  YamlPath path = {"poses", pose};
-  path.insert(path.end(), below.begin(), below.end());
-  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  const std::string photos = rule->photos ? rule->photos->text : "photos/" + pose;
-  const std::string as_map = "{photos: " + YamlScalar(photos) + "}";
-  std::string edited = text;
-  try {
-    edited = WithValue(text, path, value);
-  } catch (const YamlEditError&) {
-    edited = WithValue(WithValue(text, {"poses", pose}, as_map), path, value);
-  }
-  return edited;
+  return pipeline::WithPoseSetting(snapshot.file(), text, pose, below, value);
 }
 
 void RequirePhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name) {
   if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
   if (!IsOneName(name) || !IsValidUtf8(name) || IsLitterName(name))
     throw UsageError(fmt::format("'{}' cannot be the name of a photograph", name));
-}
-
-std::string Edited(const std::function<std::string()>& edit) {
-  try {
-    return edit();
-  } catch (const YamlEditError& error) {
-    throw UsageError(fmt::format("pipeline.yaml cannot be changed from here: {}", error.what()));
-  }
-}
-
-std::string WritePipelineFile(const fs::path& project, const std::string& text,
-                              const std::string& revision) {
-  const fs::path file = project / "pipeline.yaml";
-  if (RevisionOf(file) != revision)
-    throw ChangedMeanwhile("pipeline.yaml was changed elsewhere; it was read again");
-  pipeline::ParsePipelineFile(text, "pipeline.yaml");
-  WriteFileAtomically(file, text);
-  return RevisionOf(file);
 }
 
 std::string SetOption(Snapshot& snapshot, const OptionChange& change, const std::string& revision) {

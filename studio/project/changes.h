@@ -2,27 +2,22 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/io/yaml_edit.h"
+#include "pipeline/pipeline_edit.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
 
-/// The file was changed by somebody else since the page read it. Nothing was written.
-struct ChangedMeanwhile : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using pipeline::ChangedMeanwhile;
+using pipeline::Edited;
+using pipeline::WritePipelineFile;
 
 /// What a file of the project holds. @throws InputError  it is not JSON, or nested too deep
 nlohmann::json JsonOfFile(const std::filesystem::path& file);
-
-/// The text that an edit of pipeline.yaml gives. @throws UsageError  it cannot be edited so
-std::string Edited(const std::function<std::string()>& edit);
 
 /// The text of pipeline.yaml with a pose's setting. A pose that is only its folder of photographs
 /// becomes a map first.
@@ -32,14 +27,6 @@ std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
 
 /// @throws UsageError  no such pose, or a name that no photograph can have
 void RequirePhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name);
-
-/// pipeline.yaml with another text. Nothing is written if the project could not be used with it.
-/// @param revision  of the text that the change was made from
-/// @throws ChangedMeanwhile
-/// @throws Error  what is wrong with the new text
-/// @return the new revision
-std::string WritePipelineFile(const std::filesystem::path& project, const std::string& text,
-                              const std::string& revision);
 
 struct OptionChange {
   std::string step, option;

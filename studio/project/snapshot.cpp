@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/io/files.h"
-#include "core/sha256.h"
 #include "pipeline/project_paths.h"
 
 namespace keypose::studio {
@@ -118,11 +117,6 @@ fs::path Snapshot::PhotoFolder(const std::string& pose) const {
   const fs::path written =
       rule && rule->photos ? pipeline::WithHome(rule->photos->text) : "photos/" + pose;
   return project() / pipeline::OnDisk(pipeline::RealDisk(), project(), written);
-}
-
-std::string RevisionOf(const fs::path& file) {
-  std::error_code ignored;
-  return fs::is_regular_file(file, ignored) ? Sha256Of(ReadFile(file)).substr(0, 16) : "";
 }
 
 }  // namespace keypose::studio

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "pipeline/pipeline_edit.h"
 #include "pipeline/plan.h"
 #include "pipeline/session.h"
 
@@ -62,7 +63,6 @@ class Snapshot {
   std::unique_ptr<pipeline::Plan> plan_;
 };
 
-/// A hash of a file's bytes, to see whether it has changed; empty for a missing one.
-std::string RevisionOf(const std::filesystem::path& file);
+using pipeline::RevisionOf;
 
 }  // namespace keypose::studio
