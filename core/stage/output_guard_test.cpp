@@ -23,6 +23,7 @@ StageSpec FolderSpec() {
           {{"images", "folder", "the copies", "images"},
            {"note", "file", "what was done", "note.txt", true}},
           {},
+          {},
           1,
           0.1};
 }

@@ -39,6 +39,7 @@ StageSpec Spec() {
           {{"text", "file", "what to copy", ""}},
           {{"copy", "file", "the copies", "copy.txt"}},
           {},
+          {},
           1,
           0.1};
 }

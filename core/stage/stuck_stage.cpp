@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
                        {{"text", "file", "what to copy", ""}},
                        {{"copy", "file", "the copy", "copy.txt"}},
                        {},
+                       {},
                        1,
                        0.1};
   return RunStage<NoOptions>(argc, argv, spec, WriteHalfAndWait);
