@@ -9,6 +9,7 @@
 #include "core/name_list.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "views/shot/filmed_view.h"
 #include "views/shot/rig.h"
 
 namespace keypose::fit {
@@ -61,9 +62,9 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
   }
   offsets_.assign(shot_.cameras.size(), 0);
   for (int c = 0; c < SizeOf(views_); ++c) {
-    const Image8 mask = Mask(c, 0);
-    views_[c].camera =
-        CameraForPictures(views_[c].camera, mask.width, mask.height, views_[c].name, "track");
+    const FilmedView filmed = ViewForPictures(views_[c], Shown(c), calibrated_up_, "track");
+    if (!filmed.note.empty()) stage.Note(filmed.note);
+    views_[c] = filmed.view;
   }
   const Vector3d up = UpOf(options.up, views_);
   if (up.z() < kUpright)
@@ -84,6 +85,7 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
   const std::vector<std::string> names = shot_.names();
   views_ = MatchedViews(rig, names, "track");
   metres_per_unit_ = rig.metres_per_unit;
+  calibrated_up_ = rig.up;
   std::vector<std::string> wanted = NamesIn(options.cameras);
   for (const std::string& name : wanted)
     if (std::find(names.begin(), names.end(), name) == names.end())
@@ -96,6 +98,12 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
   if (used_.size() < 2)
     throw InputError(
         "track: one camera does not tell depth; at least two are needed, eight are good");
+}
+
+Image8 TrackInput::Shown(int camera) {
+  const Image8 mask = Mask(camera, 0);
+  const Image8 picture = Picture(camera, 0);
+  return picture.width == mask.width && picture.height == mask.height ? picture : mask;
 }
 
 void TrackInput::CountFrames(StageContext& stage) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -53,6 +54,8 @@ class TrackInput {
 
  private:
   void Match(StageContext& stage, const TrackInputOptions& options);
+  /// A picture that tells a film's size and black borders: of the film, else the mask.
+  Image8 Shown(int camera);
   void CountFrames(StageContext& stage);
   void FindUnit(StageContext& stage, const TrackInputOptions& options);
   void Compare(StageContext& stage, int frame);
@@ -74,6 +77,7 @@ class TrackInput {
   std::vector<int> used_, compared_, offsets_;
   Eigen::Quaterniond up_from_world_ = Eigen::Quaterniond::Identity();
   double metres_per_unit_ = 0;
+  std::optional<Eigen::Vector3d> calibrated_up_;
   CoarseHull hull_;
   int frames_ = 0;
 };

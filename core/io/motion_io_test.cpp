@@ -169,6 +169,55 @@ TEST_F(RigTest, QualisysIsReadWhicheverWayItsMatrixTurns) {
     }
 }
 
+TEST_F(RigTest, QualisysNamesTheLastPixelOrItsLastPart) {
+  std::string text = Qualisys(Ring(), false, false);
+  const auto put = [&text](const std::string& old, const std::string& other) {
+    for (std::size_t at = 0; (at = text.find(old, at)) != std::string::npos; at += other.size())
+      text.replace(at, old.size(), other);
+  };
+  put("sensorMaxU=\"63999.000000\"", "sensorMaxU=\"63936.000000\"");  // 64 * 999
+  put("sensorMaxV=\"51199.000000\"", "sensorMaxV=\"51136.000000\"");  // 64 * 799
+  const RigCalibration rig = ReadRigCalibration(Put("rig.qca.txt", text));
+  EXPECT_EQ(rig.views[0].camera.width, 1000);
+  EXPECT_EQ(rig.views[0].camera.height, 800);
+  EXPECT_EQ(rig.up, Eigen::Vector3d(0, 0, 1));
+  ExpectSame(rig.views, Ring(), 0.01);
+}
+
+TEST_F(RigTest, QualisysFilmOfAWindowOfTheSensorIsItsWindow) {
+  std::string text = Qualisys(Ring(), false, false);
+  text.replace(text.find("<transform"), 0,
+               "<fov_video left=\"100\" top=\"60\" right=\"899\" bottom=\"659\"/>\n");
+  const RigCalibration rig = ReadRigCalibration(Put("rig.qca.txt", text));
+  EXPECT_EQ(rig.views[0].camera.width, 800);
+  EXPECT_EQ(rig.views[0].camera.height, 600);
+  EXPECT_NEAR(rig.views[0].camera.cx, Ring()[0].camera.cx - 100, 1e-4);
+  EXPECT_NEAR(rig.views[0].camera.cy, Ring()[0].camera.cy - 60, 1e-4);
+  EXPECT_EQ(rig.views[1].camera.width, 1000) << "it has no window";
+}
+
+TEST_F(RigTest, QualisysCameraWithoutALensIsLeftOutAndNamed) {
+  std::string text = Qualisys(Ring(), false, false);
+  text.replace(text.find("</cameras>"), 0, "<camera serial=\"marker9\"></camera>\n");
+  const RigCalibration rig = ReadRigCalibration(Put("rig.qca.txt", text));
+  EXPECT_EQ(rig.views.size(), 4u);
+  ASSERT_EQ(rig.notes.size(), 1u);
+  EXPECT_NE(rig.notes[0].find("camera marker9 has no lens"), std::string::npos);
+}
+
+TEST_F(RigTest, QualisysOfARealRoomHasThePicturesSize) {
+  const char* data = std::getenv("KEYPOSE_DATA");
+  const fs::path file = fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") /
+                        "motion/gym/Calib.qca.txt";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here; set KEYPOSE_DATA";
+  const RigCalibration rig = ReadRigCalibration(file);
+  ASSERT_EQ(rig.views.size(), 4u);
+  for (const View& view : rig.views) {
+    EXPECT_EQ(view.camera.width, 1088) << view.name;
+    EXPECT_EQ(view.camera.height, 1920) << view.name;
+  }
+}
+
 TEST_F(RigTest, MatricesAreRead) {
   const RigCalibration rig = ReadRigCalibration(Put(
       "calib.txt", "0\n900 -1.5 500\n0 890 400\n0 0 1\n-0.04 0.06\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n"));

@@ -18,30 +18,13 @@
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/poses_io.h"
+#include "core/io/qualisys_calibration.h"
+#include "core/io/rig_parts.h"
 
 namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A rotation that is one to 1e-2, made exact.
-Eigen::Quaterniond ExactRotation(const Eigen::Matrix3d& r, const std::string& where) {
-  const double off = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!r.allFinite() || !(off < 1e-2) || r.determinant() < 0)
-    throw InputError(
-        fmt::format("{}: its rotation is none (off by {:.3g}); three orthogonal rows "
-                    "of length 1 are needed, from world to camera",
-                    where, off));
-  return Eigen::Quaterniond(r).normalized();
-}
-
-void RequireUsable(const View& view, const std::string& where) {
-  Camera sized = view.camera;
-  if (sized.width == 0 || sized.height == 0) sized.width = sized.height = 1;
-  RequireUsableCamera(sized, where);
-  if (!view.camera_from_world.translation.allFinite())
-    throw InputError(where + ": its place is not finite");
-}
 
 // ---- OpenCV YAML ----
 
@@ -84,12 +67,6 @@ Eigen::Matrix3d RotationOf(const YAML::Node& node, const std::string& where) {
   const Eigen::Vector3d turn(n[0], n[1], n[2]);
   if (turn.norm() < 1e-12) return Eigen::Matrix3d::Identity();
   return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-}
-
-/// A picture's width or height, rounded; a number beyond all pictures stays beyond them.
-int SideOf(double pixels) {
-  constexpr double kMost = 1e9;
-  return std::isnan(pixels) ? -1 : static_cast<int>(std::round(std::clamp(pixels, -1.0, kMost)));
 }
 
 void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
@@ -169,139 +146,6 @@ void AddYamlFile(const fs::path& path, RigCalibration* rig) {
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{} is not YAML that OpenCV writes ({})", file, error.what()));
   }
-}
-
-// ---- Qualisys ----
-
-using Attributes = std::map<std::string, std::string>;
-
-/// Elements of a simple XML text, in order: name and attributes.
-std::vector<std::pair<std::string, Attributes>> Elements(const std::string& text) {
-  std::vector<std::pair<std::string, Attributes>> elements;
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
-    const std::size_t end = std::min(text.find('>', at), text.size());
-    const std::size_t name_end = std::min(text.find_first_of(" \t\r\n/>", at + 1), end);
-    if (name_end == at + 1) continue;  // a closing tag
-    Attributes attributes;
-    std::size_t i = name_end;
-    while (true) {
-      const std::size_t equals = text.find('=', i);
-      if (equals == std::string::npos || equals >= end) break;
-      const std::size_t name_at = text.find_first_not_of(" \t\r\n", i);
-      const std::size_t open = text.find('"', equals);
-      const std::size_t close = open == std::string::npos ? open : text.find('"', open + 1);
-      if (close == std::string::npos || close > end) break;
-      std::string name = text.substr(name_at, equals - name_at);
-      while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
-        name.pop_back();
-      attributes[name] = text.substr(open + 1, close - open - 1);
-      i = close + 1;
-    }
-    elements.emplace_back(text.substr(at + 1, name_end - at - 1), attributes);
-  }
-  return elements;
-}
-
-double Attribute(const Attributes& attributes, const std::string& name, const std::string& where,
-                 std::optional<double> none = {}) {
-  const auto found = attributes.find(name);
-  if (found == attributes.end()) {
-    if (none) return *none;
-    throw InputError(fmt::format("{} has no {}", where, name));
-  }
-  try {
-    return std::stod(found->second);
-  } catch (const std::exception&) {
-    throw InputError(fmt::format("{}: {} is '{}', not a number", where, name, found->second));
-  }
-}
-
-struct QualisysCamera {
-  View view;
-  Eigen::Matrix3d matrix;
-  Eigen::Vector3d center;
-};
-
-void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* camera) {
-  // Lengths on the sensor are in 64ths of a pixel, from the centre of the first one.
-  const auto pixels = [&](const char* name) { return Attribute(a, name, where) / 64; };
-  camera->width =
-      SideOf((Attribute(a, "sensorMaxU", where) - Attribute(a, "sensorMinU", where, 0) + 1) / 64);
-  camera->height =
-      SideOf((Attribute(a, "sensorMaxV", where) - Attribute(a, "sensorMinV", where, 0) + 1) / 64);
-  camera->fx = pixels("focalLengthU"), camera->fy = pixels("focalLengthV");
-  camera->cx = pixels("centerPointU") + 0.5, camera->cy = pixels("centerPointV") + 0.5;
-  camera->k1 = Attribute(a, "radialDistortion1", where, 0);
-  camera->k2 = Attribute(a, "radialDistortion2", where, 0);
-  camera->p1 = Attribute(a, "tangentalDistortion1", where, 0);
-  camera->p2 = Attribute(a, "tangentalDistortion2", where, 0);
-}
-
-Eigen::Matrix3d Rows(const Eigen::Matrix3d& matrix, int convention) {
-  return convention & 1 ? Eigen::Matrix3d(matrix.transpose()) : matrix;
-}
-
-/// How far the cameras' optical axes miss a common point in front of them, over their distance.
-double AxesMiss(const std::vector<QualisysCamera>& cameras, int convention) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Identity() * 1e-9;
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  const auto axis = [&](const QualisysCamera& c) {
-    const Eigen::Matrix3d rows = Rows(c.matrix, convention);
-    return Eigen::Vector3d((convention & 2 ? -1 : 1) * rows.row(2));
-  };
-  for (const QualisysCamera& c : cameras) {
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis(c) * axis(c).transpose();
-    sum += across, right += across * c.center;
-  }
-  const Eigen::Vector3d meeting = sum.ldlt().solve(right);
-  double miss = 0;
-  for (const QualisysCamera& c : cameras)
-    miss += 1 - axis(c).dot((meeting - c.center).normalized());
-  return miss;
-}
-
-/// Qualisys' own pages do not say which way its matrix turns, and versions differ in the direction
-/// of z. Cameras of a capture look at one place, which decides.
-void PlaceQualisys(std::vector<QualisysCamera>& cameras, RigCalibration* rig) {
-  int best = 0;
-  for (int convention = 1; convention < 4; ++convention)
-    if (AxesMiss(cameras, convention) < AxesMiss(cameras, best)) best = convention;
-  for (QualisysCamera& c : cameras) {
-    Eigen::Matrix3d rows = Rows(c.matrix, best);
-    if (best & 2) rows.row(1) *= -1, rows.row(2) *= -1;
-    const Eigen::Quaterniond turn = ExactRotation(rows, c.view.name);
-    c.view.camera_from_world = {turn, -(turn * (c.center / 1000))};
-    rig->views.push_back(c.view);
-  }
-}
-
-void ReadQualisys(const std::string& text, const std::string& file, RigCalibration* rig) {
-  std::vector<QualisysCamera> cameras;
-  Attributes transform, intrinsic;
-  for (const auto& [name, attributes] : Elements(text)) {
-    if (name == "camera") {
-      cameras.emplace_back();
-      const auto serial = attributes.find("serial");
-      cameras.back().view.name =
-          serial == attributes.end() ? std::to_string(cameras.size()) : serial->second;
-    }
-    if (cameras.empty()) continue;
-    QualisysCamera& camera = cameras.back();
-    const std::string where = fmt::format("{}, camera {}", file, camera.view.name);
-    if (name == "transform") {
-      for (int r = 0; r < 3; ++r) {
-        camera.center[r] = Attribute(attributes, std::string(1, "xyz"[r]), where);
-        for (int c = 0; c < 3; ++c)
-          camera.matrix(r, c) = Attribute(attributes, fmt::format("r{}{}", r + 1, c + 1), where);
-      }
-    } else if (name == "intrinsic") {
-      ReadQualisysLens(attributes, where, &camera.view.camera);
-      RequireUsable(camera.view, where);
-    }
-  }
-  PlaceQualisys(cameras, rig);
-  rig->format = "Qualisys";
-  rig->metres_per_unit = 1;  // its millimetres were converted
 }
 
 // ---- matrices ----
@@ -398,7 +242,7 @@ RigCalibration ReadRigCalibration(const fs::path& path) {
     if (IsYaml(path) || text.starts_with("%YAML"))
       AddYamlFile(path, &rig), rig.format = "OpenCV YAML";
     else if (first != std::string::npos && text[first] == '<')
-      ReadQualisys(text, file, &rig);
+      AddQualisys(text, file, &rig);
     else
       ReadMatrices(text, file, &rig);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct RigCalibration {
   std::string format;       ///< "OpenCV YAML", "COLMAP model", "Qualisys", "matrices"
   /// length of the world's unit [m]; 0 where the format does not say
   double metres_per_unit = 0;
+  /// the world's direction that points up, where the format fixes it (Qualisys: z)
+  std::optional<Eigen::Vector3d> up;
   std::vector<std::string> notes;  ///< what was assumed or left out, for the user
 };
 
@@ -24,7 +27,8 @@ struct RigCalibration {
 ///   rotation (3 x 3, or 3 numbers: Rodrigues) and translation from world to camera; the names
 ///   K, D, dist_coeffs, image_size, R, rvec, T, tvec are known too; `unit: mm` or `unit: m`.
 /// - COLMAP: a model's folder, or a transforms.json (poses_io.h).
-/// - Qualisys: the text that its calibration exports (XML; millimetres).
+/// - Qualisys: the text that its calibration exports (XML; millimetres; bounds are inclusive; where
+///   the camera filmed a window of its sensor, that window).
 /// - matrices: for each camera its number, K (3 x 3), two radial coefficients, and camera from
 ///   world (3 x 4).
 /// Width and height are 0 where the file does not give them.

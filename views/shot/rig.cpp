@@ -1,7 +1,5 @@
 #include "views/shot/rig.h"
 
-#include <cmath>
-
 #include "core/errors.h"
 
 namespace keypose {
@@ -24,24 +22,6 @@ std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std:
     views.back().name = cameras[c];
   }
   return views;
-}
-
-Camera CameraForPictures(const Camera& camera, int width, int height, const std::string& name,
-                         const std::string& stage) {
-  Camera fitted = camera;
-  if (camera.width == 0 || camera.height == 0) {
-    fitted.width = width, fitted.height = height;
-    return fitted;
-  }
-  const double factor = static_cast<double>(width) / camera.width;
-  if (std::abs(camera.height * factor - height) > 1)
-    throw InputError(stage + ": the pictures of camera " + name + " have " + std::to_string(width) +
-                     " x " + std::to_string(height) + " pixels, but it was calibrated with " +
-                     std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                     "; calibrate it with the shape of picture that it films");
-  fitted = camera.Scaled(factor);
-  fitted.width = width, fitted.height = height;
-  return fitted;
 }
 
 Vector3d UpOfCameras(const std::vector<View>& views) {

@@ -17,11 +17,6 @@ namespace keypose {
 std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std::string>& cameras,
                                const std::string& stage);
 
-/// The camera for pictures of another size than it was calibrated with, if they are only scaled.
-/// @throws InputError  they have another shape
-Camera CameraForPictures(const Camera& camera, int width, int height, const std::string& name,
-                         const std::string& stage);
-
 /// The world's axis nearest to the direction that is up in most pictures; unit.
 Eigen::Vector3d UpOfCameras(const std::vector<View>& views);
 

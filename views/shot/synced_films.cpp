@@ -9,6 +9,7 @@
 #include "core/name_list.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "views/shot/filmed_view.h"
 #include "views/shot/rig.h"
 
 namespace keypose {
@@ -56,7 +57,7 @@ SyncedFilms::SyncedFilms(StageContext& stage, const FilmsRequest& request) : req
   Open(stage);
   ReadClocks(stage);
   CheckLengths(stage);
-  CheckSizes();
+  CheckSizes(stage);
 }
 
 void SyncedFilms::Open(StageContext& stage) {
@@ -85,6 +86,7 @@ void SyncedFilms::Open(StageContext& stage) {
   const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
   for (const std::string& note : rig.notes) stage.Note(note);
   views_ = MatchedViews(rig, names, request_.stage);
+  up_ = rig.up;
   for (CameraFilm& film : films_) {
     film.pictures = std::make_unique<FrameReader>(film.files.pictures);
     if (!film.files.masks.empty()) film.masks = std::make_unique<FrameReader>(film.files.masks);
@@ -130,12 +132,13 @@ void SyncedFilms::CheckLengths(StageContext& stage) {
              "; copy the films again");
 }
 
-void SyncedFilms::CheckSizes() {
+void SyncedFilms::CheckSizes(StageContext& stage) {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const int first = std::clamp(films_[v].offset, 0, films_[v].files.frames() - 1);
     const Image8 picture = films_[v].pictures->Read(first, 3);
-    views_[v].camera = CameraForPictures(views_[v].camera, picture.width, picture.height,
-                                         views_[v].name, request_.stage);
+    const FilmedView filmed = ViewForPictures(views_[v], picture, up_, request_.stage);
+    if (!filmed.note.empty()) stage.Note(filmed.note);
+    views_[v] = filmed.view;
     if (!films_[v].masks) continue;
     const Image8 mask = films_[v].masks->Read(first, 1);
     if (mask.width != picture.width || mask.height != picture.height)

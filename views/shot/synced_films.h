@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,7 @@ class SyncedFilms {
   void Open(StageContext& stage);
   void ReadClocks(StageContext& stage);
   void CheckLengths(StageContext& stage);
-  void CheckSizes();
+  void CheckSizes(StageContext& stage);
 
   struct CameraFilm {
     ShotCamera files;
@@ -60,6 +61,7 @@ class SyncedFilms {
   };
   FilmsRequest request_;
   std::vector<View> views_;
+  std::optional<Eigen::Vector3d> up_;  // of the calibration's world, where it says so
   std::vector<CameraFilm> films_;
   double rate_ = 0;
 };
