@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/board/board_print.h"
+#include "capture/board/markers.h"
 #include "core/errors.h"
 #include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
-constexpr double kSearch_px = 2000;  // longer side at which markers are searched
 constexpr double kLeastSquare_px = 6;
 
 // Chosen on the rendered boards of board_test.cpp; kEven by the masks of a set with the board
@@ -29,31 +27,13 @@ struct BoardDetectionTuning {
   KEYPOSE_TUNED(double, kEven, 30);
 };
 
-cv::Mat GreyOf(const Image8& image) {
-  const cv::Mat view(image.height, image.width, CV_8UC(image.channels),
-                     const_cast<std::uint8_t*>(image.data.data()));
-  if (image.channels == 1) return view;
-  cv::Mat grey;
-  cv::cvtColor(view, grey, cv::COLOR_RGB2GRAY);
-  return grey;
-}
-
 /// Corner k of a marker on the board, clockwise from its top left; y up.
-cv::Point2d MarkerCorner(const BoardLayout& board, int marker, int k) {
-  // Markers lie in every other square, row by row; the first row begins with a black square.
-  int seen = 0;
-  for (int row = 0; row < board.rows; ++row) {
-    const int in_row = board.columns / 2 + (board.columns % 2 && row % 2);
-    if (marker >= seen + in_row) {
-      seen += in_row;
-      continue;
-    }
-    const int column = 2 * (marker - seen) + (row % 2 == 0);
-    const double half = board.marker_m / 2, x = (column + 0.5) * board.square_m - board.Width() / 2,
-                 y = board.Height() / 2 - (row + 0.5) * board.square_m;
-    return {x + (k == 1 || k == 2 ? half : -half), y + (k < 2 ? half : -half)};
-  }
-  throw InputError("capture: the board has no marker " + std::to_string(marker));
+cv::Point2d MarkerCorner(const BoardPattern& pattern, int marker, int k) {
+  const BoardLayout& board = pattern.layout;
+  const auto [column, row] = pattern.SquareOf(marker);
+  const double half = board.marker_m / 2, x = (column + 0.5) * board.square_m - board.Width() / 2,
+               y = board.Height() / 2 - (row + 0.5) * board.square_m;
+  return {x + (k == 1 || k == 2 ? half : -half), y + (k < 2 ? half : -half)};
 }
 
 /// Marker corners on the board and in the photograph.
@@ -61,26 +41,13 @@ struct MarkerPoints {
   std::vector<cv::Point2d> board, image;
 };
 
-MarkerPoints FindMarkers(const cv::Mat& grey, const BoardLayout& board) {
-  const double factor = std::min(1.0, kSearch_px / std::max(grey.cols, grey.rows));
-  cv::Mat small = grey;
-  if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->minMarkerPerimeterRate = 0.012;  // markers in low views are flat
-  parameters->polygonalApproxAccuracyRate = 0.05;
-  parameters->adaptiveThreshWinSizeMax = 43;
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(small, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100),
-                           corners, ids, parameters);
+MarkerPoints PlacedMarkers(const Image8& grey, const BoardPattern& pattern, bool thorough) {
   MarkerPoints points;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] >= board.MarkerCount()) continue;
+  for (const SeenMarker& marker : FindMarkers(grey, pattern.dictionary, thorough)) {
+    if (marker.id >= pattern.MarkerCount()) continue;
     for (int k = 0; k < 4; ++k) {
-      const cv::Point2f p = corners[i][k];
-      points.board.push_back(MarkerCorner(board, ids[i], k));
-      // Converts from pixel centres at whole numbers of the small image to those of the large one.
-      points.image.emplace_back((p.x + 0.5) / factor - 0.5, (p.y + 0.5) / factor - 0.5);
+      points.board.push_back(MarkerCorner(pattern, marker.id, k));
+      points.image.emplace_back(marker.corners[k].x(), marker.corners[k].y());
     }
   }
   return points;
@@ -151,9 +118,10 @@ double SquareSize(const BoardMap& map, const BoardLayout& board, const Eigen::Ve
 /// The print at a position of the board.
 class BoardInk {
  public:
-  explicit BoardInk(const BoardLayout& board) : board_(board) {
-    for (int marker = 0; marker < board.MarkerCount(); ++marker)
-      markers_.push_back(MarkerInk(marker));
+  explicit BoardInk(const BoardPattern& pattern)
+      : board_(pattern.layout), first_white_(pattern.first_white) {
+    for (int marker = 0; marker < pattern.MarkerCount(); ++marker)
+      markers_.push_back(MarkerInk(pattern.dictionary, marker));
   }
   /// 1 on ink, 0 on paper.
   double At(const cv::Point2d& p) const {
@@ -161,7 +129,7 @@ class BoardInk {
                  y = (board_.Height() / 2 - p.y) / board_.square_m;
     const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
     if (column < 0 || row < 0 || column >= board_.columns || row >= board_.rows) return 0;
-    if ((row + column) % 2 == 0) return 1;
+    if ((row + column + first_white_) % 2 == 0) return 1;
     const auto& ink = markers_[(row * board_.columns + column) / 2];
     const double share = board_.marker_m / board_.square_m, cells = static_cast<double>(ink.size());
     const double u = (x - column - (1 - share) / 2) / share * cells,
@@ -172,6 +140,7 @@ class BoardInk {
 
  private:
   const BoardLayout& board_;
+  bool first_white_;
   std::vector<std::vector<std::vector<int>>> markers_;
 };
 
@@ -300,7 +269,8 @@ MarkerPoints PointsOf(const std::vector<BoardCorner>& corners, const BoardLayout
 /// of half a square.
 cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map, const BoardLayout& board) {
   constexpr int kSamples = 16;
-  const BoardInk ink(board);
+  const BoardPattern pattern(board);
+  const BoardInk ink(pattern);
   const double width = board.Width() / 2 + board.square_m / 2,
                height = board.Height() / 2 + board.square_m / 2;
   cv::Mat share(size, CV_32F, cv::Scalar(-1));
@@ -422,20 +392,37 @@ cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f&
   return distance;
 }
 
-}  // namespace
-
-std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board) {
-  if (const auto problems = board.Problems(); !problems.empty())
-    throw InputError("capture: " + problems.front());
-  const cv::Mat grey = GreyOf(image);
-  const BoardMap rough(FindMarkers(grey, board), board.square_m);
+std::vector<BoardCorner> CornersIn(const Image8& picture, const BoardPattern& pattern,
+                                   bool thorough) {
+  const BoardLayout& board = pattern.layout;
+  const BoardMap rough(PlacedMarkers(picture, pattern, thorough), board.square_m);
   if (!rough.found()) return {};
-  const BoardInk ink(board);
+  const cv::Mat grey(picture.height, picture.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.data.data()));
+  const BoardInk ink(pattern);
   const std::vector<BoardCorner> first = FitCorners(grey, rough, ink, board);
   // Marker corners have errors of half a pixel, which distort the patches. The detected corners
   // give better predictions.
   const BoardMap fine(PointsOf(first, board), board.square_m);
   return fine.found() ? FitCorners(grey, fine, ink, board) : first;
+}
+
+}  // namespace
+
+std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board) {
+  return FindBoard(image, BoardPattern(board), false);
+}
+
+std::vector<BoardCorner> FindBoard(const Image8& image, const BoardPattern& pattern,
+                                   bool thorough) {
+  if (const auto problems = pattern.Problems(); !problems.empty())
+    throw InputError("capture: " + problems.front());
+  const Image8 grey = GreyPicture(image, pattern.inverted);
+  std::vector<BoardCorner> corners = CornersIn(grey, pattern, thorough);
+  if (!corners.empty() || !pattern.mirrored) return corners;
+  corners = CornersIn(MirroredPicture(grey), pattern, thorough);
+  for (BoardCorner& corner : corners) corner.pixel.x() = image.width - corner.pixel.x();
+  return corners;
 }
 
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "capture/board/board_pattern.h"
 #include "core/calibration_board.h"
 #include "core/image.h"
 
@@ -23,6 +24,11 @@ namespace keypose::capture {
 /// 4.6, and its refinement by gradients has errors of up to 0.9 px where low views reduce the paper
 /// between square and marker to two pixels.
 std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board);
+
+/// The same for a board of another program, printed inverted, or seen in a mirror. Its corners are
+/// numbered as those of its layout.
+/// @param thorough  also markers of a dozen pixels, in pictures of webcams
+std::vector<BoardCorner> FindBoard(const Image8& image, const BoardPattern& pattern, bool thorough);
 
 /// Odds of a photograph from the board in it.
 struct BoardOdds {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <opencv2/aruco.hpp>
 
+#include "capture/board/board_pattern.h"
 #include "core/errors.h"
 
 namespace keypose::capture {
@@ -62,7 +62,7 @@ void DrawBoard(cairo_t* pen, const BoardLayout& board) {
         Fill(pen, x, y, square, square);
         continue;
       }
-      const auto ink = MarkerInk(marker++);
+      const auto ink = MarkerInk(kOwnDictionary, marker++);
       const double cell = size / static_cast<double>(ink.size());
       // One rectangle per run of ink, so that viewers draw no hairlines within it.
       for (std::size_t r = 0; r < ink.size(); ++r)
@@ -163,18 +163,6 @@ Page PageNamed(const std::string& name) {
        {Page{"A4", 297, 210}, Page{"A3", 420, 297}, Page{"letter", 279.4, 215.9}})
     if (page.name == name) return page;
   throw UsageError("capture: no page is named '" + name + "'; A4, A3 and letter are known");
-}
-
-std::vector<std::vector<int>> MarkerInk(int marker) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
-  const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(
-      dictionary->bytesList.rowRange(marker, marker + 1), dictionary->markerSize);
-  const auto inner = static_cast<std::size_t>(dictionary->markerSize);
-  std::vector<std::vector<int>> ink(inner + 2, std::vector<int>(inner + 2, 1));
-  for (std::size_t r = 0; r < inner; ++r)
-    for (std::size_t c = 0; c < inner; ++c)
-      ink[r + 1][c + 1] = bits.at<std::uint8_t>(static_cast<int>(r), static_cast<int>(c)) == 0;
-  return ink;
 }
 
 std::string BoardPdf(const BoardLayout& board, const Page& page) {

@@ -29,8 +29,4 @@ std::string BoardPdf(const BoardLayout& board, const Page& page);
 /// @throws UsageError  as BoardPdf
 Image8 BoardPicture(const BoardLayout& board, const Page& page, double px_per_mm);
 
-/// Ink of a marker of the dictionary, rows from the top, its black border included: 7 x 7, 1 for
-/// ink.
-std::vector<std::vector<int>> MarkerInk(int marker);
-
 }  // namespace keypose::capture
