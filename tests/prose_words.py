@@ -54,7 +54,7 @@ LATER_SECTIONS = {
     'README.md': ('The studio', 'A second pose', 'A scan that dances', 'Into the shot'),
     'docs/file-formats.md': ('Pins', 'Clips, rigs', 'The shot', 'Clicks', 'The finished shot', 'Textures of frames',
                              'Armatures'),
-    'docs/pipeline.md': ('Poses from meshes', 'A filmed shot', 'A performance'),
+    'docs/pipeline.md': ('Poses from meshes', 'A filmed shot', 'A performance', 'What the figure is'),
     'docs/stages/export.md': ('A texture for each frame', 'Blender by the add-on', 'FBX', 'Point caches', 'USD', 'The film', 'Few morph targets',
                               'Numbered files'),
 }

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/io/photograph_files.h"
+#include "core/io/raw_io.h"
 #include "pipeline/real_disk.h"
 
 namespace keypose::studio {
@@ -38,6 +39,10 @@ std::vector<std::string> OriginalPhotographs(const fs::path& folder) {
   for (const std::string& name : raw)
     if (!stems.contains(fs::path(name).stem())) names.push_back(name);
   return names;
+}
+
+ImageInfo OriginalInfo(const fs::path& file) {
+  return IsRawName(file) ? ReadRawInfo(file) : ReadImageInfo(file);
 }
 
 Originals::Originals(Snapshot& snapshot, const std::string& pose)

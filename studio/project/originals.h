@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/image_io.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
@@ -13,6 +14,10 @@ namespace keypose::studio {
 /// Names of the photographs in a pose's folder, as capture takes them: a RAW file counts if no
 /// other photograph has its stem.
 std::vector<std::string> OriginalPhotographs(const std::filesystem::path& folder);
+
+/// Reads the header only; of a RAW file too. Upright.
+/// @throws DiskError, InputError  it cannot be read
+ImageInfo OriginalInfo(const std::filesystem::path& file);
 
 class Originals {
  public:

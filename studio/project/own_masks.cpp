@@ -10,7 +10,6 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/photograph_files.h"
-#include "core/io/raw_io.h"
 #include "core/io/yaml_edit.h"
 #include "core/sha256.h"
 #include "pipeline/project_paths.h"
@@ -67,7 +66,7 @@ void RequireInProject(Snapshot& snapshot, const std::string& pose, const fs::pat
 ImageInfo InfoOf(const Originals& originals, const std::string& pose, const std::string& name) {
   const fs::path file = originals.FileOf(name);
   if (file.empty()) throw UsageError(fmt::format("pose '{}' has no photograph '{}'", pose, name));
-  return IsRawName(file) ? ReadRawInfo(file) : ReadImageInfo(file);
+  return OriginalInfo(file);
 }
 
 Image8 ReadMaskBytes(const fs::path& writing, const std::string& png) {

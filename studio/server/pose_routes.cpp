@@ -7,6 +7,7 @@
 #include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
+#include "studio/project/figure.h"
 #include "studio/project/own_masks.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
@@ -83,8 +84,19 @@ void Routes::AddMasks() {
     });
     return JsonAnswer({{"done", true}});
   });
+  AddFigure();
   Add("GET", "/api/cameras", [this](const Question& question) {
     return JsonAnswer(With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));
+  });
+}
+
+void Routes::AddFigure() {
+  Add("GET", "/api/figure", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) { return FigureJson(now, question.Need("pose")); }));
+  });
+  Add("PUT", "/api/figure", [this](const Question& question) {
+    return JsonAnswer(With(
+        [&](Snapshot& now) { return SaveFigure(now, question.Need("pose"), question.Json()); }));
   });
 }
 

@@ -35,6 +35,7 @@ class Routes {
   void AddRuns();
   void AddPhotographs();
   void AddMasks();
+  void AddFigure();
   void AddMeshes();
   void AddTextures();
   void AddFrames();

@@ -147,6 +147,32 @@ export interface Pick {
   face: number
   barycentric: [number, number, number]
 }
+/** What a person said the figure is, or is not: a click or a line in a photograph. */
+export interface FigureStroke {
+  /** as pipeline.yaml has it; '' until it is saved */
+  text: string
+  picture: string
+  /** false: what lies there is not the figure */
+  figure: boolean
+  /** shares of the photograph's width and height, as it is shown */
+  points: [number, number][]
+  /** its photograph is not there any more */
+  gone: boolean
+}
+export interface Figure {
+  /** of pipeline.yaml */
+  revision: string
+  /** that is told, such as masks/rest; '' if none can be */
+  step: string
+  /** why none can be, or what is wrong with the text in pipeline.yaml; or '' */
+  problem: string
+  /** the words of a step that asks what the figure is, or '' */
+  unclear: string
+  /** the picture of all masks, below out/; or '' */
+  sheet: string
+  strokes: FigureStroke[]
+}
+
 /** A place in a photograph of a pose from few photographs. */
 export interface PhotoPick {
   name: string
@@ -360,8 +386,8 @@ export const api = {
     return `/api/photo?${q({ pose, name, width: String(width), stage, version })}`
   },
   /** stage: 'capture' (before cameras are known) or 'masks' (the final ones) */
-  maskUrl: (pose: string, name: string, stage: 'capture' | 'masks' = 'masks') =>
-    `/api/mask?${q({ pose, name, stage })}`,
+  maskUrl: (pose: string, name: string, stage: 'capture' | 'masks' = 'masks', version = '') =>
+    `/api/mask?${q({ pose, name, stage, ...(version && { version }) })}`,
   /**
    * An 8-bit PNG of the photograph's size, white where the figure is; the new revision.
    * `photograph`: SHA-256 of the one that was painted over.
@@ -383,6 +409,18 @@ export const api = {
   /** Masks of older photographs: they hold for those of now, or are set aside as .old. */
   holdMasks: (pose: string, names: string[], hold: boolean) =>
     send<{ done: boolean }>('POST', '/api/masks/hold', { pose, names, hold }),
+  figure: (pose: string) => get<Figure>(`/api/figure?${q({ pose })}`),
+  /** Of those that are saved already only the text counts. */
+  saveFigure: (pose: string, strokes: readonly FigureStroke[], revision: string) =>
+    send<Figure>('PUT', `/api/figure?${q({ pose })}`, {
+      revision,
+      strokes: strokes.map(({ text, picture, figure, points }) =>
+        text ? { text } : { picture, figure, points },
+      ),
+    }),
+  /** A file below out/. `version`: one that was made anew has another address. */
+  resultUrl: (path: string, version = '') =>
+    `/results/${path.split('/').map(encodeURIComponent).join('/')}?${q({ version })}`,
   cameras: (pose: string) => get<CameraView[]>(`/api/cameras?${q({ pose })}`),
 
   /** See view/mesh_data.ts for the bytes. */

@@ -22,8 +22,8 @@ const pose = (more: Partial<Pose>): Pose => ({
 })
 
 test('a pose of photographs has all there is to see; the template is fitted to nothing', () => {
-  assert.deepEqual(tabsOf(pose({})), ['photographs', '3d', 'fit', 'wipe'])
-  assert.deepEqual(tabsOf(pose({ template: true })), ['photographs', '3d', 'wipe'])
+  assert.deepEqual(tabsOf(pose({})), ['photographs', 'figure', '3d', 'fit', 'wipe'])
+  assert.deepEqual(tabsOf(pose({ template: true })), ['photographs', 'figure', '3d', 'wipe'])
 })
 
 test('a pose whose mesh was made elsewhere has no photographs to show', () => {

@@ -6,6 +6,8 @@ import { api } from '../api'
 import type { Pose } from '../api'
 import { useStudio } from '../state'
 import { ContactSheet } from './poses/contact_sheet'
+import { FigureView } from './poses/figure_view'
+import { useFigure } from './poses/use_figure'
 import { FitView } from './poses/fit_view'
 import { nextByKey } from './poses/keys'
 import { resultsOf, useLoaded } from './poses/load'
@@ -23,6 +25,7 @@ import { Wipe } from './poses/wipe'
 
 const kTabWords: Record<Tab, string> = {
   photographs: 'Photographs',
+  figure: 'Figure',
   '3d': '3D',
   fit: 'Fit',
   wipe: 'Wipe',
@@ -51,6 +54,7 @@ function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: P
   const tab = tabsOf(pose).includes(place.tab) ? place.tab : '3d'
   const [order, setOrder] = useState<Order>('name')
   const brushed = useRef('')
+  const desk = useFigure(pose.name)
   if (tab === 'photographs' && place.item) brushed.current = place.item
   const open = (item: string) => go({ ...place, tab: 'photographs', item })
   if (tab === 'photographs' && place.item && photos.value)
@@ -78,6 +82,16 @@ function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: P
             <Photographs
               photos={photos}
               {...{ pose, judged, results, open, order, setOrder, cameFrom: brushed.current }}
+              desk={desk}
+              showFigure={() => go({ pose: pose.name, tab: 'figure', item: '' })}
+            />
+          )}
+          {tab === 'figure' && photos.value && (
+            <FigureView
+              {...{ pose, desk, results }}
+              photographs={ordered(judged, 'name').map((one) => one.photograph)}
+              item={place.item}
+              choose={(item) => go({ ...place, tab: 'figure', item })}
             />
           )}
           {tab === '3d' && <PoseView pose={pose} results={results} />}

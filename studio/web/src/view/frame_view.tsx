@@ -18,6 +18,17 @@ export interface Zoom {
   x: number
   y: number
 }
+interface Press {
+  x: number
+  y: number
+  /** of the mark under it, or '' */
+  name: string
+  moved: boolean
+  /** false: it only moves the picture */
+  clicks: boolean
+  /** what it draws; null: it draws nothing */
+  line: [number, number][] | null
+}
 const kMostZoom = 12
 const kStill_px = 4
 
@@ -45,6 +56,8 @@ export interface FrameViewProps {
   onPick: (pixel: [number, number]) => void
   onChoose: (name: string) => void
   onMove: (name: string, pixel: [number, number], done: boolean) => void
+  /** what a pressed pointer draws; without it the picture is moved (with it by the middle button) */
+  onLine?: (pixels: [number, number][], done: boolean) => void
   /** for people who do not see the picture */
   help: string
   /** another object: looks there */
@@ -57,7 +70,7 @@ export function FrameView(props: FrameViewProps) {
   const { width, height } = props
   const box = useRef<HTMLDivElement>(null)
   const [zoom, setZoom] = useState<Zoom>({ scale: 1, x: width / 2, y: height / 2 })
-  const pressed = useRef<{ x: number; y: number; name: string; moved: boolean } | null>(null)
+  const pressed = useRef<Press | null>(null)
   const whole = { scale: 1, x: width / 2, y: height / 2 }
   useEffect(() => setZoom(whole), [width, height, props.src])
   useEffect(() => {
@@ -93,7 +106,9 @@ export function FrameView(props: FrameViewProps) {
   }, [])
 
   const down = (event: PointerEvent) => {
-    if (event.button !== 0) return
+    const draws = props.onLine !== undefined && event.button === 0 && !event.shiftKey
+    if (event.button !== 0 && !(props.onLine && event.button === 1)) return
+    if (event.button === 1) event.preventDefault() // which would begin to scroll
     const mark = (event.target as Element).closest<HTMLElement>('[data-mark]')
     box.current!.setPointerCapture(event.pointerId)
     pressed.current = {
@@ -101,6 +116,8 @@ export function FrameView(props: FrameViewProps) {
       y: event.clientY,
       name: mark?.dataset.mark ?? '',
       moved: false,
+      clicks: event.button === 0,
+      line: draws && !mark ? [pixelAt(event.clientX, event.clientY)] : null,
     }
   }
   const move = (event: PointerEvent) => {
@@ -110,6 +127,13 @@ export function FrameView(props: FrameViewProps) {
     if (!press.moved && Math.hypot(dx, dy) < kStill_px) return
     press.moved = true
     if (press.name) return props.onMove(press.name, pixelAt(event.clientX, event.clientY), false)
+    if (press.line) {
+      // The browser gathers the moves between two frames; all of them belong to the line.
+      const all = event.getCoalescedEvents?.() ?? []
+      for (const one of all.length > 0 ? all : [event])
+        press.line.push(pixelAt(one.clientX, one.clientY))
+      return props.onLine!(press.line, false)
+    }
     const place = box.current!.getBoundingClientRect()
     press.x = event.clientX
     press.y = event.clientY
@@ -126,7 +150,8 @@ export function FrameView(props: FrameViewProps) {
     const pixel = pixelAt(event.clientX, event.clientY)
     if (press.name && press.moved) props.onMove(press.name, pixel, true)
     else if (press.name) props.onChoose(press.name)
-    else if (!press.moved) props.onPick(pixel)
+    else if (press.line && press.moved) props.onLine!(press.line, true)
+    else if (!press.moved && press.clicks) props.onPick(pixel)
   }
   const key = (event: KeyboardEvent) => {
     if (event.key === ' ') {
@@ -160,7 +185,10 @@ export function FrameView(props: FrameViewProps) {
         onPointerDown={down}
         onPointerMove={move}
         onPointerUp={up}
-        onPointerCancel={() => (pressed.current = null)}
+        onPointerCancel={() => {
+          if (pressed.current?.line) props.onLine?.([], true)
+          pressed.current = null
+        }}
         onKeyDown={key}
       >
         <img

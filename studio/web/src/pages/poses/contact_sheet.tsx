@@ -5,12 +5,14 @@ import { api } from '../../api'
 import type { Pose, Warning } from '../../api'
 import { useStudio } from '../../state'
 import { count, percent } from '../../words'
+import { FigureNotice } from './figure_view'
 import { Flags } from './flags'
 import { nextByKey } from './keys'
 import { drawVeil } from './mask_picture'
 import { OlderMasks } from './older_masks'
 import { ordered, signedPercent } from './quality'
 import type { Judged, Order } from './quality'
+import type { FigureDesk } from './use_figure'
 
 export function ContactSheet(props: {
   pose: Pose
@@ -21,6 +23,8 @@ export function ContactSheet(props: {
   setOrder: (order: Order) => void
   /** the photograph that was under the brush, or '' */
   cameFrom: string
+  desk: FigureDesk
+  showFigure: () => void
 }) {
   const { steps } = useStudio()
   const { order, setOrder } = props
@@ -46,6 +50,7 @@ export function ContactSheet(props: {
         </div>
       </div>
       <div class="scroll">
+        <FigureNotice desk={props.desk} open={props.showFigure} />
         <OlderMasks
           pose={props.pose.name}
           names={shown

@@ -2,7 +2,11 @@
 import type { Pose, Steps } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
+import { addressOf } from './route'
 import { isFromMesh } from './tabs'
+
+/** A step that fails with these words needs to be told what the figure is. */
+const kAsksForFigure = 'keypose figure'
 
 export function PoseSide({ current, choose }: { current: Pose; choose: (name: string) => void }) {
   const { project } = useStudio()
@@ -82,17 +86,22 @@ function Has({ pose }: { pose: Pose }) {
 function Next({ pose }: { pose: Pose }) {
   const { steps } = useStudio()
   const { text, page } = nextOf(pose, steps)
+  const words = { run: 'Open Run', landmarks: 'Open Landmarks', figure: 'Show it' }
+  const address = page === 'figure' ? addressOf({ pose: pose.name, tab: page, item: '' }) : `#/${page}`
   return (
     <section class="next" aria-labelledby="next-title">
       <h2 class="label" id="next-title">Next</h2>
       <p>{text}</p>
-      {page && <a href={`#/${page}`}>Open {page === 'run' ? 'Run' : 'Landmarks'} ›</a>}
+      {page && <a href={address}>{words[page]} ›</a>}
     </section>
   )
 }
 
 /** What the person does next with a pose. */
-function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landmarks' } {
+function nextOf(
+  pose: Pose,
+  steps: Steps,
+): { text: string; page?: 'run' | 'landmarks' | 'figure' } {
   const own = steps.steps.filter((step) => step.pose === pose.name)
   const failed = own.find((step) => step.state === 'failed')
   const open = own.filter((step) => ['would_run', 'never', 'waits'].includes(step.state))
@@ -100,6 +109,8 @@ function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landm
   const first = own.find((step) => step.state !== 'done' && step.state !== 'missing')
   if (pose.photographs === 0 && !isFromMesh(pose))
     return { text: `Put photographs of this pose into ${pose.photos}.` }
+  if (failed?.error.includes(kAsksForFigure))
+    return { text: 'Show what the figure is: the photographs alone do not tell.', page: 'figure' }
   if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
   if (steps.running && first) return { text: `A run is at work; ${first.id} is still to come.` }
   if (first?.stage === 'register' && !pose.has_landmarks && !registered)

@@ -1,8 +1,8 @@
 // What there is to see of a pose.
 import type { Pose } from '../../api'
 
-export type Tab = 'photographs' | '3d' | 'fit' | 'wipe'
-export const kTabs: Tab[] = ['photographs', '3d', 'fit', 'wipe']
+export type Tab = 'photographs' | 'figure' | '3d' | 'fit' | 'wipe'
+export const kTabs: Tab[] = ['photographs', 'figure', '3d', 'fit', 'wipe']
 
 /** Whether a pose has a mesh from elsewhere in place of photographs. */
 export function isFromMesh(pose: Pose): boolean {
@@ -13,6 +13,6 @@ export function tabsOf(pose: Pose): Tab[] {
   return kTabs.filter(
     (tab) =>
       (tab !== 'fit' || !pose.template) &&
-      ((tab !== 'photographs' && tab !== 'wipe') || !isFromMesh(pose)),
+      ((tab !== 'photographs' && tab !== 'figure' && tab !== 'wipe') || !isFromMesh(pose)),
   )
 }

@@ -1,33 +1,34 @@
-// The clicks of a shot: what may be done to them, undo, and saving at once. Knows nothing of the
-// page.
+// Clicks in pictures: what may be done to them, undo, and saving at once. Knows nothing of the page.
 import type { Click } from './shot_api'
 
-interface Entry {
-  clicks: readonly Click[]
+interface Entry<One> {
+  clicks: readonly One[]
   what: string
 }
 
-export interface ClickStore {
+export interface ClickStore<One = Click> {
   /** Writes them; the file's new revision. */
-  save(clicks: readonly Click[], revision: string): Promise<string>
+  save(clicks: readonly One[], revision: string): Promise<string>
   /** The file as it is now. */
-  read(): Promise<{ clicks: readonly Click[]; revision: string }>
+  read(): Promise<{ clicks: readonly One[]; revision: string }>
 }
 
-export class ClickFile {
-  clicks: readonly Click[] = []
+/** Of a shot, unless said. */
+export class ClickFile<One = Click> {
+  clicks: readonly One[] = []
   saving = false
   /** why the last change is not in the file, or '' */
   failed = ''
-  private past: Entry[] = []
-  private future: Entry[] = []
+  private past: Entry<One>[] = []
+  private future: Entry<One>[] = []
   private revision = ''
   private dirty = false
 
   constructor(
-    private readonly store: ClickStore,
+    private readonly store: ClickStore<One>,
     private readonly changed: () => void,
     private readonly tell: (words: string) => void,
+    private readonly noun = 'clicks',
   ) {}
 
   get canUndo(): boolean {
@@ -38,9 +39,9 @@ export class ClickFile {
   }
 
   /** The file as the server has it. Undo ends here if somebody else has written it. */
-  take(clicks: readonly Click[], revision: string): void {
+  take(clicks: readonly One[], revision: string): void {
     if (this.saving || this.dirty || revision === this.revision) return
-    if (this.past.length > 0) this.tell('The clicks were changed elsewhere; undo begins anew.')
+    if (this.past.length > 0) this.tell(`The ${this.noun} were changed elsewhere; undo begins anew.`)
     this.clicks = clicks
     this.revision = revision
     this.past = []
@@ -48,7 +49,7 @@ export class ClickFile {
     this.changed()
   }
 
-  change(what: string, clicks: readonly Click[]): void {
+  change(what: string, clicks: readonly One[]): void {
     this.past = [...this.past, { clicks: this.clicks, what }].slice(-200)
     this.future = []
     this.put(clicks)
@@ -62,7 +63,7 @@ export class ClickFile {
     return this.step(this.future, this.past)
   }
 
-  private step(from: Entry[], to: Entry[]): string {
+  private step(from: Entry<One>[], to: Entry<One>[]): string {
     const last = from.pop()
     if (!last) return ''
     to.push({ clicks: this.clicks, what: last.what })
@@ -70,7 +71,7 @@ export class ClickFile {
     return last.what
   }
 
-  private put(clicks: readonly Click[]): void {
+  private put(clicks: readonly One[]): void {
     this.clicks = clicks
     this.dirty = true
     this.changed()
@@ -105,7 +106,7 @@ export class ClickFile {
     this.revision = now.revision
     this.past = []
     this.future = []
-    this.tell('The clicks were changed elsewhere; they were read again.')
+    this.tell(`The ${this.noun} were changed elsewhere; they were read again.`)
     this.failed = ''
   }
 }
