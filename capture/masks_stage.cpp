@@ -8,8 +8,10 @@
 #include "capture/agreement/space_masks.h"
 #include "capture/board/board_detection.h"
 #include "capture/masks_options.h"
+#include "capture/masks_room.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/working_image.h"
+#include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
@@ -198,11 +200,16 @@ void Run(StageContext& stage, const MasksOptions& options) {
   ImageSet set = ReadImageSet(stage.Input("images"));
   const Scene scene = ReadColmapModel(stage.Input("model"));
   ReportProgress(stage.progress(), 0, "reading photographs");
-  const PosedImages posed = Load(set, scene, options);
-  SubProgress progress(stage.progress(), 0.2, 0.7);
+  PosedImages posed = Load(set, scene, options);
+  SpaceOptions space = options.Space();
+  const FigureSet figures{posed.views, scene.points, posed.images,      posed.boards,
+                          posed.index, set,          options.Masking(), options.figure};
+  const bool in_room = FindFigure(stage, figures, space, posed.masks);
+  SubProgress progress(stage.progress(), 0.25, 0.7);
   const RefinedMasks refined = RefineInSpace(posed.images, posed.masks, posed.views, posed.boards,
-                                             options.Masking(), options.Space(), &progress);
+                                             options.Masking(), space, &progress);
   ReportAgreement(stage, set, posed, refined);
+  if (in_room) RequireClearFigure(stage, Mean(refined.agreement), set.images[posed.index[0]].name);
   ReportConsensus(stage, posed, refined.consensus, &set);
   ReportTouched(stage, set, posed, refined);
   const fs::path folder = stage.Output("masked");
@@ -225,7 +232,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "14",
+    .version = "15",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",
@@ -242,8 +249,9 @@ const StageSpec kSpec = {
                  .help = "the same with better masks",
                  .file = "masked"}},
     .tools = {},
+    .shared_files = {kSalienceFile},
     .cores = 0,
-    .memory_gib = 1};
+    .memory_gib = 1.5};
 
 }  // namespace
 

@@ -31,7 +31,7 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
                 const std::vector<MaskSampler>& samplers) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-12;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  std::vector<double> reach(views.size(), 0);
+  std::vector<std::pair<std::size_t, double>> extents;  // view, half its mask's diagonal over fx
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!samplers[i].inlier) continue;
     const cv::Moments moments = cv::moments(MatOf(masks[i]), true);
@@ -43,12 +43,14 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
     a += across;
     b += across * views[i].Center();
     const cv::Rect box = cv::boundingRect(MatOf(masks[i]));
-    reach[i] = 0.5 * std::hypot(box.width, box.height) / views[i].camera.fx;
+    extents.emplace_back(i, 0.5 * std::hypot(box.width, box.height) / views[i].camera.fx);
   }
   Ball ball;
   ball.center = a.ldlt().solve(b);
-  for (std::size_t i = 0; i < views.size(); ++i)
-    reach[i] *= std::max(0.0, (views[i].camera_from_world * ball.center).z());
+  std::vector<double> reach;
+  for (const auto& [i, extent] : extents)
+    reach.push_back(extent * std::max(0.0, (views[i].camera_from_world * ball.center).z()));
+  if (reach.empty()) return ball;
   // A quantile, so that a few masks that include half the room do not enlarge the space.
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 3 / 4),
                    reach.end());
@@ -56,13 +58,15 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
   return ball;
 }
 
-/// Counts contradictions in every voxel. Views far apart come first, because they decide most
-/// voxels early.
-void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
+/// Counts contradictions in every voxel; below the floor all views contradict. Views far apart come
+/// first, because they decide most voxels early.
+void Count(const std::vector<MaskSampler>& all, int most, const SpaceOptions& options, Grid& grid) {
   std::vector<const MaskSampler*> samplers;
   for (const MaskSampler& sampler : all)
     if (sampler.inlier) samplers.push_back(&sampler);
-  const std::size_t n = samplers.size(), least_seen = std::max<std::size_t>(2, n / 3);
+  const std::size_t n = samplers.size();
+  const auto share = static_cast<std::size_t>(options.least_seen * static_cast<double>(n) + 1e-9);
+  const std::size_t least_seen = std::max<std::size_t>(2, share);
   std::size_t step = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::lround(0.382 * static_cast<double>(n))));
   while (std::gcd(step, n) != 1) ++step;
@@ -72,6 +76,10 @@ void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
     for (int y = 0; y < grid.size.y(); ++y)
       for (int x = 0; x < grid.size.x(); ++x) {
         const Eigen::Vector3d center = grid.Center(x, y, z);
+        if (center.z() < options.floor) {
+          grid.contradictions[grid.At(x, y, z)] = static_cast<std::uint8_t>(most + 1);
+          continue;
+        }
         Eigen::Vector3d pixel;
         std::size_t seen = 0;
         int contradictions = 0;
@@ -144,7 +152,7 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
       "picture of the cameras";
   if (!(ball.radius > 0) || !std::isfinite(ball.radius) || !ball.center.allFinite())
     throw InputError(std::string("masks: ") + nothing);
-  Count(samplers, options.most_contradictions, grid);
+  Count(samplers, options.most_contradictions, options, grid);
   const auto [low, high] = BoundsOf(grid, options.most_contradictions);
   if (high.x() < 0) throw InputError(std::string("masks: ") + nothing);
   const Eigen::Vector3d extent =
@@ -153,7 +161,7 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
   fine.low = grid.low + grid.cell * (low.cast<double>() - Eigen::Vector3d::Ones());
   fine.cell = extent.maxCoeff() / options.resolution;
   fine.size = (extent / fine.cell).array().ceil().cast<int>().max(1);
-  Count(samplers, told_apart, fine);
+  Count(samplers, told_apart, options, fine);
   return fine;
 }
 

@@ -48,7 +48,7 @@ struct Grid {
   }
 };
 
-/// The space around the figure. A point that less than a third of the views see counts as
+/// The space around the figure. A point that too few of the views see (SpaceOptions::least_seen) counts as
 /// contradicted by all.
 /// @param told_apart  largest number of contradictions that is counted exactly. With a small number
 /// most voxels are decided early; 1 is enough for the hull without one view's own sample

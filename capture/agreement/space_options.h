@@ -1,6 +1,8 @@
 // Options of the space that the masks of a set share.
 #pragma once
 
+#include <limits>
+
 #include "capture/agreement/view_colours.h"
 #include "capture/agreement/view_consensus.h"
 
@@ -13,6 +15,11 @@ struct SpaceOptions {
   /// a mask contradicts points that project outside of it by more than this
   double margin_px = 1;
   double weight = 2;  ///< of the others' contradictions relative to the photograph's own odds
+  /// share of the views that must see a point; else it counts as contradicted by all
+  double least_seen = 1.0 / 3;
+  /// height of the floor, below which nothing is the figure (z, in the cameras' frame); by default
+  /// there is none
+  double floor = -std::numeric_limits<double>::infinity();
   ConsensusOptions consensus{};
   ColorOptions colors{};
 };

@@ -1,0 +1,45 @@
+// What is the figure, where photographs show a room: part of keypose-masks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/agreement/space_options.h"
+#include "capture/board/board_detection.h"
+#include "capture/segmentation/mask_options.h"
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/io/image_set.h"
+#include "core/stage/stage.h"
+
+namespace keypose::capture {
+
+/// The photographs that have a camera, by view, at working size.
+struct FigureSet {
+  const std::vector<View>& views;
+  const std::vector<SparsePoint>& points;
+  const std::vector<Image8>& images;
+  const std::vector<BoardOdds>& boards;
+  const std::vector<std::size_t>& index;  ///< of each view's photograph in the set
+  const ImageSet& set;
+  MaskOptions masking;
+  std::string strokes;  ///< as core/figure_strokes.h reads them
+};
+
+/// Replaces the masks where the photographs show a room and the masks are doubtful, or where a
+/// person said what the figure is: by strokes and by the network's opinion of a few photographs.
+/// Sets the floor, which nothing of the figure is below. Reports in_room, points_around,
+/// floor_in_masks, figure_by, figure_asked, figure_told.
+/// @param masks  as capture made them; those that a person made stay
+/// @return whether the photographs show a room or a person said something
+/// @throws InputError  what is the figure cannot be told
+bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
+                std::vector<Image8>& masks);
+
+/// Warns where masks of a room do not agree well, and refuses where they do not agree at all.
+/// Reports figure_unclear.
+/// @param example  a photograph's name, for the advice
+/// @throws InputError  as said
+void RequireClearFigure(StageContext& stage, double agreement, const std::string& example);
+
+}  // namespace keypose::capture

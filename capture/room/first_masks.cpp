@@ -1,0 +1,231 @@
+#include "capture/room/first_masks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "capture/agreement/space_queries.h"
+#include "capture/pictures/cv_image.h"
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/empty_set.h"
+#include "capture/segmentation/region_cut.h"
+#include "capture/segmentation/set_rounds.h"
+#include "capture/segmentation/trimap.h"
+#include "core/errors.h"
+#include "core/size_of.h"
+
+namespace keypose::capture {
+namespace {
+
+// Of the network's 255, in the middles of its steps of 17.
+constexpr int kSureFigure = 178, kSureRoom = 76, kLikely = 127;
+constexpr double kNothing = 0.002;  // of the picture: a mask of less is none
+constexpr double kNearlyAll = 0.9;  // a mask of more is none either
+constexpr int kDenied = 2;          // told photographs that see past a place, which is then outside
+constexpr double kSeen = 0.75;      // of the told photographs, which show the figure whole
+constexpr float kToldOdds = 3;      // of what the network or a person said of a pixel
+/// Log odds of the figure by the number of told photographs that see past it. A hull of few
+/// photographs is much larger than the figure.
+constexpr float kSpaceOdds[] = {0.7F, -0.7F, -4, -6};
+/// What is told of a pixel.
+enum Told : std::uint8_t { kNotTold, kToldRoom, kToldOpen, kToldFigure, kToldKinds };
+
+/// What is told of one view.
+struct ToldView {
+  Image8 mask;   // 255 likely figure
+  Image8 kinds;  // Told
+
+  std::uint8_t KindAt(std::size_t pixel) const {
+    return kinds.empty() ? std::uint8_t{kNotTold} : kinds.data[pixel];
+  }
+};
+
+Image8 KindsOf(const Image8& salience) {
+  Image8 kinds(salience.width, salience.height, 1, kToldOpen);
+  for (std::size_t p = 0; p < kinds.data.size(); ++p) {
+    if (salience.data[p] > kSureFigure) kinds.data[p] = kToldFigure;
+    if (salience.data[p] < kSureRoom) kinds.data[p] = kToldRoom;
+  }
+  return kinds;
+}
+
+/// From a mask, whose border is open.
+Image8 KindsOfMask(const Image8& mask) {
+  Image8 kinds = TrimapOf(mask);
+  for (std::uint8_t& k : kinds.data)
+    k = k == kObject ? kToldFigure : k == kBackground ? kToldRoom : kToldOpen;
+  return kinds;
+}
+
+Image8 LikelyOf(const Image8& salience) {
+  Image8 mask(salience.width, salience.height, 1, 0);
+  for (std::size_t p = 0; p < mask.data.size(); ++p)
+    mask.data[p] = salience.data[p] > kLikely ? 255 : 0;
+  return BestRegion(mask);
+}
+
+ToldView Tell(const Image8& rgb, const Image8& salience, const ViewStrokes& strokes) {
+  if (!strokes.empty()) {
+    Image8 mask = MaskOfStrokes(rgb, salience, strokes);
+    if (mask.empty()) return {};
+    Image8 kinds = KindsOfMask(mask);
+    return {std::move(mask), std::move(kinds)};
+  }
+  if (salience.empty()) return {};
+  ToldView told{LikelyOf(salience), KindsOf(salience)};
+  for (std::size_t p = 0; p < told.mask.data.size(); ++p)
+    if (told.kinds.data[p] == kToldFigure && told.mask.data[p] == 0) told.kinds.data[p] = kToldOpen;
+  return told;
+}
+
+bool IsUsable(const Image8& mask) {
+  if (mask.empty()) return false;
+  const double share = MaskFraction(mask);
+  return share > kNothing && share < kNearlyAll;
+}
+
+/// How much of each told mask the others leave: the share of its pixels that at most one of them
+/// sees past. Zeros where there is no common space.
+std::vector<double> LeftByOthers(const std::vector<View>& views, const std::vector<Image8>& masks,
+                                 const SpaceOptions& space) {
+  std::vector<double> left(views.size(), 0);
+  std::vector<Image8> contradictions;
+  try {
+    contradictions = ContradictionsByOthers(views, masks, space);
+  } catch (const InputError&) {
+    return left;
+  }
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    double all = 0, kept = 0;
+    for (std::size_t p = 0; p < masks[v].data.size(); ++p) {
+      if (masks[v].data[p] <= kLikely) continue;
+      all += 1;
+      kept += contradictions[v].data[p] < kDenied;
+    }
+    left[v] = all > 0 ? kept / all : 0;
+  }
+  return left;
+}
+
+template <class T>
+std::vector<T> Pick(const std::vector<T>& all, const std::vector<int>& which) {
+  std::vector<T> some;
+  for (const int i : which) some.push_back(all[static_cast<std::size_t>(i)]);
+  return some;
+}
+
+/// The told views that fit each other: the one without which the others keep most is left out, as
+/// long as some view keeps less than `same` of its mask.
+std::vector<int> Fitting(std::vector<int> told, const std::vector<View>& views,
+                         const std::vector<Image8>& masks, const SpaceOptions& space,
+                         const FirstMasksOptions& options) {
+  while (SizeOf(told) >= options.fewest) {
+    const std::vector<double> left = LeftByOthers(Pick(views, told), Pick(masks, told), space);
+    if (*std::min_element(left.begin(), left.end()) >= options.same) return told;
+    if (SizeOf(told) == options.fewest) break;
+    double most = -1;
+    std::vector<int> better;
+    for (std::size_t k = 0; k < told.size(); ++k) {
+      std::vector<int> rest = told;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+      const std::vector<double> kept = LeftByOthers(Pick(views, rest), Pick(masks, rest), space);
+      const double mean =
+          std::accumulate(kept.begin(), kept.end(), 0.0) / static_cast<double>(kept.size());
+      if (mean <= most) continue;
+      most = mean;
+      better = std::move(rest);
+    }
+    told = std::move(better);
+  }
+  return {};
+}
+
+/// The assumed labels of a view: what is told, and outside of the told photographs' common space
+/// the room.
+Image8 TrimapOfTold(const ToldView& told, const Image8& denied) {
+  Image8 trimap(denied.width, denied.height, 1, kUnknown);
+  for (std::size_t p = 0; p < trimap.data.size(); ++p) {
+    const std::uint8_t kind = told.KindAt(p);
+    if (kind == kToldFigure && denied.data[p] < kDenied) trimap.data[p] = kObject;
+    if (kind == kToldRoom || denied.data[p] >= kDenied) trimap.data[p] = kBackground;
+  }
+  return trimap;
+}
+
+/// All photographs by colours that the told ones teach, within the told ones' space.
+std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vector<View>& views,
+                               const std::vector<ToldView>& told, const std::vector<int>& fitting,
+                               const std::vector<BoardOdds>& boards, const MaskOptions& masking,
+                               const SpaceOptions& space) {
+  std::vector<Image8> masks;
+  std::vector<char> counts(images.size(), 0);
+  for (const int i : fitting) counts[static_cast<std::size_t>(i)] = 1;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    masks.push_back(counts[i] ? told[i].mask : Image8(images[i].width, images[i].height, 1, 0));
+  std::vector<Image8> denied = ContradictionsByOthers(views, masks, space, counts);
+  const int spaces = SizeOf(kSpaceOdds);
+  Round round{images, {}, {}, FindTakes(images, masking.border_share), nullptr, {}};
+  std::vector<Image8> kinds = denied;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const ToldView none;
+    const ToldView& view = counts[i] ? told[i] : none;
+    round.lab.push_back(LabOf(images[i]));
+    round.trimaps.push_back(TrimapOfTold(view, denied[i]));
+    for (std::size_t p = 0; p < kinds[i].data.size(); ++p) {
+      const int past = std::min<int>(denied[i].data[p], spaces - 1);
+      const int kind = view.KindAt(p);
+      kinds[i].data[p] = static_cast<std::uint8_t>(kind * spaces + past);
+    }
+  }
+  for (int kind = 0; kind < kToldKinds; ++kind)
+    for (const float odds : kSpaceOdds)
+      round.odds_told.push_back(odds + (kind == kToldFigure ? kToldOdds
+                                        : kind == kToldRoom ? -kToldOdds
+                                                            : 0));
+  round.told = &kinds;
+  return SegmentByClassifier(round, boards, masking);
+}
+
+}  // namespace
+
+FirstMasks MakeFirstMasks(const std::vector<Image8>& images, const std::vector<View>& views,
+                          const Eigen::Vector3d& middle, const std::vector<ViewStrokes>& strokes,
+                          const std::vector<BoardOdds>& boards, const Salience& salience,
+                          const MaskOptions& masking, const SpaceOptions& of_all,
+                          const FirstMasksOptions& options, Progress* progress) {
+  SpaceOptions space = of_all;
+  space.least_seen = kSeen;
+  FirstMasks result;
+  std::vector<int> marked;
+  for (int i = 0; i < SizeOf(strokes); ++i)
+    if (!strokes[static_cast<std::size_t>(i)].empty()) marked.push_back(i);
+  result.asked =
+      salience ? ViewsToAsk(views, middle, options.ask + SizeOf(marked), marked) : marked;
+  std::vector<ToldView> told(images.size());
+  std::vector<Image8> masks(images.size());
+  std::vector<int> usable;
+  for (std::size_t k = 0; k < result.asked.size(); ++k) {
+    ReportProgress(progress, static_cast<double>(k) / static_cast<double>(result.asked.size()),
+                   "what is the figure");
+    const auto i = static_cast<std::size_t>(result.asked[k]);
+    const Image8 seen = salience ? AskUpright(salience, images[i], views[i], middle) : Image8{};
+    told[i] = Tell(images[i], seen, i < strokes.size() ? strokes[i] : ViewStrokes{});
+    if (!IsUsable(told[i].mask)) continue;
+    masks[i] = told[i].mask;
+    usable.push_back(static_cast<int>(i));
+  }
+  std::sort(usable.begin(), usable.end());
+  result.told = Fitting(usable, views, masks, space, options);
+  result.unclear = result.told.empty();
+  if (result.unclear) return result;
+  std::vector<BoardOdds> known = boards;
+  known.resize(images.size());
+  result.masks = CarryToAll(images, views, told, result.told, known, masking, space);
+  return result;
+}
+
+}  // namespace keypose::capture
