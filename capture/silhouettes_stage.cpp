@@ -1,13 +1,16 @@
 // keypose-silhouettes: masks of an actor in the films of fixed cameras, against pictures of the
-// empty set.
+// empty set, or by what moves where there are none.
 #include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
+#include "capture/film_silhouettes.h"
 #include "capture/pictures/working_image.h"
+#include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
 #include "core/errors.h"
+#include "core/figure_strokes.h"
 #include "core/io/image_io.h"
 #include "core/io/png_io.h"
 #include "core/parallel.h"
@@ -23,6 +26,8 @@ constexpr int kTogether = 24;  // frames that are segmented as one set
 struct SilhouettesOptions {
   double clean_plate_difference = MaskOptions{}.clean_plate_difference;
   int mask_px = MaskOptions{}.working_px;
+  std::string figure;
+  bool network = true;
 
   void Describe(OptionVisitor& visit) {
     visit("clean_plate_difference", clean_plate_difference,
@@ -32,21 +37,30 @@ struct SilhouettesOptions {
            50,
            {}});
     visit("mask_px", mask_px, {"longer side at which masks are segmented", "px", 64, 4096, {}});
+    visit("figure", figure,
+          {"for films without the empty set: what is the actor, said by clicks and strokes in "
+           "frames, CAMERA/FRAME:X,Y or CAMERA/FRAME:X,Y-X,Y...; a ! before it says what is not"});
+    visit("network", network,
+          {"for films without the empty set: ask the network for salient objects, where it is "
+           "installed"});
   }
+  std::vector<std::string> Problems() const { return FigureTextProblems(figure); }
 };
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "silhouettes";
-  spec.version = "2";
-  spec.summary = "Masks of an actor in films of fixed cameras, against the empty set.";
+  spec.version = "3";
+  spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
   spec.inputs = {
       {"video", "folder",
-       "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg",
+       "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg "
+       "where there is a picture of the empty set",
        "", false, false}};
   spec.outputs = {
       {"masked", "folder", "masks/CAMERA/000.png ..., rate.json", "masked", false, false}};
   spec.memory_gib = 2;
+  spec.shared_files = {kSalienceFile};
   return spec;
 }
 
@@ -94,29 +108,48 @@ class CameraMasks {
   Image8 plate_;
 };
 
-void Run(StageContext& stage, const SilhouettesOptions& options) {
-  const Shot shot = OpenShot(stage.Input("video"));
+/// The cameras with a picture of the empty set, or those without.
+std::vector<ShotCamera> Cameras(const Shot& shot, bool with_plate) {
+  std::vector<ShotCamera> cameras;
   for (const ShotCamera& camera : shot.cameras) {
     if (camera.pictures.empty())
       throw InputError("silhouettes: camera " + camera.name + " has no pictures");
-    if (camera.plate.empty())
-      throw InputError("silhouettes: camera " + camera.name +
-                       " has no picture of the empty set; put it at background/" + camera.name +
-                       ".jpg beside the films");
+    if (camera.plate.empty() != with_plate) cameras.push_back(camera);
   }
-  const std::filesystem::path out = stage.Output("masked") / "masks";
-  int done = 0, empty = 0, frames = 0;
-  for (const ShotCamera& camera : shot.cameras) {
+  return cameras;
+}
+
+/// @return frames in which nothing was found
+int WriteByPlates(StageContext& stage, const std::vector<ShotCamera>& cameras,
+                  const SilhouettesOptions& options, const std::filesystem::path& out,
+                  Progress* progress) {
+  int done = 0, empty = 0;
+  for (const ShotCamera& camera : cameras) {
     CameraMasks masks(camera, options, out / camera.name);
     for (int f = 0; f < camera.frames(); f += kTogether) {
       if (stage.progress() && stage.progress()->cancelled()) throw Cancelled();
       empty += masks.Write(f, std::min(kTogether, camera.frames() - f));
-      ReportProgress(stage.progress(),
-                     (done + static_cast<double>(f) / camera.frames()) / SizeOf(shot.cameras),
+      ReportProgress(progress, (done + static_cast<double>(f) / camera.frames()) / SizeOf(cameras),
                      camera.name);
     }
-    ++done, frames += camera.frames();
+    ++done;
   }
+  return empty;
+}
+
+void Run(StageContext& stage, const SilhouettesOptions& options) {
+  const Shot shot = OpenShot(stage.Input("video"));
+  const std::vector<ShotCamera> with = Cameras(shot, true), without = Cameras(shot, false);
+  const std::filesystem::path out = stage.Output("masked") / "masks";
+  const double share = static_cast<double>(with.size()) / SizeOf(shot.cameras);
+  SubProgress first(stage.progress(), 0, share);
+  int empty = WriteByPlates(stage, with, options, out, &first);
+  if (!without.empty()) {
+    const FilmSilhouettesRequest request{options.mask_px, options.figure, options.network};
+    empty += WriteFilmSilhouettes(stage, without, request, out).empty;
+  }
+  int frames = 0;
+  for (const ShotCamera& camera : shot.cameras) frames += camera.frames();
   if (shot.frames_per_second > 0) WriteShotRate(stage.Output("masked"), shot.frames_per_second);
   stage.Report("masks", frames);
   stage.Report("empty_masks", empty);

@@ -139,12 +139,12 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
   return SegmentByClassifier(fine, known, options);
 }
 
-Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop* backdrop) {
+Image8 RefinedRegions(const Image8& image, const Image8& small_mask, const Backdrop* backdrop) {
   if (small_mask.width == image.width && small_mask.height == image.height) {
     Image8 matted = small_mask;
     if (backdrop) OpenMaskHoles(image, *backdrop, matted);
     MatteBoundary(image, matted);
-    return BestRegion(matted);
+    return matted;
   }
   cv::Mat large, guided;
   cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
@@ -153,7 +153,7 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop
   // any picture, so it is applied to the mask's surroundings only.
   const int margin = 4 * radius;
   cv::Rect box = cv::boundingRect(large);
-  if (box.empty()) return BestRegion(ImageOf(large));
+  if (box.empty()) return ImageOf(large);
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect({0, 0}, large.size());
   cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius, 25.0);
@@ -162,7 +162,11 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop
   Image8 matted = ImageOf(mask);
   if (backdrop) OpenMaskHoles(image, *backdrop, matted);
   MatteBoundary(image, matted);
-  return BestRegion(matted);
+  return matted;
+}
+
+Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop* backdrop) {
+  return BestRegion(RefinedRegions(image, small_mask, backdrop));
 }
 
 }  // namespace keypose::capture

@@ -40,4 +40,8 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
 Image8 RefinedMask(const Image8& image, const Image8& small_mask,
                    const Backdrop* backdrop = nullptr);
 
+/// RefinedMask with all of the mask's regions, not the best alone.
+Image8 RefinedRegions(const Image8& image, const Image8& small_mask,
+                      const Backdrop* backdrop = nullptr);
+
 }  // namespace keypose::capture

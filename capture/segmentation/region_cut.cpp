@@ -109,6 +109,15 @@ Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, dou
   return ImageOf(mask);
 }
 
+Image8 CutLabels(const Image8& image, const ImageF& odds, double smoothness) {
+  return ImageOf(GraphCut(MatOf(image), odds, smoothness));
+}
+
+void FillUnclearHoles(Image8& mask, const ImageF& odds, double sure) {
+  cv::Mat view = MatOf(mask);
+  FillHoles(view, odds, sure);
+}
+
 Image8 BestRegion(const Image8& mask) { return ImageOf(HeaviestRegion(MatOf(mask))); }
 
 }  // namespace keypose::capture

@@ -17,6 +17,12 @@ namespace keypose::capture {
 /// 2004).
 Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, double sure);
 
+/// The labelling that CutRegion begins with: all regions, holes as they are.
+Image8 CutLabels(const Image8& image, const ImageF& odds, double smoothness);
+
+/// Fills a mask's holes unless they are clearly background (mean odds below -sure).
+void FillUnclearHoles(Image8& mask, const ImageF& odds, double sure);
+
 /// The 8-connected region of a mask with the largest weight, where a pixel's weight increases
 /// towards the middle.
 Image8 BestRegion(const Image8& mask);

@@ -1,0 +1,201 @@
+#include "capture/film_silhouettes.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "capture/films/film_masks.h"
+#include "capture/pictures/working_image.h"
+#include "capture/salience/salience_network.h"
+#include "capture/segmentation/masking.h"
+#include "capture/segmentation/trimap.h"
+#include "core/errors.h"
+#include "core/figure_strokes.h"
+#include "core/io/png_io.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr int kSideBySide = 24;  // frames that are masked side by side
+
+/// Puts a stroke into a frame's trimap, a few pixels wide.
+void Draw(const FigureStroke& stroke, const Image8& picture, Image8& trimap) {
+  constexpr int kWidth = 2;
+  std::vector<Eigen::Vector2d> points = stroke.points;
+  for (Eigen::Vector2d& point : points)
+    point =
+        point.cwiseProduct(Eigen::Vector2d(static_cast<double>(trimap.width) / picture.width,
+                                           static_cast<double>(trimap.height) / picture.height));
+  for (const Eigen::Vector2i& at : PixelsAlong(points, {trimap.width, trimap.height}))
+    for (int y = std::max(0, at.y() - kWidth); y <= std::min(trimap.height - 1, at.y() + kWidth);
+         ++y)
+      for (int x = std::max(0, at.x() - kWidth); x <= std::min(trimap.width - 1, at.x() + kWidth);
+           ++x)
+        *trimap.at(x, y) = stroke.figure ? kObject : kBackground;
+}
+
+/// The strokes, with the frame of each.
+class Strokes {
+ public:
+  Strokes(const std::string& text, const std::vector<ShotCamera>& cameras)
+      : strokes_(ParseFigureStrokes(text)) {
+    for (const FigureStroke& stroke : strokes_) {
+      places_.push_back(PlaceOfStroke(stroke));
+      Require(places_.back(), cameras);
+    }
+  }
+
+  std::vector<ToldFrame> In(const ShotCamera& camera, FrameReader& reader, int working_px) const {
+    std::vector<ToldFrame> told;
+    for (std::size_t i = 0; i < strokes_.size(); ++i) {
+      if (places_[i].camera != camera.name) continue;
+      const Image8 picture = reader.Read(places_[i].frame, 3);
+      const Image8 small = WorkingImage(picture, working_px);
+      auto at = std::find_if(told.begin(), told.end(),
+                             [&](const ToldFrame& t) { return t.frame == places_[i].frame; });
+      if (at == told.end())
+        at = told.insert(told.end(), {places_[i].frame, Image8(small.width, small.height, 1)});
+      Draw(strokes_[i], picture, at->trimap);
+    }
+    return told;
+  }
+
+ private:
+  static FilmedPlace PlaceOfStroke(const FigureStroke& stroke) {
+    const auto place = FilmedPlaceOf(stroke);
+    if (!place)
+      throw UsageError(
+          "figure: '" + stroke.picture +
+          "' is not a frame of a film; write CAMERA/FRAME:X,Y, such as cam1/0:640,200");
+    return *place;
+  }
+
+  static void Require(const FilmedPlace& place, const std::vector<ShotCamera>& cameras) {
+    std::string names;
+    for (const ShotCamera& camera : cameras) {
+      names += (names.empty() ? "" : ", ") + camera.name;
+      if (camera.name != place.camera) continue;
+      if (place.frame >= 0 && place.frame < camera.frames()) return;
+      throw UsageError("figure: frame " + std::to_string(place.frame) + " of camera " +
+                       camera.name + ", whose film has the frames 0 to " +
+                       std::to_string(camera.frames() - 1));
+    }
+    throw UsageError("figure: there is no camera '" + place.camera +
+                     "' without a picture of the empty set; those are: " + names);
+  }
+
+  std::vector<FigureStroke> strokes_;
+  std::vector<FilmedPlace> places_;
+};
+
+FilmSample SampleOf(FrameReader& reader, const std::vector<int>& frames, int working_px,
+                    Progress* progress) {
+  FilmSample sample;
+  sample.frames = frames;
+  for (const int frame : frames)
+    sample.pictures.push_back(WorkingImage(reader.Read(frame, 3, progress), working_px));
+  return sample;
+}
+
+/// One camera's film.
+class CameraFilm {
+ public:
+  CameraFilm(const ShotCamera& camera, const FilmSilhouettesRequest& request)
+      : camera_(camera), working_px_(request.mask_px) {}
+
+  void Learn(const Strokes& strokes, const AskNetwork& network, Progress* progress) {
+    FrameReader reader(camera_.pictures);
+    const std::vector<ToldFrame> told = strokes.In(camera_, reader, working_px_);
+    FilmSample sample =
+        SampleOf(reader, FramesToLearnFrom(camera_.frames(), told), working_px_, progress);
+    try {
+      masker_ = std::make_unique<FilmMasker>(std::move(sample), told, network, FilmMaskOptions{});
+    } catch (const InputError& error) {
+      throw InputError("silhouettes: camera " + camera_.name + ": " + error.what());
+    }
+  }
+
+  FilmMasker& masker() { return *masker_; }
+  const ShotCamera& camera() const { return camera_; }
+
+  /// @return frames without a mask
+  int Write(const std::filesystem::path& folder, Progress* progress) {
+    std::filesystem::create_directories(folder);
+    FrameReader reader(camera_.pictures);
+    int empty = 0;
+    for (int first = 0; first < camera_.frames(); first += kSideBySide) {
+      ReportProgress(progress, static_cast<double>(first) / camera_.frames(), camera_.name);
+      empty += WriteSome(first, std::min(kSideBySide, camera_.frames() - first), reader, folder);
+    }
+    return empty;
+  }
+
+ private:
+  int WriteSome(int first, int count, FrameReader& reader, const std::filesystem::path& folder) {
+    std::vector<Image8> pictures, masks(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) pictures.push_back(reader.Read(first + i, 3));
+    ParallelFor(count, [&](std::int64_t i) {
+      masks[i] = masker_->Regions(WorkingImage(pictures[i], working_px_));
+    });
+    int empty = 0;
+    for (int i = 0; i < count; ++i) masks[i] = masker_->Choose(first + i, masks[i]);
+    for (const Image8& mask : masks) empty += MaskFraction(mask) == 0;
+    ParallelFor(count, [&](std::int64_t i) {
+      char name[32];
+      std::snprintf(name, sizeof name, "%03d.png", first + static_cast<int>(i));
+      WriteMaskPng(folder / name, RefinedRegions(pictures[i], masks[i]));
+    });
+    return empty;
+  }
+
+  const ShotCamera& camera_;
+  int working_px_;
+  std::unique_ptr<FilmMasker> masker_;
+};
+
+/// The network, or nothing; says that it is missing.
+AskNetwork NetworkFor(StageContext& stage, const FilmSilhouettesRequest& request,
+                      std::unique_ptr<SalienceNetwork>& network) {
+  if (!request.network) return {};
+  const auto file = FindSalienceNetwork();
+  if (!file) {
+    stage.Note(std::string("masks without the network's second opinion: ") + kNoSalience);
+    return {};
+  }
+  network = SalienceNetwork::Open(*file);
+  return [&network](const Image8& rgb) { return network->Of(rgb); };
+}
+
+}  // namespace
+
+FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
+                                          const std::vector<ShotCamera>& cameras,
+                                          const FilmSilhouettesRequest& request,
+                                          const std::filesystem::path& out) {
+  const Strokes strokes(request.figure, cameras);
+  std::vector<CameraFilm> films;
+  for (const ShotCamera& camera : cameras) films.emplace_back(camera, request);
+  {
+    std::unique_ptr<SalienceNetwork> network;
+    const AskNetwork ask = NetworkFor(stage, request, network);
+    for (std::size_t i = 0; i < films.size(); ++i) {
+      ReportProgress(stage.progress(), 0.4 * static_cast<double>(i) / SizeOf(films),
+                     "learning " + cameras[i].name);
+      films[i].Learn(strokes, ask, stage.progress());
+    }
+  }
+  FilmSilhouettesCount count;
+  for (std::size_t i = 0; i < films.size(); ++i) {
+    const double from = 0.4 + 0.6 * static_cast<double>(i) / SizeOf(films);
+    SubProgress progress(stage.progress(), from, from + 0.6 / SizeOf(films));
+    count.empty += films[i].Write(out / cameras[i].name, &progress);
+    count.masks += cameras[i].frames();
+    for (const std::string& warning : films[i].masker().Warnings(cameras[i].name))
+      stage.Warn(warning);
+  }
+  return count;
+}
+
+}  // namespace keypose::capture

@@ -1,0 +1,237 @@
+#include "capture/films/film_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/films/motion_evidence.h"
+#include "capture/pictures/cv_image.h"
+#include "capture/segmentation/region_cut.h"
+#include "capture/segmentation/trimap.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+
+namespace {
+
+constexpr float kColourWeight = 0.75F, kColourLimit = 4;
+constexpr float kModeLimit = 4;  // log odds of a colour that is always on the same side
+// The first rounds trust colours more: a leg that stands still all the time looks like the set
+// until its colour is known.
+constexpr float kFirstModeLimit = 1.5F;
+constexpr float kTextureWeight = 0.5F;  // against that of edges
+constexpr float kOtherThanSet = 2;      // log odds of a colour that the pixel never had before
+constexpr double kReach = 0.06;  // of the longer side: so far from motion everything is the set
+constexpr float kShadowLean =
+    2;  // log odds against the actor where a colour may be the set's shadow
+constexpr std::size_t kFramesForColours = 16;
+constexpr float kTold = 12;
+
+/// Darker than the set, with its hue.
+bool MayBeShadow(const std::uint8_t* lab, const std::uint8_t* set) {
+  constexpr double kLeastLight = 0.45, kLargestHue = 5;
+  const double left = lab[0] / std::max<double>(set[0], 1);
+  if (left >= 1 || left < kLeastLight) return false;
+  return std::hypot(lab[1] - 128 - left * (set[1] - 128), lab[2] - 128 - left * (set[2] - 128)) <
+         kLargestHue;
+}
+
+/// The network's opinion as evidence; its middle values say nothing.
+float Opinion(std::uint8_t salience) {
+  constexpr int kSure = 200, kSureNot = 20;
+  return salience > kSure ? 1.0F : salience < kSureNot ? -0.7F : 0.0F;
+}
+
+cv::Rect Around(const Image8& area, int margin) {
+  const cv::Rect box = cv::boundingRect(MatOf(area));
+  if (box.empty()) return {0, 0, area.width, area.height};
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         cv::Rect(0, 0, area.width, area.height);
+}
+
+int ReachOf(const Image8& area) {
+  return std::max(4, static_cast<int>(std::lround(kReach * std::max(area.width, area.height))));
+}
+
+/// 0 where things move, down to -limit beyond the reach.
+ImageF PriorOf(const Image8& area, double limit) {
+  ImageF prior(area.width, area.height, 1);
+  cv::Mat distance;
+  cv::distanceTransform(MatOf(area) == 0, distance, cv::DIST_L2, 5);
+  const int reach = ReachOf(area);
+  for (std::size_t p = 0; p < prior.data.size(); ++p)
+    prior.data[p] = static_cast<float>(
+        -limit * std::min(1.0, static_cast<double>(distance.ptr<float>()[p]) / reach));
+  return prior;
+}
+
+}  // namespace
+
+float FilmModel::ModeOdds(std::size_t pixel, const std::uint8_t* lab) const {
+  const PixelMode* modes = modes_.of(pixel);
+  int best = -1;
+  double nearest = radius_;
+  for (int m = 0; m < kMostModes && modes[m].share > 0; ++m)
+    if (const double d = ModeDistance(modes[m].lab.data(), lab); d < nearest) nearest = d, best = m;
+  if (best >= 0) return mode_odds_[pixel * kMostModes + best];
+  if (set_[pixel] < 0) return 0;
+  return MayBeShadow(lab, modes[set_[pixel]].lab.data()) ? 0 : kOtherThanSet;
+}
+
+ImageF FilmModel::Odds(const Image8& rgb, const Image8& lab) const {
+  ImageF odds = colours_known_ ? colours_.Of(rgb, kColourLimit) : ImageF(rgb.width, rgb.height, 1);
+  const auto limit = static_cast<float>(options_.odds_limit);
+  for (std::size_t p = 0; p < odds.data.size(); ++p)
+    odds.data[p] =
+        std::clamp(kColourWeight * odds.data[p] + ModeOdds(p, &lab.data[3 * p]) + prior_.data[p],
+                   -limit, limit);
+  return odds;
+}
+
+Image8 FilmModel::Regions(const Image8& rgb, const ImageF& odds) const {
+  const cv::Rect box = Around(area_, ReachOf(area_));
+  ImageF near(box.width, box.height, 1);
+  for (int y = 0; y < box.height; ++y)
+    std::copy_n(odds.at(box.x, box.y + y), box.width, near.at(0, y));
+  Image8 regions = CutLabels(ImageOf(MatOf(rgb)(box)), near, options_.smoothness);
+  FillUnclearHoles(regions, near, 1);
+  cv::Mat whole = cv::Mat::zeros(rgb.height, rgb.width, CV_8U);
+  MatOf(regions).copyTo(whole(box));
+  return ImageOf(whole);
+}
+
+double FilmModel::set_known() const {
+  double known = 0, all = 0;
+  for (std::size_t p = 0; p < set_.size(); ++p)
+    if (area_.data[p]) known += set_[p] >= 0, all += 1;
+  return all > 0 ? known / all : 1;
+}
+
+class FilmLearning {
+ public:
+  FilmLearning(const std::vector<Image8>& rgb, const std::vector<Image8>& lab,
+               const PixelModes& modes, const FilmHints& hints)
+      : rgb_(rgb), lab_(lab), modes_(modes), hints_(hints) {}
+
+  LearntFilm Learn(double radius, const Image8& area, const FilmMaskOptions& options) {
+    FilmModel& model = learnt_.model;
+    model.options_ = options, model.radius_ = radius, model.area_ = area;
+    model.modes_.width = modes_.width, model.modes_.height = modes_.height;
+    model.modes_.modes = modes_.modes;
+    model.prior_ = PriorOf(area, options.odds_limit);
+    Begin();
+    for (int round = 0; round < options.rounds; ++round) {
+      Cut();
+      const float done = static_cast<float>(round) / static_cast<float>(options.rounds);
+      TakeSides(kFirstModeLimit + done * (kModeLimit - kFirstModeLimit));
+      LearnColours();
+    }
+    Cut();
+    return std::move(learnt_);
+  }
+
+ private:
+  /// Each colour's odds from edges and the network.
+  void Begin() {
+    FilmModel& model = learnt_.model;
+    model.mode_odds_ = EdgeEvidence(lab_, modes_, model.area_, model.radius_);
+    const std::vector<float> texture = TextureEvidence(lab_, modes_, model.area_, model.radius_);
+    for (std::size_t i = 0; i < texture.size(); ++i)
+      model.mode_odds_[i] += kTextureWeight * texture[i];
+    AddSalience();
+    for (float& odds : model.mode_odds_) odds *= kModeLimit;
+    FindSet();
+  }
+
+  void AddSalience() {
+    std::vector<float> sum(modes_.modes.size(), 0), count(sum);
+    for (std::size_t k = 0; k < hints_.salience.size(); ++k) {
+      const Image8& salience = hints_.salience[k];
+      for (std::size_t p = 0; p < salience.data.size(); ++p) {
+        const std::uint8_t mode = modes_.labels[k].data[p];
+        if (mode == kNoMode || !learnt_.model.area_.data[p]) continue;
+        sum[p * kMostModes + mode] += Opinion(salience.data[p]);
+        count[p * kMostModes + mode] += 1;
+      }
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      learnt_.model.mode_odds_[i] += sum[i] / (count[i] + 1);
+  }
+
+  void LearnColours() {
+    ColorOdds colours;
+    const std::size_t count = std::min(kFramesForColours, rgb_.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = i * rgb_.size() / count;
+      colours.Add(rgb_[k], TrimapOf(learnt_.masks[k]));
+    }
+    for (std::size_t k = 0; k < hints_.told.size(); ++k)
+      if (!hints_.told[k].empty()) colours.Add(rgb_[k], hints_.told[k]);
+    colours.Finish();
+    learnt_.model.colours_ = std::move(colours);
+    learnt_.model.colours_known_ = true;
+  }
+
+  void Cut() {
+    learnt_.masks.resize(rgb_.size());
+    ParallelFor(std::ssize(rgb_), [&](std::int64_t i) {
+      const auto k = static_cast<std::size_t>(i);
+      ImageF odds = learnt_.model.Odds(rgb_[k], lab_[k]);
+      if (!hints_.told.empty() && !hints_.told[k].empty())
+        for (std::size_t p = 0; p < odds.data.size(); ++p)
+          if (const std::uint8_t told = hints_.told[k].data[p]; told != kUnknown)
+            odds.data[p] = told == kObject ? kTold : -kTold;
+      learnt_.masks[k] = learnt_.model.Regions(rgb_[k], odds);
+    });
+  }
+
+  /// Each colour of a pixel goes to the side on which the cuts have it.
+  void TakeSides(float limit) {
+    constexpr float kHalfSure = 2;  // frames that make a colour's side half sure
+    FilmModel& model = learnt_.model;
+    std::vector<float> inside(modes_.modes.size(), 0), count(inside);
+    for (std::size_t k = 0; k < rgb_.size(); ++k)
+      for (std::size_t p = 0; p < learnt_.masks[k].data.size(); ++p) {
+        const std::uint8_t mode = modes_.labels[k].data[p];
+        if (mode == kNoMode) continue;
+        inside[p * kMostModes + mode] += learnt_.masks[k].data[p] > 127;
+        count[p * kMostModes + mode] += 1;
+      }
+    for (std::size_t i = 0; i < count.size(); ++i)
+      model.mode_odds_[i] =
+          count[i] > 0 ? limit * (2 * inside[i] - count[i]) / (count[i] + kHalfSure) : 0;
+    FindSet();
+  }
+
+  /// The most frequent of each pixel's colours that are on the set's side; colours that may be its
+  /// shadow lean to that side too.
+  void FindSet() {
+    constexpr float kSetSide = -0.5F;
+    FilmModel& model = learnt_.model;
+    model.set_.assign(modes_.modes.size() / kMostModes, -1);
+    for (std::size_t p = 0; p < model.set_.size(); ++p) {
+      const PixelMode* modes = modes_.of(p);
+      float* odds = &model.mode_odds_[p * kMostModes];
+      if (!model.area_.data[p]) model.set_[p] = 0;
+      for (int m = 0; m < kMostModes && model.set_[p] < 0 && modes[m].share > 0; ++m)
+        if (odds[m] < kSetSide) model.set_[p] = static_cast<std::int8_t>(m);
+      if (model.set_[p] < 0) continue;
+      for (int m = 0; m < kMostModes && modes[m].share > 0; ++m)
+        if (m != model.set_[p] && MayBeShadow(modes[m].lab.data(), modes[model.set_[p]].lab.data()))
+          odds[m] -= kShadowLean;
+    }
+  }
+
+  const std::vector<Image8>&rgb_, &lab_;
+  const PixelModes& modes_;
+  const FilmHints& hints_;
+  LearntFilm learnt_;
+};
+
+LearntFilm LearnFilm(const std::vector<Image8>& rgb, const std::vector<Image8>& lab,
+                     const PixelModes& modes, double radius, const Image8& area,
+                     const FilmHints& hints, const FilmMaskOptions& options) {
+  return FilmLearning(rgb, lab, modes, hints).Learn(radius, area, options);
+}
+
+}  // namespace keypose::capture
