@@ -5,15 +5,16 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <new>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/file_names.h"
+#include "core/image_turns.h"
 #include "core/io/files.h"
 #include "core/io/heif_io.h"
 #include "core/io/image_kind.h"
@@ -155,21 +156,6 @@ std::optional<double> SensorWidth(const ImageSpec& spec) {
   return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;
 }
 
-template <class T>
-ImageT<T> Oriented(const ImageT<T>& in, int orientation) {
-  if (orientation == 1) return in;
-  const bool swap = orientation >= 5;
-  ImageT<T> out(swap ? in.height : in.width, swap ? in.width : in.height, in.channels);
-  for (int y = 0; y < in.height; ++y)
-    for (int x = 0; x < in.width; ++x) {
-      const int rx = in.width - 1 - x, ry = in.height - 1 - y;
-      const std::array<std::array<int, 2>, 9> to{
-          {{x, y}, {x, y}, {rx, y}, {rx, ry}, {x, ry}, {y, x}, {ry, x}, {ry, rx}, {y, rx}}};
-      std::copy_n(in.at(x, y), in.channels, out.at(to[orientation][0], to[orientation][1]));
-    }
-  return out;
-}
-
 /// BT.601.
 std::uint8_t LumaOf(const std::uint8_t* p) {
   return static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
@@ -177,7 +163,7 @@ std::uint8_t LumaOf(const std::uint8_t* p) {
 float LumaOf(const float* p) { return 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2]; }
 
 template <class T>
-ImageT<T> WithChannels(const ImageT<T>& in, int channels) {
+ImageT<T> WithChannels(ImageT<T> in, int channels) {
   if (in.channels == channels) return in;
   ImageT<T> out(in.width, in.height, channels);
   const std::size_t pixels = static_cast<std::size_t>(in.width) * in.height;
@@ -266,7 +252,7 @@ Image8 ReadAlpha(const fs::path& path) {
   Image8 alpha(raw.width, raw.height, 1);
   for (int y = 0; y < raw.height; ++y)
     for (int x = 0; x < raw.width; ++x) *alpha.at(x, y) = raw.at(x, y)[spec.alpha_channel];
-  return Oriented(alpha, OrientationOf(spec));
+  return Oriented(std::move(alpha), OrientationOf(spec));
 }
 
 Image8 ReadImage(const fs::path& path, int channels) try {
@@ -277,9 +263,8 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   }
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
-  const Image8 raw = ReadRaw(path, *input, spec);
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
-  return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
+  return Oriented(WithChannels(ReadRaw(path, *input, spec), wanted), OrientationOf(spec));
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
@@ -309,11 +294,12 @@ ImageF ReadLevels(const fs::path& path, int channels) try {
     const Image8 stored = heif ? ReadImage(path, channels) : ReadRaw(path, *input, input->spec());
     ImageF levels(stored.width, stored.height, stored.channels);
     std::copy(stored.data.begin(), stored.data.end(), levels.data.begin());
-    return Oriented(WithChannels(levels, channels), heif ? 1 : OrientationOf(input->spec()));
+    return Oriented(WithChannels(std::move(levels), channels),
+                    heif ? 1 : OrientationOf(input->spec()));
   }
   ImageF levels = ReadRaw<float>(path, *input, input->spec());
   for (float& level : levels.data) level = 255 * std::clamp(level, 0.0f, 1.0f);
-  return Oriented(WithChannels(levels, channels), OrientationOf(input->spec()));
+  return Oriented(WithChannels(std::move(levels), channels), OrientationOf(input->spec()));
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
@@ -413,10 +399,11 @@ Image8 Resized(const Image8& image, int width, int height) {
   for (int x = 0; x < width; ++x) columns[x] = taps((x + 0.5) * sx, rx, image.width);
   ParallelFor(height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
+    const std::vector<std::pair<int, double>> rows = taps((y + 0.5) * sy, ry, image.height);
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < image.channels; ++c) {
         double sum = 0;
-        for (const auto& [j, wy] : taps((y + 0.5) * sy, ry, image.height))
+        for (const auto& [j, wy] : rows)
           for (const auto& [i, wx] : columns[x]) sum += wy * wx * image.at(i, j)[c];
         out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
       }
