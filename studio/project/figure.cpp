@@ -185,6 +185,7 @@ json SaveFigure(Snapshot& snapshot, const std::string& pose, const json& body) {
   const std::string text = ReadFile(snapshot.project() / "pipeline.yaml");
   const std::string edited = pipeline::WithFigure(snapshot.file(), text, step, strokes);
   json answer = AnswerOf(snapshot, step, strokes);
+  answer["unclear"] = "";  // no step has run with it yet
   answer["revision"] = WritePipelineFile(snapshot.project(), edited, body.at("revision"));
   return answer;
 }

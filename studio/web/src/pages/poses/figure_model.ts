@@ -69,6 +69,12 @@ export function firstShown(strokes: readonly FigureStroke[], photographs: Photog
   return said?.picture ?? photographs[0]?.name ?? ''
 }
 
+/** What to do where a step asks what the figure is. */
+export const askingFor = (strokes: readonly FigureStroke[]): string =>
+  strokes.length === 0
+    ? 'The photographs alone do not tell. Click on it in one of them; the others follow.'
+    : 'What was said does not settle it yet. Click once more, in another photograph.'
+
 /** "a click", "a line" */
 export const shapeOf = (stroke: FigureStroke): string =>
   stroke.points.length === 1 ? 'a click' : 'a line'

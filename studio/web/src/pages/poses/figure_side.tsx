@@ -2,10 +2,10 @@
 import { useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import type { Pose } from '../../api'
+import type { Pose, Step } from '../../api'
 import { useStudio } from '../../state'
 import { sentence } from '../../words'
-import { shapeOf } from './figure_model'
+import { askingFor, shapeOf } from './figure_model'
 import type { FigureTool } from './figure_view'
 import type { FigureDesk } from './use_figure'
 
@@ -35,10 +35,10 @@ export function FigureSide(props: {
   return (
     <aside class="figure-side" aria-label="What is the figure">
       <section class="stack">
-        {figure?.unclear && desk.strokes.clicks.length === 0 ? (
+        {figure?.unclear ? (
           <>
             <h2>What is the figure?</h2>
-            <p>The photographs alone do not tell. Click on it in one of them; the others follow.</p>
+            <p>{askingFor(desk.strokes.clicks)}</p>
             <p class="small soft">{sentence(figure.unclear)}</p>
           </>
         ) : (
@@ -152,6 +152,18 @@ function Sheet({ src }: { src: string }) {
   )
 }
 
+/** In one line: how far the masks are. */
+function stateOf({ figure, strokes }: FigureDesk, step: Step | undefined): string {
+  const nothing = strokes.clicks.length === 0
+  if (strokes.failed) return `Not saved: ${strokes.failed}`
+  if (figure!.unclear && nothing) return 'Show the figure first.'
+  if (step?.state === 'done')
+    return nothing ? 'The masks are made.' : 'The masks are made with what you said.'
+  if (step?.state === 'failed' && !figure!.unclear)
+    return `${step.id} failed. ${sentence(step.error)}`
+  return 'The masks are made again at the next run.'
+}
+
 /** What happens with it: saved, the masks made again, looked at before the long steps. */
 function Making({ desk }: { desk: FigureDesk }) {
   const { steps, running, tell, complain, reload } = useStudio()
@@ -178,15 +190,7 @@ function Making({ desk }: { desk: FigureDesk }) {
   return (
     <section class="stack figure-making" aria-label="The masks">
       <p class="small" role="status">
-        {strokes.failed
-          ? `Not saved: ${strokes.failed}`
-          : done
-            ? 'The masks are made with what you said.'
-            : first
-              ? 'Show the figure first.'
-              : step?.state === 'failed'
-                ? `${step.id} failed. ${sentence(step.error)}`
-                : 'The masks are made again at the next run.'}
+        {stateOf(desk, step)}
       </p>
       <button
         class={done ? '' : 'main'}

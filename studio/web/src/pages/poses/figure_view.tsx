@@ -7,7 +7,7 @@ import { useKeys } from '../../keys'
 import { useStudio } from '../../state'
 import { FrameView } from '../../view/frame_view'
 import { sentence } from '../../words'
-import { firstShown, noteOf, pixelsOf, strokeOf } from './figure_model'
+import { askingFor, firstShown, noteOf, pixelsOf, strokeOf } from './figure_model'
 import { FigureSide } from './figure_side'
 import { Strip } from './strip'
 import type { FigureDesk } from './use_figure'
@@ -192,12 +192,11 @@ export function FigureNotice({ desk, open }: { desk: FigureDesk; open: () => voi
   const { steps } = useStudio()
   if (!figure) return null
   const step = steps.steps.find((one) => one.id === figure.step)
-  if (figure.unclear && strokes.clicks.length === 0)
+  if (figure.unclear)
     return (
       <section class="older stack" aria-label="What is the figure?">
         <p>
-          <b>What is the figure?</b> The photographs alone do not tell. Click on it in one of them;
-          the others follow.
+          <b>What is the figure?</b> {askingFor(strokes.clicks)}
         </p>
         <p class="small soft">{sentence(figure.unclear)}</p>
         <div class="row">
