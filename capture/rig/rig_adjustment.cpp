@@ -52,7 +52,8 @@ struct CornerError {
 }  // namespace
 
 void AdjustRig(const std::vector<BoardSighting>& sightings, const BoardLayout& board,
-               std::vector<View>* views, std::map<int, Rigid3>* world_from_board) {
+               bool fixed_lenses, std::vector<View>* views,
+               std::map<int, Rigid3>* world_from_board) {
   std::vector<std::array<double, 8>> lenses;
   std::vector<Motion> cameras;
   for (const View& view : *views) {
@@ -72,6 +73,9 @@ void AdjustRig(const std::vector<BoardSighting>& sightings, const BoardLayout& b
                                cameras[s.camera].data(), boards[s.frame].data());
   }
   problem.SetParameterBlockConstant(cameras[0].data());
+  if (fixed_lenses)
+    for (std::array<double, 8>& lens : lenses)
+      if (problem.HasParameterBlock(lens.data())) problem.SetParameterBlockConstant(lens.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 60;

@@ -5,21 +5,21 @@
 #include <vector>
 
 #include "capture/rig/board_sighting.h"
+#include "capture/rig/lens_calibration.h"
 #include "core/calibration_board.h"
 #include "core/camera.h"
 #include "core/progress.h"
 
 namespace keypose::capture {
 
-struct RigCamera {
-  std::string name;
-  int width = 0, height = 0;
-};
-
 struct RigCalibratorOptions {
   int floor_frame = 0;    ///< the frame in which the board lies on the floor: it becomes z = 0
   int least_corners = 8;  ///< a sighting with fewer is not used
   int most_boards = 60;   ///< sightings a camera's lens is first estimated from
+  /// ways to turn the board in its plane that nobody can tell apart (BoardPattern::Turns)
+  int turns = 1;
+  /// of each camera, where they are known: they stay; empty: estimated from the boards
+  std::vector<Camera> lenses;
 };
 
 /// How well one camera is known.
@@ -36,10 +36,6 @@ struct RigResult {
   std::vector<RigCameraReport> cameras;
   double rms_px = 0;
 };
-
-/// Share of an 8 x 6 grid of the picture that holds corners.
-double CornerCoverage(const std::vector<BoardSighting>& sightings, int camera,
-                      const RigCamera& size);
 
 /// Each lens by itself, cameras joined by boards that two of them saw at once, then everything
 /// together: lenses, places, and the board in each frame (Ceres, Huber at 1 px).

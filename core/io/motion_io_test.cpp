@@ -132,6 +132,21 @@ TEST_F(RigTest, OpenCvYamlReadsBack) {
   ExpectSame(rig.views, Ring(), 1e-9);
 }
 
+TEST_F(RigTest, LensesWithoutPlacesAreReadAsLensesOnly) {
+  const fs::path file = Put("lenses.yml", OpenCvLensYaml(Ring()));
+  const RigCalibration lenses = ReadLensCalibration(file);
+  ASSERT_EQ(lenses.views.size(), 4u);
+  EXPECT_EQ(lenses.views[2].camera.fx, Ring()[2].camera.fx);
+  EXPECT_EQ(lenses.views[2].camera.k2, Ring()[2].camera.k2);
+  try {
+    ReadRigCalibration(file);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("cam1 has a lens but no place"), std::string::npos);
+  }
+  EXPECT_EQ(ReadLensCalibration(Put("rig.yml", OpenCvYaml(Ring()))).views.size(), 4u);
+}
+
 std::string Qualisys(const std::vector<View>& views, bool transposed, bool backwards) {
   std::string text = "<?xml version=\"1.0\"?>\n<calibration><cameras>\n";
   for (const View& view : views) {
@@ -207,8 +222,8 @@ TEST_F(RigTest, QualisysCameraWithoutALensIsLeftOutAndNamed) {
 
 TEST_F(RigTest, QualisysOfARealRoomHasThePicturesSize) {
   const char* data = std::getenv("KEYPOSE_DATA");
-  const fs::path file = fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") /
-                        "motion/gym/Calib.qca.txt";
+  const fs::path file =
+      fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion/gym/Calib.qca.txt";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here; set KEYPOSE_DATA";
   const RigCalibration rig = ReadRigCalibration(file);
   ASSERT_EQ(rig.views.size(), 4u);

@@ -92,12 +92,20 @@ void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
 }
 
 View ViewOfYaml(const YAML::Node& node, const std::string& name, const std::string& where,
-                std::vector<std::string>* notes) {
+                bool lens_only, std::vector<std::string>* notes) {
   View view;
   view.name = name;
   ReadLens(node, where, &view.camera, notes);
-  const std::vector<double> t =
-      Numbers(FirstOf(node, {"translation", "T", "tvec", "translation_vector", "t"}));
+  const YAML::Node translation =
+      FirstOf(node, {"translation", "T", "tvec", "translation_vector", "t"});
+  if (!translation && !FirstOf(node, {"rotation", "R", "rotation_matrix", "rvec"})) {
+    RequireUsable(view, where);
+    if (lens_only) return view;
+    throw InputError(where +
+                     " has a lens but no place: `keypose calibrate --lenses` takes it, with films "
+                     "of a board or points of known place");
+  }
+  const std::vector<double> t = Numbers(translation);
   if (t.size() != 3) throw InputError(where + ": `translation` must hold 3 numbers");
   view.camera_from_world = {ExactRotation(RotationOf(node, where), where), {t[0], t[1], t[2]}};
   RequireUsable(view, where);
@@ -126,18 +134,19 @@ bool IsCameraNode(const YAML::Node& node) {
 }
 
 /// The unit of a view: one whose translation is in other units than metres says so.
-void AddYamlFile(const fs::path& path, RigCalibration* rig) {
+void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
   const std::string file = PrintableName(path.filename());
   try {
     const YAML::Node root = LoadYaml(path);
     double unit = root.IsMap() ? UnitOf(root, file) : 0;
     if (IsCameraNode(root)) {
-      rig->views.push_back(ViewOfYaml(root, path.stem().string(), file, &rig->notes));
+      rig->views.push_back(ViewOfYaml(root, path.stem().string(), file, lens_only, &rig->notes));
     } else if (root.IsMap()) {
       for (const auto& item : root) {
         const std::string name = item.first.as<std::string>();
         if (IsCameraNode(item.second))
-          rig->views.push_back(ViewOfYaml(item.second, name, file + ", " + name, &rig->notes));
+          rig->views.push_back(
+              ViewOfYaml(item.second, name, file + ", " + name, lens_only, &rig->notes));
       }
     }
     if (rig->metres_per_unit != 0 && unit != 0 && unit != rig->metres_per_unit)
@@ -199,14 +208,14 @@ bool IsYaml(const fs::path& path) {
   return path.extension() == ".yml" || path.extension() == ".yaml";
 }
 
-void ReadFolder(const fs::path& path, RigCalibration* rig) {
+void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
     if (IsYaml(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return NumberedBefore(a.stem().string(), b.stem().string());
   });
-  for (const fs::path& file : files) AddYamlFile(file, rig);
+  for (const fs::path& file : files) AddYamlFile(file, lens_only, rig);
   rig->format = "OpenCV YAML";
   if (!files.empty()) return;
   rig->views = ReadPoses(path);
@@ -227,12 +236,10 @@ std::string CameraName(const std::string& view_name) {
   return fs::path(view_name).has_parent_path() ? first : fs::path(view_name).stem().string();
 }
 
-}  // namespace
-
-RigCalibration ReadRigCalibration(const fs::path& path) {
+RigCalibration ReadCalibration(const fs::path& path, bool lens_only) {
   RigCalibration rig;
   if (fs::is_directory(path)) {
-    ReadFolder(path, &rig);
+    ReadFolder(path, lens_only, &rig);
   } else if (path.extension() == ".json") {
     rig.views = ReadPoses(path), rig.format = "COLMAP model";
   } else {
@@ -240,7 +247,7 @@ RigCalibration ReadRigCalibration(const fs::path& path) {
     const std::string file = PrintableName(path.filename());
     const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     if (IsYaml(path) || text.starts_with("%YAML"))
-      AddYamlFile(path, &rig), rig.format = "OpenCV YAML";
+      AddYamlFile(path, lens_only, &rig), rig.format = "OpenCV YAML";
     else if (first != std::string::npos && text[first] == '<')
       AddQualisys(text, file, &rig);
     else
@@ -250,7 +257,7 @@ RigCalibration ReadRigCalibration(const fs::path& path) {
   return rig;
 }
 
-std::string OpenCvYaml(const std::vector<View>& views) {
+std::string YamlOf(const std::vector<View>& views, bool places) {
   std::string text = "%YAML:1.0\n---\nunit: m\n";
   const auto matrix = [&](const char* name, int rows, int cols, const std::vector<double>& data) {
     text +=
@@ -266,6 +273,7 @@ std::string OpenCvYaml(const std::vector<View>& views) {
                         c.height);
     matrix("camera_matrix", 3, 3, {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1});
     matrix("distortion_coefficients", 1, 4, {c.k1, c.k2, c.p1, c.p2});
+    if (!places) continue;
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> r =
         view.camera_from_world.rotation.toRotationMatrix();
     matrix("rotation", 3, 3, std::vector<double>(r.data(), r.data() + 9));
@@ -274,6 +282,16 @@ std::string OpenCvYaml(const std::vector<View>& views) {
   }
   return text;
 }
+
+}  // namespace
+
+RigCalibration ReadRigCalibration(const fs::path& path) { return ReadCalibration(path, false); }
+
+RigCalibration ReadLensCalibration(const fs::path& path) { return ReadCalibration(path, true); }
+
+std::string OpenCvYaml(const std::vector<View>& views) { return YamlOf(views, true); }
+
+std::string OpenCvLensYaml(const std::vector<View>& views) { return YamlOf(views, false); }
 
 std::vector<int> MatchCameraNames(const std::vector<std::string>& cameras,
                                   const std::vector<View>& views) {

@@ -36,8 +36,14 @@ struct RigCalibration {
 /// names file and camera
 RigCalibration ReadRigCalibration(const std::filesystem::path& path);
 
+/// The same, where cameras in OpenCV YAML may have no place: lenses alone.
+RigCalibration ReadLensCalibration(const std::filesystem::path& path);
+
 /// One OpenCV YAML file with a node for each camera, in metres.
 std::string OpenCvYaml(const std::vector<View>& views);
+
+/// The same without places: what ReadLensCalibration reads.
+std::string OpenCvLensYaml(const std::vector<View>& views);
 
 /// The view of each camera, by name; else by the number in the name; else, when there are as many,
 /// by order.

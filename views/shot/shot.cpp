@@ -127,6 +127,17 @@ Shot OpenShot(const fs::path& folder) {
   return shot;
 }
 
+std::vector<ShotCamera> OpenSeparateFilms(const fs::path& folder) {
+  std::vector<ShotCamera> films;
+  for (const auto& [name, source] : SourcesIn(folder)) films.push_back({name, source, {}, {}});
+  std::sort(films.begin(), films.end(),
+            [](const auto& a, const auto& b) { return NumberedBefore(a.name, b.name); });
+  if (films.empty())
+    throw InputError("the folder " + PrintableName(folder) +
+                     " has no camera; it needs a folder of pictures, or a video, for each");
+  return films;
+}
+
 void WriteShotRate(const fs::path& folder, double frames_per_second) {
   WriteFile(folder / kRateFile,
             nlohmann::json{{"schema", 1}, {"fps", frames_per_second}}.dump() + "\n");

@@ -29,6 +29,10 @@ struct Shot {
 /// needed; films that do not run together (RequireTogether)
 Shot OpenShot(const std::filesystem::path& folder);
 
+/// Films or pictures of several cameras that need not run together, sorted by name.
+/// @throws InputError  no camera; a video that cannot be read
+std::vector<ShotCamera> OpenSeparateFilms(const std::filesystem::path& folder);
+
 /// Writes rate.json, so that a folder of masks says how fast their films are.
 void WriteShotRate(const std::filesystem::path& folder, double frames_per_second);
 
