@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "capture/agreement/space_queries.h"
 #include "capture/room/first_masks.h"
 #include "capture/room/room_evidence.h"
 #include "capture/salience/salience_network.h"
@@ -19,9 +18,12 @@
 namespace keypose::capture {
 namespace {
 
-constexpr double kAgree = 0.9;     // of masks in space: above it they need no second opinion
-constexpr double kHardly = 0.8;    // below it they are doubtful in the end
-constexpr double kNotAtAll = 0.6;  // below it there is no figure that they agree on
+constexpr double kAgree = 0.9;   // of the masks that others leave: above it they agree
+constexpr double kSame = 0.85;   // of the masks and what was told: above it both mean one thing
+constexpr double kHardly = 0.8;  // below it they are doubtful in the end
+constexpr std::size_t kFewViews = 16;  // photographs
+constexpr double kSeenByMost = 0.75;   // of few photographs
+constexpr double kNotAtAll = 0.6;      // below it there is no figure that they agree on
 
 std::string Advice(const std::string& example) {
   return "say what the figure is by one click: keypose figure --pose POSE --at " + example +
@@ -51,6 +53,19 @@ Eigen::Vector3d MiddleOf(const FigureSet& figures, const std::vector<Image8>& ma
     middle[k] = *half;
   }
   return middle;
+}
+
+/// Quarter turns that put each photograph upright: by the floor where there is one; else those that
+/// capture turned are turned back.
+std::vector<int> TurnsOf(const FigureSet& figures, const Eigen::Vector3d& middle, bool floor) {
+  std::vector<int> turns;
+  for (std::size_t v = 0; v < figures.views.size(); ++v) {
+    const CapturedImage& image = figures.set.images[figures.index[v]];
+    const bool portrait = image.photograph_width < image.photograph_height;
+    const bool turned = image.photograph_width > 0 && portrait != (image.width < image.height);
+    turns.push_back(floor ? TurnsToUpright(figures.views[v], middle) : turned ? 3 : 0);
+  }
+  return turns;
 }
 
 /// The strokes of each view, at working size; warns of strokes in photographs that are not there.
@@ -84,17 +99,10 @@ std::vector<ViewStrokes> StrokesOf(StageContext& stage, const FigureSet& figures
   return strokes;
 }
 
-double Agreement(const FigureSet& figures, const std::vector<Image8>& masks,
-                 const SpaceOptions& space) {
-  try {
-    const auto agreement =
-        AgreementInSpace(masks, ContradictionsByOthers(figures.views, masks, space));
-    double sum = 0;
-    for (const double a : agreement) sum += a / static_cast<double>(agreement.size());
-    return sum;
-  } catch (const InputError&) {
-    return 0;
-  }
+double Mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value / static_cast<double>(values.size());
+  return sum;
 }
 
 nlohmann::json NamesOf(const FigureSet& figures, const std::vector<int>& views) {
@@ -104,10 +112,8 @@ nlohmann::json NamesOf(const FigureSet& figures, const std::vector<int>& views) 
   return names;
 }
 
-/// Asks for first masks, and replaces those that no person made.
-/// @return whether they could be made
-bool Replace(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
-             const std::vector<ViewStrokes>& strokes, std::vector<Image8>& masks) {
+ToldFigure Ask(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
+               const std::vector<Image8>& masks) {
   std::unique_ptr<SalienceNetwork> network;
   if (const auto file = FindSalienceNetwork()) network = SalienceNetwork::Open(*file);
   Salience salience;
@@ -119,15 +125,32 @@ bool Replace(StageContext& stage, const FigureSet& figures, const SpaceOptions& 
     stage.Note(std::string("masks: ") + kNoSalience +
                ", so what is the figure is told by strokes, colours and views alone");
   SubProgress progress(stage.progress(), 0.1, 0.25);
-  FirstMasks first =
-      MakeFirstMasks(figures.images, figures.views, MiddleOf(figures, masks), strokes,
-                     figures.boards, salience, figures.masking, space, {}, &progress);
-  stage.ReportJson("figure_asked", NamesOf(figures, first.asked).dump());
-  stage.ReportJson("figure_told", NamesOf(figures, first.told).dump());
-  if (first.unclear) return false;
-  for (std::size_t v = 0; v < masks.size(); ++v)
-    if (!figures.set.images[figures.index[v]].mask_given) masks[v] = std::move(first.masks[v]);
-  return true;
+  const Eigen::Vector3d middle = MiddleOf(figures, masks);
+  ToldFigure told = AskAboutFigure(figures.images, figures.views, middle,
+                                   TurnsOf(figures, middle, std::isfinite(space.floor)),
+                                   StrokesOf(stage, figures), salience, space, {}, &progress);
+  stage.ReportJson("figure_asked", NamesOf(figures, told.asked).dump());
+  stage.ReportJson("figure_told", NamesOf(figures, told.fitting).dump());
+  return told;
+}
+
+double Overlap(const Image8& a, const Image8& b) {
+  double both = 0, either = 0;
+  for (std::size_t p = 0; p < a.data.size(); ++p) {
+    both += a.data[p] > 127 && b.data[p] > 127;
+    either += a.data[p] > 127 || b.data[p] > 127;
+  }
+  return either > 0 ? both / either : 0;
+}
+
+/// The median overlap of the masks with what was told.
+double Overlap(const ToldFigure& told, const std::vector<Image8>& masks) {
+  std::vector<double> overlaps;
+  for (const int v : told.fitting)
+    overlaps.push_back(
+        Overlap(told.views[static_cast<std::size_t>(v)].mask, masks[static_cast<std::size_t>(v)]));
+  std::sort(overlaps.begin(), overlaps.end());
+  return overlaps.empty() ? 0 : overlaps[overlaps.size() / 2];
 }
 
 }  // namespace
@@ -142,15 +165,26 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
   if (!shows_room && !said) return false;
   if (room.floor && shows_room) space.floor = 0;
   stage.Report("floor_in_masks", room.on_floor);
-  const double agreement = Agreement(figures, masks, space);
-  if (!said && !room.floor_in_masks && agreement >= kAgree) {
-    stage.Report("figure_by", "colours and views");
+  // Few photographs, often of one side, leave much space that hardly any of them shows: it is not
+  // the figure's.
+  if (figures.views.size() < kFewViews) space.least_seen = kSeenByMost;
+  ReportProgress(stage.progress(), 0.1, "what is the figure");
+  const ToldFigure told = Ask(stage, figures, space, masks);
+  const double left = Mean(LeftByOthers(figures.views, masks, space));
+  const double overlap = Overlap(told, masks);
+  stage.Report("masks_left_by_others", left);
+  stage.Report("masks_like_told", overlap);
+  const bool same = !said && !room.floor_in_masks && overlap >= kSame && left >= kAgree;
+  if (!told.fitting.empty() && !same) {
+    std::vector<Image8> carried =
+        CarryToAll(figures.images, figures.views, told, figures.boards, figures.masking, space);
+    for (std::size_t v = 0; v < masks.size(); ++v)
+      if (!figures.set.images[figures.index[v]].mask_given) masks[v] = std::move(carried[v]);
+    stage.Report("figure_by", said ? "strokes" : "the network");
     return true;
   }
-  ReportProgress(stage.progress(), 0.1, "what is the figure");
-  const bool replaced = Replace(stage, figures, space, StrokesOf(stage, figures), masks);
-  stage.Report("figure_by", replaced ? said ? "strokes" : "the network" : "colours and views");
-  if (replaced || agreement >= kNotAtAll) return true;
+  stage.Report("figure_by", same ? "colours, views and the network" : "colours and views");
+  if (same || left >= kAgree) return true;
   stage.Report("figure_unclear", true);
   throw InputError("masks: it cannot be told what the figure is: in " +
                    std::to_string(SizeOf(figures.views)) +
@@ -158,17 +192,19 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
                    Advice(figures.set.images[figures.index[0]].name));
 }
 
-void RequireClearFigure(StageContext& stage, double agreement, const std::string& example) {
-  const bool unclear = agreement < kHardly;
-  stage.Report("figure_unclear", unclear);
-  if (agreement < kNotAtAll)
-    throw InputError("masks: it cannot be told what the figure is: the masks agree in space by " +
-                     std::to_string(static_cast<int>(std::lround(100 * agreement))) + " % only; " +
-                     Advice(example));
-  if (unclear)
-    stage.Warn("it is doubtful what the figure is: the masks agree in space by " +
-               std::to_string(static_cast<int>(std::lround(100 * agreement))) +
-               " % only; look at masks_agreed.jpg, and " + Advice(example));
+void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
+                        const std::vector<Image8>& masks) {
+  const double left = Mean(LeftByOthers(figures.views, masks, space));
+  const std::string percent = std::to_string(static_cast<int>(std::lround(100 * left))) + " %";
+  const std::string advice = Advice(figures.set.images[figures.index[0]].name);
+  stage.Report("figure_unclear", left < kHardly);
+  if (left < kNotAtAll)
+    throw InputError("masks: it cannot be told what the figure is: of each mask only " + percent +
+                     " lies where the other photographs have it too; " + advice);
+  if (left < kHardly)
+    stage.Warn("it is doubtful what the figure is: of each mask only " + percent +
+               " lies where the other photographs have it too; look at masks_agreed.jpg, and " +
+               advice);
 }
 
 }  // namespace keypose::capture

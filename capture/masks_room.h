@@ -29,7 +29,7 @@ struct FigureSet {
 /// Replaces the masks where the photographs show a room and the masks are doubtful, or where a
 /// person said what the figure is: by strokes and by the network's opinion of a few photographs.
 /// Sets the floor, which nothing of the figure is below. Reports in_room, points_around,
-/// floor_in_masks, figure_by, figure_asked, figure_told.
+/// floor_in_masks, figure_by, figure_asked, figure_told, masks_left_by_others, masks_like_told.
 /// @param masks  as capture made them; those that a person made stay
 /// @return whether the photographs show a room or a person said something
 /// @throws InputError  what is the figure cannot be told
@@ -38,8 +38,8 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
 
 /// Warns where masks of a room do not agree well, and refuses where they do not agree at all.
 /// Reports figure_unclear.
-/// @param example  a photograph's name, for the advice
 /// @throws InputError  as said
-void RequireClearFigure(StageContext& stage, double agreement, const std::string& example);
+void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
+                        const std::vector<Image8>& masks);
 
 }  // namespace keypose::capture

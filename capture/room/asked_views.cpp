@@ -86,9 +86,7 @@ int TurnsToUpright(const View& view, const Eigen::Vector3d& middle) {
   return up.x() < 0 ? 1 : 3;  // what points left points up after a turn clockwise
 }
 
-Image8 AskUpright(const Salience& salience, const Image8& rgb, const View& view,
-                  const Eigen::Vector3d& middle) {
-  const int turns = TurnsToUpright(view, middle);
+Image8 AskUpright(const Salience& salience, const Image8& rgb, int turns) {
   const Image8 upright = Turned(rgb, turns);
   Image8 seen = salience(upright, false);
   if (SureShare(seen) < kNextToNothing) seen = salience(upright, true);

@@ -24,9 +24,9 @@ std::vector<int> ViewsToAsk(const std::vector<View>& views, const Eigen::Vector3
 /// Quarter turns, clockwise, that put a view upright, by the world's z.
 int TurnsToUpright(const View& view, const Eigen::Vector3d& middle);
 
-/// The network's opinion of a view, asked with the picture upright; again mirrored where it sees
+/// The network's opinion of a picture, asked with it turned upright; again mirrored where it sees
 /// next to nothing.
-Image8 AskUpright(const Salience& salience, const Image8& rgb, const View& view,
-                  const Eigen::Vector3d& middle);
+/// @param turns  quarter turns, clockwise, that put the picture upright
+Image8 AskUpright(const Salience& salience, const Image8& rgb, int turns);
 
 }  // namespace keypose::capture

@@ -34,15 +34,9 @@ constexpr float kSpaceOdds[] = {0.7F, -0.7F, -4, -6};
 /// What is told of a pixel.
 enum Told : std::uint8_t { kNotTold, kToldRoom, kToldOpen, kToldFigure, kToldKinds };
 
-/// What is told of one view.
-struct ToldView {
-  Image8 mask;   // 255 likely figure
-  Image8 kinds;  // Told
-
-  std::uint8_t KindAt(std::size_t pixel) const {
-    return kinds.empty() ? std::uint8_t{kNotTold} : kinds.data[pixel];
-  }
-};
+std::uint8_t KindAt(const ToldView& view, std::size_t pixel) {
+  return view.kinds.empty() ? std::uint8_t{kNotTold} : view.kinds.data[pixel];
+}
 
 Image8 KindsOf(const Image8& salience) {
   Image8 kinds(salience.width, salience.height, 1, kToldOpen);
@@ -88,8 +82,8 @@ bool IsUsable(const Image8& mask) {
   return share > kNothing && share < kNearlyAll;
 }
 
-/// How much of each told mask the others leave: the share of its pixels that at most one of them
-/// sees past. Zeros where there is no common space.
+}  // namespace
+
 std::vector<double> LeftByOthers(const std::vector<View>& views, const std::vector<Image8>& masks,
                                  const SpaceOptions& space) {
   std::vector<double> left(views.size(), 0);
@@ -110,6 +104,8 @@ std::vector<double> LeftByOthers(const std::vector<View>& views, const std::vect
   }
   return left;
 }
+
+namespace {
 
 template <class T>
 std::vector<T> Pick(const std::vector<T>& all, const std::vector<int>& which) {
@@ -149,36 +145,42 @@ std::vector<int> Fitting(std::vector<int> told, const std::vector<View>& views,
 Image8 TrimapOfTold(const ToldView& told, const Image8& denied) {
   Image8 trimap(denied.width, denied.height, 1, kUnknown);
   for (std::size_t p = 0; p < trimap.data.size(); ++p) {
-    const std::uint8_t kind = told.KindAt(p);
+    const std::uint8_t kind = KindAt(told, p);
     if (kind == kToldFigure && denied.data[p] < kDenied) trimap.data[p] = kObject;
     if (kind == kToldRoom || denied.data[p] >= kDenied) trimap.data[p] = kBackground;
   }
   return trimap;
 }
 
-/// All photographs by colours that the told ones teach, within the told ones' space.
+SpaceOptions SpaceOfTold(SpaceOptions space) {
+  space.least_seen = kSeen;
+  return space;
+}
+
+}  // namespace
+
 std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vector<View>& views,
-                               const std::vector<ToldView>& told, const std::vector<int>& fitting,
-                               const std::vector<BoardOdds>& boards, const MaskOptions& masking,
-                               const SpaceOptions& space) {
+                               const ToldFigure& told, const std::vector<BoardOdds>& boards,
+                               const MaskOptions& masking, const SpaceOptions& space) {
   std::vector<Image8> masks;
   std::vector<char> counts(images.size(), 0);
-  for (const int i : fitting) counts[static_cast<std::size_t>(i)] = 1;
+  for (const int i : told.fitting) counts[static_cast<std::size_t>(i)] = 1;
   for (std::size_t i = 0; i < images.size(); ++i)
-    masks.push_back(counts[i] ? told[i].mask : Image8(images[i].width, images[i].height, 1, 0));
-  std::vector<Image8> denied = ContradictionsByOthers(views, masks, space, counts);
+    masks.push_back(counts[i] ? told.views[i].mask
+                              : Image8(images[i].width, images[i].height, 1, 0));
+  const std::vector<Image8> denied =
+      ContradictionsByOthers(views, masks, SpaceOfTold(space), counts);
   const int spaces = SizeOf(kSpaceOdds);
   Round round{images, {}, {}, FindTakes(images, masking.border_share), nullptr, {}};
   std::vector<Image8> kinds = denied;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const ToldView none;
-    const ToldView& view = counts[i] ? told[i] : none;
+    const ToldView& view = counts[i] ? told.views[i] : none;
     round.lab.push_back(LabOf(images[i]));
     round.trimaps.push_back(TrimapOfTold(view, denied[i]));
     for (std::size_t p = 0; p < kinds[i].data.size(); ++p) {
       const int past = std::min<int>(denied[i].data[p], spaces - 1);
-      const int kind = view.KindAt(p);
-      kinds[i].data[p] = static_cast<std::uint8_t>(kind * spaces + past);
+      kinds[i].data[p] = static_cast<std::uint8_t>(KindAt(view, p) * spaces + past);
     }
   }
   for (int kind = 0; kind < kToldKinds; ++kind)
@@ -187,45 +189,39 @@ std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vec
                                         : kind == kToldRoom ? -kToldOdds
                                                             : 0));
   round.told = &kinds;
-  return SegmentByClassifier(round, boards, masking);
+  std::vector<BoardOdds> known = boards;
+  known.resize(images.size());
+  return SegmentByClassifier(round, known, masking);
 }
 
-}  // namespace
-
-FirstMasks MakeFirstMasks(const std::vector<Image8>& images, const std::vector<View>& views,
-                          const Eigen::Vector3d& middle, const std::vector<ViewStrokes>& strokes,
-                          const std::vector<BoardOdds>& boards, const Salience& salience,
-                          const MaskOptions& masking, const SpaceOptions& of_all,
-                          const FirstMasksOptions& options, Progress* progress) {
-  SpaceOptions space = of_all;
-  space.least_seen = kSeen;
-  FirstMasks result;
+ToldFigure AskAboutFigure(const std::vector<Image8>& images, const std::vector<View>& views,
+                          const Eigen::Vector3d& middle, const std::vector<int>& turns,
+                          const std::vector<ViewStrokes>& strokes, const Salience& salience,
+                          const SpaceOptions& space, const FirstMasksOptions& options,
+                          Progress* progress) {
+  ToldFigure told;
+  told.views.resize(images.size());
   std::vector<int> marked;
   for (int i = 0; i < SizeOf(strokes); ++i)
     if (!strokes[static_cast<std::size_t>(i)].empty()) marked.push_back(i);
-  result.asked =
-      salience ? ViewsToAsk(views, middle, options.ask + SizeOf(marked), marked) : marked;
-  std::vector<ToldView> told(images.size());
+  const int ask = SizeOf(views) <= options.few ? SizeOf(views) : options.ask + SizeOf(marked);
+  told.asked = salience ? ViewsToAsk(views, middle, ask, marked) : marked;
   std::vector<Image8> masks(images.size());
   std::vector<int> usable;
-  for (std::size_t k = 0; k < result.asked.size(); ++k) {
-    ReportProgress(progress, static_cast<double>(k) / static_cast<double>(result.asked.size()),
+  for (std::size_t k = 0; k < told.asked.size(); ++k) {
+    ReportProgress(progress, static_cast<double>(k) / static_cast<double>(told.asked.size()),
                    "what is the figure");
-    const auto i = static_cast<std::size_t>(result.asked[k]);
-    const Image8 seen = salience ? AskUpright(salience, images[i], views[i], middle) : Image8{};
-    told[i] = Tell(images[i], seen, i < strokes.size() ? strokes[i] : ViewStrokes{});
-    if (!IsUsable(told[i].mask)) continue;
-    masks[i] = told[i].mask;
+    const auto i = static_cast<std::size_t>(told.asked[k]);
+    const Image8 seen = salience ? AskUpright(salience, images[i], turns[i]) : Image8{};
+    ToldView& view = told.views[i];
+    view = Tell(images[i], seen, i < strokes.size() ? strokes[i] : ViewStrokes{});
+    if (!IsUsable(view.mask)) continue;
+    masks[i] = view.mask;
     usable.push_back(static_cast<int>(i));
   }
   std::sort(usable.begin(), usable.end());
-  result.told = Fitting(usable, views, masks, space, options);
-  result.unclear = result.told.empty();
-  if (result.unclear) return result;
-  std::vector<BoardOdds> known = boards;
-  known.resize(images.size());
-  result.masks = CarryToAll(images, views, told, result.told, known, masking, space);
-  return result;
+  told.fitting = Fitting(usable, views, masks, SpaceOfTold(space), options);
+  return told;
 }
 
 }  // namespace keypose::capture

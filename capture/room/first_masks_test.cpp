@@ -29,10 +29,18 @@ Salience KnowsAllBut(const TestRing& ring, int wrong) {
   };
 }
 
-FirstMasks Make(const TestRing& ring, const Salience& salience,
-                const std::vector<ViewStrokes>& strokes = {}) {
-  return MakeFirstMasks(ring.images, ring.views, kMiddle, strokes, {}, salience, MaskOptions{},
-                        SpaceOptions{});
+struct First {
+  ToldFigure told;
+  std::vector<Image8> masks;
+};
+
+First Make(const TestRing& ring, const Salience& salience) {
+  First first;
+  first.told = AskAboutFigure(ring.images, ring.views, kMiddle,
+                              std::vector<int>(ring.views.size(), 0), {}, salience, {});
+  if (!first.told.fitting.empty())
+    first.masks = CarryToAll(ring.images, ring.views, first.told, {}, {}, {});
+  return first;
 }
 
 TEST(ViewsToAsk, AreFarApartAndOnlyOnce) {
@@ -55,11 +63,11 @@ TEST(TurnsToUpright, FollowsTheWorldsZ) {
   EXPECT_EQ(TurnsToUpright(view, kMiddle), 3);  // z points to the right in the picture
 }
 
-TEST(MakeFirstMasks, FivePicturesTellAllOthers) {
+TEST(AskAboutFigure, FivePicturesTellAllOthers) {
   const TestRing ring = MakeTestRing();
-  const FirstMasks first = Make(ring, KnowsAllBut(ring, -1));
+  const First first = Make(ring, KnowsAllBut(ring, -1));
   ASSERT_EQ(first.masks.size(), ring.images.size());
-  EXPECT_EQ(first.asked.size(), 5u);
+  EXPECT_EQ(first.told.asked.size(), 5u);
   for (std::size_t i = 0; i < first.masks.size(); ++i) {
     if (i == 9) continue;  // a part of the ball is as dark as the wall there
     EXPECT_GT(Iou(first.masks[i], ring.truths[i]), 0.9) << "view " << i;
@@ -67,31 +75,31 @@ TEST(MakeFirstMasks, FivePicturesTellAllOthers) {
 }
 
 // What the network sees in one picture does not fit what it sees in the others: it is not believed.
-TEST(MakeFirstMasks, AnOpinionThatDoesNotFitIsLeftOut) {
+TEST(AskAboutFigure, AnOpinionThatDoesNotFitIsLeftOut) {
   const TestRing ring = MakeTestRing();
-  const int wrong = Make(ring, KnowsAllBut(ring, -1)).asked[2];
-  const FirstMasks first = Make(ring, KnowsAllBut(ring, wrong));
-  EXPECT_EQ(std::count(first.told.begin(), first.told.end(), wrong), 0);
+  const int wrong = Make(ring, KnowsAllBut(ring, -1)).told.asked[2];
+  const First first = Make(ring, KnowsAllBut(ring, wrong));
+  EXPECT_EQ(std::count(first.told.fitting.begin(), first.told.fitting.end(), wrong), 0);
   ASSERT_EQ(first.masks.size(), ring.images.size());
   EXPECT_GT(Iou(first.masks[static_cast<std::size_t>(wrong)],
                 ring.truths[static_cast<std::size_t>(wrong)]),
             0.85);
 }
 
-TEST(MakeFirstMasks, ANetworkThatSeesNothingLeavesItUnclear) {
+TEST(AskAboutFigure, ANetworkThatSeesNothingLeavesItUnclear) {
   const TestRing ring = MakeTestRing();
-  const FirstMasks first =
+  const First first =
       Make(ring, [](const Image8& rgb, bool) { return Image8(rgb.width, rgb.height, 1, 0); });
-  EXPECT_TRUE(first.unclear);
+  EXPECT_TRUE(first.told.fitting.empty());
   EXPECT_TRUE(first.masks.empty());
 }
 
-TEST(MakeFirstMasks, SameBitsForAnyThreadCount) {
+TEST(AskAboutFigure, SameBitsForAnyThreadCount) {
   const TestRing ring = MakeTestRing();
   SetThreadCount(1);
-  const FirstMasks one = Make(ring, KnowsAllBut(ring, -1));
+  const First one = Make(ring, KnowsAllBut(ring, -1));
   SetThreadCount(4);
-  const FirstMasks four = Make(ring, KnowsAllBut(ring, -1));
+  const First four = Make(ring, KnowsAllBut(ring, -1));
   SetThreadCount(0);
   ASSERT_EQ(one.masks.size(), four.masks.size());
   for (std::size_t i = 0; i < one.masks.size(); ++i)

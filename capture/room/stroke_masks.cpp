@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSeed = 0.02;    // of the longer side: what lies so near a stroke is of it
 constexpr double kAround = 0.35;  // what lies farther from all strokes is not the figure
-constexpr int kSalient = 127;      // of the network's 255
+constexpr int kSalient = 127;     // of the network's 255
 
 cv::Mat1b Marked(const std::vector<Eigen::Vector2i>& pixels, int width, int height, int radius) {
   cv::Mat1b marked(height, width, std::uint8_t{0});
