@@ -75,16 +75,17 @@ float Bilinear(const Image8& image, float x, float y, int c) {
   return top * (1 - fy) + low * fy;
 }
 
-bool Inside(const Image8& image, const Eigen::Vector2f& p) {
-  return p.x() >= 0 && p.y() >= 0 && p.x() <= image.width - 1 && p.y() <= image.height - 1;
-}
-
+/// Where the undistorted picture shows more than the photograph, a mask that is cut by the
+/// photograph's side goes on: what lies there is unknown, and not the end of the figure.
 Image8 StraightMask(const Image8& mask, const Camera& camera) {
+  const Eigen::Vector2f last(static_cast<float>(mask.width - 1),
+                             static_cast<float>(mask.height - 1));
   Image8 out(mask.width, mask.height, 1);
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
-      const Eigen::Vector2f p = camera.distorted() ? Source(camera, x, y) : Eigen::Vector2f(x, y);
-      if (Inside(mask, p) && Bilinear(mask, p.x(), p.y(), 0) > 127.5f) *out.at(x, y) = 255;
+      Eigen::Vector2f p = camera.distorted() ? Source(camera, x, y) : Eigen::Vector2f(x, y);
+      p = p.cwiseMax(0).cwiseMin(last);
+      if (Bilinear(mask, p.x(), p.y(), 0) > 127.5f) *out.at(x, y) = 255;
     }
   return out;
 }

@@ -65,5 +65,22 @@ TEST(PrepareView, UndistortsScalesAndCrops) {
             1e-9);
 }
 
+// The lens draws the picture's sides inwards: the undistorted picture shows more than the
+// photograph. A figure that the photograph cuts does not end there.
+TEST(PrepareView, AMaskThatThePhotographCutsReachesTheSide) {
+  View view;
+  view.camera = {
+      .width = 400, .height = 300, .fx = 380, .fy = 380, .cx = 200, .cy = 150, .k1 = 0.15};
+  const Image8 image(400, 300, 3, 90);
+  Image8 mask(400, 300, 1);
+  for (int y = 100; y < 200; ++y)
+    for (int x = 250; x < 400; ++x) *mask.at(x, y) = 255;
+  const PreparedView out = PrepareView(view, 0, image, mask, 1, 1);
+  ASSERT_EQ(out.levels.size(), 1u);
+  const GreyMask& grey = out.levels[0].grey;
+  EXPECT_TRUE(InMask(*grey.at(grey.width - 1, grey.height / 2)));
+  EXPECT_FALSE(InMask(*grey.at(0, grey.height / 2)));
+}
+
 }  // namespace
 }  // namespace keypose
