@@ -209,7 +209,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   const RefinedMasks refined = RefineInSpace(posed.images, posed.masks, posed.views, posed.boards,
                                              options.Masking(), space, &progress);
   ReportAgreement(stage, set, posed, refined);
-  if (in_room) RequireClearFigure(stage, Mean(refined.agreement), set.images[posed.index[0]].name);
+  if (in_room) RequireClearFigure(stage, figures, space, refined.masks);
   ReportConsensus(stage, posed, refined.consensus, &set);
   ReportTouched(stage, set, posed, refined);
   const fs::path folder = stage.Output("masked");
@@ -226,6 +226,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
     cells[i] = WriteOne(set, i, mask_of[i], backdrop_of[i], folder, set.images[i]);
   });
   set.folder = folder;
+  set.floor = std::isfinite(space.floor);
   WriteImageSet(set);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
 }

@@ -75,9 +75,13 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
 std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
                              const keypose::Mesh& surface, const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
-  const keypose::cleanup::Standing standing = keypose::cleanup::StandsOnGround(
-      surface, sight.views, sight.masks,
-      keypose::ReadImageSet(stage.Input("images")).board.has_value());
+  using keypose::cleanup::GroundKind;
+  const keypose::ImageSet set = keypose::ReadImageSet(stage.Input("images"));
+  const keypose::cleanup::Standing standing =
+      keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks,
+                                       set.board   ? GroundKind::kBoard
+                                       : set.floor ? GroundKind::kFloor
+                                                   : GroundKind::kGuessed);
   stage.Report("stands_on_ground", standing.stands);
   stage.Report("outlines_end_at", standing.contact);
   if (standing.stands) return 0.0;

@@ -95,11 +95,23 @@ TEST(StandsOnGround, NothingIsBelowABoard) {
   mesh.points.col(2).array() -= 0.02 * tall, seen.points.col(2).array() -= 0.02 * tall;
   const MaskShot low = Photograph(seen, {12, 40});
   EXPECT_FALSE(StandsOnGround(mesh, low.views, low.masks).stands);
-  EXPECT_TRUE(StandsOnGround(mesh, low.views, low.masks, true).stands);
+  EXPECT_TRUE(StandsOnGround(mesh, low.views, low.masks, GroundKind::kBoard).stands);
   // A board does not make it stand that is held above it.
   mesh.points.col(2).array() += 0.04 * tall, seen.points.col(2).array() += 0.04 * tall;
   const MaskShot high = Photograph(seen, {12, 40});
-  EXPECT_FALSE(StandsOnGround(mesh, high.views, high.masks, true).stands);
+  EXPECT_FALSE(StandsOnGround(mesh, high.views, high.masks, GroundKind::kBoard).stands);
+}
+
+// The plane is known: outlines need not end there. A camera that looks up from below shows soles.
+TEST(StandsOnGround, OnAKnownFloorUnlessCamerasLookUp) {
+  Mesh mesh = WithCap(), seen = TruePawn();
+  const double tall = seen.points.col(2).maxCoeff();
+  mesh.points.col(2).array() -= 0.07 * tall, seen.points.col(2).array() -= 0.07 * tall;
+  const MaskShot low = Photograph(seen, {12, 40});
+  EXPECT_FALSE(StandsOnGround(mesh, low.views, low.masks, GroundKind::kBoard).stands);
+  EXPECT_TRUE(StandsOnGround(mesh, low.views, low.masks, GroundKind::kFloor).stands);
+  const MaskShot lying = Photograph(seen, {12, 40, -30});
+  EXPECT_FALSE(StandsOnGround(mesh, lying.views, lying.masks, GroundKind::kFloor).stands);
 }
 
 TEST(MakeClosedManifold, SolesAreFlatAtTheGroundAndNothingLiesBelow) {

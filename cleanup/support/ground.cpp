@@ -74,7 +74,7 @@ int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::ve
 }  // namespace
 
 Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
-                        const std::vector<Image8>& masks, bool on_board) {
+                        const std::vector<Image8>& masks, GroundKind kind) {
   using Tuning = StandingTuning;
   Standing standing;
   const Vector3d low = surface.points.colwise().minCoeff().transpose(),
@@ -83,6 +83,8 @@ Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
   if (!(tall > 0)) return {false, 0, "it lies below z = 0"};
   if (AnyLooksUp(views, (low + high) / 2))
     return {false, 0, "photographs from below show its underside"};
+  if (kind == GroundKind::kFloor) return {true, 0, ""};
+  const bool on_board = kind == GroundKind::kBoard;
   const auto contact = FindGroundContact(
       views, masks, Vector3d(low.x(), low.y(), std::max(low.z(), -Tuning::kDeepestBelow * tall)),
       high);

@@ -12,6 +12,13 @@
 
 namespace keypose::cleanup {
 
+/// What is known of z = 0.
+enum class GroundKind {
+  kGuessed,  ///< where outlines or points seem to end
+  kBoard,    ///< the printed calibration board
+  kFloor     ///< a plane of points that the masks take for what the figure stands on
+};
+
 struct Standing {
   bool stands = false;
   double contact = 0;  ///< height along z at which the outlines end
@@ -26,9 +33,10 @@ struct Standing {
 /// @param surface  in the cameras' frame, z up
 /// @param masks  one for each view: 1 channel, above 127 where the figure is, of any size with the
 /// view's aspect ratio; empty: the view is ignored
-/// @param on_board  z = 0 is the printed calibration board, below which nothing can be: outlines
-/// that end up to 3 % of the height below it are too large there, as in a dark contact shadow
+/// @param kind  below the printed calibration board nothing can be: outlines that end up to 3 % of
+/// the height below it are too large there, as in a dark contact shadow. Of a floor, below which
+/// the masks have nothing either, it is only asked that no camera looks up from below
 Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
-                        const std::vector<Image8>& masks, bool on_board = false);
+                        const std::vector<Image8>& masks, GroundKind kind = GroundKind::kGuessed);
 
 }  // namespace keypose::cleanup

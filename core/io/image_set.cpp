@@ -167,6 +167,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
     if (root.contains("board")) set.board = BoardFrom(root.at("board"));
+    set.floor = root.value("floor", false);
     for (const json& entry : root.at("images")) set.images.push_back(ImageFrom(entry, set.board));
   } catch (const InputError& error) {
     throw InputError(file.string() + " is damaged (" + error.what() +
@@ -186,6 +187,7 @@ void WriteImageSet(const ImageSet& set) {
   root["schema"] = 1;
   root["camera_model"] = set.camera_model;
   root["images"] = json::array();
+  if (set.floor) root["floor"] = true;
   if (set.board)
     root["board"] = {{"dictionary", "DICT_5X5_100"},
                      {"columns", set.board->columns},

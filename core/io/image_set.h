@@ -48,6 +48,9 @@ struct ImageSet {
   std::string camera_model;
   /// the printed calibration board under the figure, when one was found
   std::optional<BoardLayout> board;
+  /// z = 0 of the cameras' frame is a plane that the figure stands on: `masks` found it among the
+  /// points, and nothing in the masks is below it
+  bool floor = false;
 
   std::filesystem::path ImagePath(int i) const { return folder / images[i].name; }
   std::filesystem::path MaskPath(int i) const { return folder / images[i].mask; }
