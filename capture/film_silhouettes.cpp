@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "capture/films/film_masks.h"
+#include "capture/films/view_agreement.h"
 #include "capture/pictures/working_image.h"
 #include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
@@ -12,8 +13,11 @@
 #include "core/errors.h"
 #include "core/figure_strokes.h"
 #include "core/io/png_io.h"
+#include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "views/shot/filmed_view.h"
+#include "views/shot/rig.h"
 
 namespace keypose::capture {
 namespace {
@@ -105,11 +109,11 @@ class CameraFilm {
   CameraFilm(const ShotCamera& camera, const FilmSilhouettesRequest& request)
       : camera_(camera), working_px_(request.mask_px) {}
 
-  void Learn(const Strokes& strokes, const AskNetwork& network, Progress* progress) {
+  /// @param frames  of the film from which those to learn from are chosen
+  void Learn(const Strokes& strokes, int frames, const AskNetwork& network, Progress* progress) {
     FrameReader reader(camera_.pictures);
     const std::vector<ToldFrame> told = strokes.In(camera_, reader, working_px_);
-    FilmSample sample =
-        SampleOf(reader, FramesToLearnFrom(camera_.frames(), told), working_px_, progress);
+    FilmSample sample = SampleOf(reader, FramesToLearnFrom(frames, told), working_px_, progress);
     try {
       masker_ = std::make_unique<FilmMasker>(std::move(sample), told, network, FilmMaskOptions{});
     } catch (const InputError& error) {
@@ -155,6 +159,145 @@ class CameraFilm {
   std::unique_ptr<FilmMasker> masker_;
 };
 
+/// The cameras' views for their pictures at working size.
+std::vector<View> ViewsOf(StageContext& stage, const std::filesystem::path& calibration,
+                          const std::vector<ShotCamera>& cameras, int working_px) {
+  const RigCalibration rig = ReadRigCalibration(calibration);
+  std::vector<std::string> names;
+  for (const ShotCamera& camera : cameras) names.push_back(camera.name);
+  std::vector<View> views = MatchedViews(rig, names, "silhouettes");
+  for (std::size_t c = 0; c < views.size(); ++c) {
+    const Image8 picture = FrameReader(cameras[c].pictures).Read(0, 3);
+    const FilmedView filmed = ViewForPictures(views[c], picture, rig.up, "silhouettes");
+    if (!filmed.note.empty()) stage.Note(filmed.note);
+    const Image8 small = WorkingImage(picture, working_px);
+    views[c] = filmed.view;
+    views[c].camera = filmed.view.camera.Scaled(static_cast<double>(small.width) / picture.width);
+    views[c].camera.width = small.width, views[c].camera.height = small.height;
+  }
+  return views;
+}
+
+/// Compares the cameras' learnt masks in space.
+class Comparison {
+ public:
+  explicit Comparison(std::vector<CameraFilm>& films) : films_(films) {
+    for (const int frame : films[0].masker().learnt_frames()) {
+      std::vector<std::size_t> at;
+      for (CameraFilm& film : films) {
+        const std::vector<int>& frames = film.masker().learnt_frames();
+        const auto found = std::lower_bound(frames.begin(), frames.end(), frame);
+        if (found != frames.end() && *found == frame) at.push_back(found - frames.begin());
+      }
+      if (at.size() == films.size()) common_.push_back(at);
+    }
+  }
+
+  /// Each camera learns from what the others say.
+  /// @return false: the masks meet nowhere
+  bool Teach(const std::vector<View>& views) {
+    const ViewAgreement agreement(views, Unions());
+    if (!agreement.meets()) return false;
+    Look(agreement);
+    for (std::size_t c = 0; c < films_.size(); ++c) {
+      constexpr double kLimit = 2.5;
+      const std::vector<float> odds = OddsOfDenials(masks_[c], denials_[c], kLimit);
+      std::vector<ImageF> heard;
+      for (const Image8& mask : films_[c].masker().learnt_masks())
+        heard.emplace_back(mask.width, mask.height, 1);
+      for (std::size_t i = 0; i < common_.size(); ++i)
+        for (std::size_t p = 0; p < denials_[c][i].data.size(); ++p)
+          heard[common_[i][c]].data[p] = odds[denials_[c][i].data[p]];
+      films_[c].masker().Listen(std::move(heard));
+    }
+    Look(agreement);
+    return true;
+  }
+
+  /// Share of a camera's masks that two other cameras, or all, do not see.
+  double Denied(std::size_t camera) const {
+    const int many = std::min(2, static_cast<int>(films_.size()) - 1);
+    double denied = 0, all = 1;
+    for (std::size_t i = 0; i < common_.size(); ++i)
+      for (std::size_t p = 0; p < masks_[camera][i].data.size(); ++p)
+        if (masks_[camera][i].data[p] > 127)
+          denied += denials_[camera][i].data[p] >= many, all += 1;
+    return denied / all;
+  }
+
+ private:
+  std::vector<Image8> Unions() const {
+    std::vector<Image8> unions;
+    for (CameraFilm& film : films_) {
+      Image8 all = film.masker().learnt_masks().front();
+      for (const Image8& mask : film.masker().learnt_masks())
+        for (std::size_t p = 0; p < all.data.size(); ++p)
+          all.data[p] = std::max(all.data[p], mask.data[p]);
+      unions.push_back(std::move(all));
+    }
+    return unions;
+  }
+
+  void Look(const ViewAgreement& agreement) {
+    masks_.assign(films_.size(), std::vector<Image8>(common_.size()));
+    denials_ = masks_;
+    ParallelFor(std::ssize(common_), [&](std::int64_t i) {
+      std::vector<Image8> masks;
+      for (std::size_t c = 0; c < films_.size(); ++c)
+        masks.push_back(films_[c].masker().learnt_masks()[common_[i][c]]);
+      std::vector<Image8> denials = agreement.LeastDenials(masks);
+      for (std::size_t c = 0; c < films_.size(); ++c) {
+        masks_[c][i] = std::move(masks[c]);
+        denials_[c][i] = std::move(denials[c]);
+      }
+    });
+  }
+
+  std::vector<CameraFilm>& films_;
+  std::vector<std::vector<std::size_t>> common_;  // for each frame that all learnt from, its places
+  std::vector<std::vector<Image8>> masks_, denials_;  // of these frames, camera by camera
+};
+
+void Compare(StageContext& stage, const std::filesystem::path& calibration,
+             const std::vector<ShotCamera>& cameras, int working_px,
+             std::vector<CameraFilm>& films) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kContradicts = 0.05;
+  if (calibration.empty() || cameras.size() < kFewest) return;
+  ReportProgress(stage.progress(), 0.35, "comparing cameras");
+  const std::vector<View> views = ViewsOf(stage, calibration, cameras, working_px);
+  Comparison comparison(films);
+  if (!comparison.Teach(views)) {
+    stage.Warn(
+        "the cameras' masks meet nowhere in space, so they were not compared: is the calibration "
+        "of these films?");
+    return;
+  }
+  double most = 0;
+  for (std::size_t c = 0; c < films.size(); ++c) {
+    const double denied = comparison.Denied(c);
+    most = std::max(most, denied);
+    if (denied < kContradicts) continue;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        ": of its masks %.0f %% lie where other cameras see nothing of the actor; look at "
+        "them, and click what is not the actor (--figure '!%s/FRAME:X,Y')",
+        100 * denied, cameras[c].name.c_str());
+    stage.Warn("camera " + cameras[c].name + text);
+  }
+  stage.Report("contradicted_share", most);
+}
+
+/// The frames from which a film's frames to learn from are chosen: films that are compared are
+/// looked at in the same frames.
+int FramesOf(const ShotCamera& camera, const std::vector<ShotCamera>& cameras, bool compared) {
+  if (!compared) return camera.frames();
+  int fewest = camera.frames();
+  for (const ShotCamera& other : cameras) fewest = std::min(fewest, other.frames());
+  return 20 * fewest >= 19 * camera.frames() ? fewest : camera.frames();
+}
+
 /// The network, or nothing; says that it is missing.
 AskNetwork NetworkFor(StageContext& stage, const FilmSilhouettesRequest& request,
                       std::unique_ptr<SalienceNetwork>& network) {
@@ -172,6 +315,7 @@ AskNetwork NetworkFor(StageContext& stage, const FilmSilhouettesRequest& request
 
 FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
                                           const std::vector<ShotCamera>& cameras,
+                                          const std::filesystem::path& calibration,
                                           const FilmSilhouettesRequest& request,
                                           const std::filesystem::path& out) {
   const Strokes strokes(request.figure, cameras);
@@ -181,11 +325,14 @@ FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
     std::unique_ptr<SalienceNetwork> network;
     const AskNetwork ask = NetworkFor(stage, request, network);
     for (std::size_t i = 0; i < films.size(); ++i) {
-      ReportProgress(stage.progress(), 0.4 * static_cast<double>(i) / SizeOf(films),
+      ReportProgress(stage.progress(), 0.35 * static_cast<double>(i) / SizeOf(films),
                      "learning " + cameras[i].name);
-      films[i].Learn(strokes, ask, stage.progress());
+      films[i].Learn(strokes, FramesOf(cameras[i], cameras, !calibration.empty()), ask,
+                     stage.progress());
     }
   }
+  Compare(stage, calibration, cameras, request.mask_px, films);
+  for (CameraFilm& film : films) film.masker().EndLearning();
   FilmSilhouettesCount count;
   for (std::size_t i = 0; i < films.size(); ++i) {
     const double from = 0.4 + 0.6 * static_cast<double>(i) / SizeOf(films);

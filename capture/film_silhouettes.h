@@ -23,11 +23,14 @@ struct FilmSilhouettesCount {
 
 /// Learns each camera's film and writes masks/CAMERA/000.png and on.
 /// @param cameras   those without a picture of the empty set
+/// @param calibration  of all cameras, to compare their masks in space; empty: they are not
+/// compared
 /// @param out       the folder masks
 /// @throws InputError  a camera in whose film nothing moves; names it
 /// @throws UsageError  a stroke in a camera or a frame that the films do not have
 FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
                                           const std::vector<ShotCamera>& cameras,
+                                          const std::filesystem::path& calibration,
                                           const FilmSilhouettesRequest& request,
                                           const std::filesystem::path& out);
 

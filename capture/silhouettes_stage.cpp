@@ -56,7 +56,10 @@ StageSpec Spec() {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg "
        "where there is a picture of the empty set",
-       "", false, false}};
+       "", false, false},
+      {"calibration", "path",
+       "the cameras, to compare their masks in space; for films without the empty set", "", true,
+       false}};
   spec.outputs = {
       {"masked", "folder", "masks/CAMERA/000.png ..., rate.json", "masked", false, false}};
   spec.memory_gib = 2;
@@ -145,8 +148,10 @@ void Run(StageContext& stage, const SilhouettesOptions& options) {
   SubProgress first(stage.progress(), 0, share);
   int empty = WriteByPlates(stage, with, options, out, &first);
   if (!without.empty()) {
+    const std::filesystem::path calibration =
+        stage.Has("calibration") ? stage.Input("calibration") : std::filesystem::path();
     const FilmSilhouettesRequest request{options.mask_px, options.figure, options.network};
-    empty += WriteFilmSilhouettes(stage, without, request, out).empty;
+    empty += WriteFilmSilhouettes(stage, without, calibration, request, out).empty;
   }
   int frames = 0;
   for (const ShotCamera& camera : shot.cameras) frames += camera.frames();

@@ -94,14 +94,20 @@ struct FilmMasker::Impl {
     for (const ExposureGain& gain : gains)
       exposure_change = std::max(exposure_change, std::abs(std::log2(gain[1])));
     const double radius = ModeRadius(lab);
-    const PixelModes modes = FindPixelModes(lab, radius);
+    PixelModes modes = FindPixelModes(lab, radius);
     FilmHints hints;
     Tell(told, hints);
     ChooseRegion(FindMovingRegions(modes), rgb, hints, network);
     Ask(rgb, network, hints);
-    LearntFilm learnt = LearnFilm(rgb, lab, modes, radius, region.area, hints, options);
-    model = std::move(learnt.model);
-    FollowFrom(FirstSample(learnt.masks, hints), learnt.masks, hints);
+    learning = std::make_unique<FilmLearning>(std::move(rgb), std::move(lab), std::move(modes),
+                                              radius, region.area, std::move(hints), options);
+    TakeOver();
+  }
+
+  void TakeOver() {
+    model = learning->model();
+    FollowFrom(FirstSample(learning->masks(), learning->hints()), learning->masks(),
+               learning->hints());
   }
 
   void Tell(const std::vector<ToldFrame>& told, FilmHints& hints) const {
@@ -192,6 +198,7 @@ struct FilmMasker::Impl {
   std::vector<int> frames;
   Image8 usual;  ///< the median of the sample
   MovingRegion region;
+  std::unique_ptr<FilmLearning> learning;  ///< until EndLearning
   FilmModel model;
   std::vector<Image8> actors;  ///< the masks of the sample
   bool was_told = false;
@@ -209,6 +216,13 @@ FilmMasker::FilmMasker(FilmMasker&&) noexcept = default;
 
 const std::vector<Image8>& FilmMasker::learnt_masks() const { return impl_->actors; }
 const std::vector<int>& FilmMasker::learnt_frames() const { return impl_->frames; }
+
+void FilmMasker::Listen(std::vector<ImageF> odds) {
+  impl_->learning->Listen(std::move(odds));
+  impl_->TakeOver();
+}
+
+void FilmMasker::EndLearning() { impl_->learning.reset(); }
 
 Image8 FilmMasker::Regions(const Image8& rgb) const {
   const Image8 even = WithGain(rgb, ExposureGainOf(rgb, impl_->usual));

@@ -43,6 +43,13 @@ class FilmMasker {
   const std::vector<Image8>& learnt_masks() const;
   const std::vector<int>& learnt_frames() const;
 
+  /// Learns again with log odds for each pixel of each learnt frame, such as other cameras give
+  /// them.
+  void Listen(std::vector<ImageF> odds);
+
+  /// Frees what was only for learning.
+  void EndLearning();
+
   /// All that looks like the actor in a frame, at working size. Several threads may call it.
   Image8 Regions(const Image8& rgb) const;
 

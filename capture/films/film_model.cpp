@@ -19,6 +19,7 @@ constexpr float kModeLimit = 4;  // log odds of a colour that is always on the s
 // The first rounds trust colours more: a leg that stands still all the time looks like the set
 // until its colour is known.
 constexpr float kFirstModeLimit = 1.5F;
+constexpr float kEvidence = 2.5F;       // log odds of the strongest evidence from motion
 constexpr float kTextureWeight = 0.5F;  // against that of edges
 constexpr float kOtherThanSet = 2;      // log odds of a colour that the pixel never had before
 constexpr double kReach = 0.06;  // of the longer side: so far from motion everything is the set
@@ -79,7 +80,7 @@ float FilmModel::ModeOdds(std::size_t pixel, const std::uint8_t* lab) const {
 }
 
 ImageF FilmModel::Odds(const Image8& rgb, const Image8& lab) const {
-  ImageF odds = colours_known_ ? colours_.Of(rgb, kColourLimit) : ImageF(rgb.width, rgb.height, 1);
+  ImageF odds = colours_.Of(rgb, kColourLimit);
   const auto limit = static_cast<float>(options_.odds_limit);
   for (std::size_t p = 0; p < odds.data.size(); ++p)
     odds.data[p] =
@@ -107,131 +108,139 @@ double FilmModel::set_known() const {
   return all > 0 ? known / all : 1;
 }
 
-class FilmLearning {
- public:
-  FilmLearning(const std::vector<Image8>& rgb, const std::vector<Image8>& lab,
-               const PixelModes& modes, const FilmHints& hints)
-      : rgb_(rgb), lab_(lab), modes_(modes), hints_(hints) {}
-
-  LearntFilm Learn(double radius, const Image8& area, const FilmMaskOptions& options) {
-    FilmModel& model = learnt_.model;
-    model.options_ = options, model.radius_ = radius, model.area_ = area;
-    model.modes_.width = modes_.width, model.modes_.height = modes_.height;
-    model.modes_.modes = modes_.modes;
-    model.prior_ = PriorOf(area, options.odds_limit);
-    Begin();
-    for (int round = 0; round < options.rounds; ++round) {
-      Cut();
-      const float done = static_cast<float>(round) / static_cast<float>(options.rounds);
-      TakeSides(kFirstModeLimit + done * (kModeLimit - kFirstModeLimit));
-      LearnColours();
-    }
+FilmLearning::FilmLearning(std::vector<Image8> rgb, std::vector<Image8> lab, PixelModes modes,
+                           double radius, const Image8& area, FilmHints hints,
+                           const FilmMaskOptions& options)
+    : rgb_(std::move(rgb)),
+      lab_(std::move(lab)),
+      modes_(std::move(modes)),
+      hints_(std::move(hints)) {
+  model_.options_ = options, model_.radius_ = radius, model_.area_ = area;
+  model_.modes_.width = modes_.width, model_.modes_.height = modes_.height;
+  model_.modes_.modes = modes_.modes;
+  model_.prior_ = PriorOf(area, options.odds_limit);
+  Begin();
+  for (int round = 0; round < options.rounds; ++round) {
     Cut();
-    return std::move(learnt_);
+    const float done = static_cast<float>(round) / static_cast<float>(options.rounds);
+    TakeSides(kFirstModeLimit + done * (kModeLimit - kFirstModeLimit));
+    LearnColours([&](std::size_t k) { return TrimapOf(masks_[k]); });
   }
+  Cut();
+}
 
- private:
-  /// Each colour's odds from edges and the network.
-  void Begin() {
-    FilmModel& model = learnt_.model;
-    model.mode_odds_ = EdgeEvidence(lab_, modes_, model.area_, model.radius_);
-    const std::vector<float> texture = TextureEvidence(lab_, modes_, model.area_, model.radius_);
-    for (std::size_t i = 0; i < texture.size(); ++i)
-      model.mode_odds_[i] += kTextureWeight * texture[i];
-    AddSalience();
-    for (float& odds : model.mode_odds_) odds *= kModeLimit;
-    FindSet();
+void FilmLearning::Listen(std::vector<ImageF> odds) {
+  constexpr int kRounds = 2;
+  heard_ = std::move(odds);
+  for (int round = 0; round < kRounds; ++round) {
+    Cut();
+    TakeSides(kModeLimit);
+    LearnColours([&](std::size_t k) { return TrimapOf(masks_[k]); });
   }
+  Cut();
+}
 
-  void AddSalience() {
-    std::vector<float> sum(modes_.modes.size(), 0), count(sum);
-    for (std::size_t k = 0; k < hints_.salience.size(); ++k) {
-      const Image8& salience = hints_.salience[k];
-      for (std::size_t p = 0; p < salience.data.size(); ++p) {
-        const std::uint8_t mode = modes_.labels[k].data[p];
-        if (mode == kNoMode || !learnt_.model.area_.data[p]) continue;
-        sum[p * kMostModes + mode] += Opinion(salience.data[p]);
-        count[p * kMostModes + mode] += 1;
-      }
-    }
-    for (std::size_t i = 0; i < sum.size(); ++i)
-      learnt_.model.mode_odds_[i] += sum[i] / (count[i] + 1);
+// Each colour's odds from edges and the network.
+void FilmLearning::Begin() {
+  model_.mode_odds_ = EdgeEvidence(lab_, modes_, model_.area_, model_.radius_);
+  const std::vector<float> texture = TextureEvidence(lab_, modes_, model_.area_, model_.radius_);
+  for (std::size_t i = 0; i < texture.size(); ++i)
+    model_.mode_odds_[i] += kTextureWeight * texture[i];
+  AddSalience();
+  for (float& odds : model_.mode_odds_) odds *= kEvidence;
+  FindSet();
+  LearnColours([&](std::size_t k) { return FirstTrimap(k); });
+}
+
+// Pixels whose evidence is strong enough to learn colours from.
+Image8 FilmLearning::FirstTrimap(std::size_t k) const {
+  constexpr float kStrong = 0.4F * kEvidence;
+  Image8 trimap(modes_.width, modes_.height, 1, kUnknown);
+  for (std::size_t p = 0; p < trimap.data.size(); ++p) {
+    if (model_.prior_.data[p] <= -model_.options_.odds_limit) trimap.data[p] = kBackground;
+    const std::uint8_t mode = modes_.labels[k].data[p];
+    if (!model_.area_.data[p] || mode == kNoMode) continue;
+    const float odds = model_.mode_odds_[p * kMostModes + mode];
+    if (std::abs(odds) > kStrong) trimap.data[p] = odds > 0 ? kObject : kBackground;
   }
+  return trimap;
+}
 
-  void LearnColours() {
-    ColorOdds colours;
-    const std::size_t count = std::min(kFramesForColours, rgb_.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t k = i * rgb_.size() / count;
-      colours.Add(rgb_[k], TrimapOf(learnt_.masks[k]));
-    }
-    for (std::size_t k = 0; k < hints_.told.size(); ++k)
-      if (!hints_.told[k].empty()) colours.Add(rgb_[k], hints_.told[k]);
-    colours.Finish();
-    learnt_.model.colours_ = std::move(colours);
-    learnt_.model.colours_known_ = true;
-  }
-
-  void Cut() {
-    learnt_.masks.resize(rgb_.size());
-    ParallelFor(std::ssize(rgb_), [&](std::int64_t i) {
-      const auto k = static_cast<std::size_t>(i);
-      ImageF odds = learnt_.model.Odds(rgb_[k], lab_[k]);
-      if (!hints_.told.empty() && !hints_.told[k].empty())
-        for (std::size_t p = 0; p < odds.data.size(); ++p)
-          if (const std::uint8_t told = hints_.told[k].data[p]; told != kUnknown)
-            odds.data[p] = told == kObject ? kTold : -kTold;
-      learnt_.masks[k] = learnt_.model.Regions(rgb_[k], odds);
-    });
-  }
-
-  /// Each colour of a pixel goes to the side on which the cuts have it.
-  void TakeSides(float limit) {
-    constexpr float kHalfSure = 2;  // frames that make a colour's side half sure
-    FilmModel& model = learnt_.model;
-    std::vector<float> inside(modes_.modes.size(), 0), count(inside);
-    for (std::size_t k = 0; k < rgb_.size(); ++k)
-      for (std::size_t p = 0; p < learnt_.masks[k].data.size(); ++p) {
-        const std::uint8_t mode = modes_.labels[k].data[p];
-        if (mode == kNoMode) continue;
-        inside[p * kMostModes + mode] += learnt_.masks[k].data[p] > 127;
-        count[p * kMostModes + mode] += 1;
-      }
-    for (std::size_t i = 0; i < count.size(); ++i)
-      model.mode_odds_[i] =
-          count[i] > 0 ? limit * (2 * inside[i] - count[i]) / (count[i] + kHalfSure) : 0;
-    FindSet();
-  }
-
-  /// The most frequent of each pixel's colours that are on the set's side; colours that may be its
-  /// shadow lean to that side too.
-  void FindSet() {
-    constexpr float kSetSide = -0.5F;
-    FilmModel& model = learnt_.model;
-    model.set_.assign(modes_.modes.size() / kMostModes, -1);
-    for (std::size_t p = 0; p < model.set_.size(); ++p) {
-      const PixelMode* modes = modes_.of(p);
-      float* odds = &model.mode_odds_[p * kMostModes];
-      if (!model.area_.data[p]) model.set_[p] = 0;
-      for (int m = 0; m < kMostModes && model.set_[p] < 0 && modes[m].share > 0; ++m)
-        if (odds[m] < kSetSide) model.set_[p] = static_cast<std::int8_t>(m);
-      if (model.set_[p] < 0) continue;
-      for (int m = 0; m < kMostModes && modes[m].share > 0; ++m)
-        if (m != model.set_[p] && MayBeShadow(modes[m].lab.data(), modes[model.set_[p]].lab.data()))
-          odds[m] -= kShadowLean;
+void FilmLearning::AddSalience() {
+  std::vector<float> sum(modes_.modes.size(), 0), count(sum);
+  for (std::size_t k = 0; k < hints_.salience.size(); ++k) {
+    const Image8& salience = hints_.salience[k];
+    for (std::size_t p = 0; p < salience.data.size(); ++p) {
+      const std::uint8_t mode = modes_.labels[k].data[p];
+      if (mode == kNoMode || !model_.area_.data[p]) continue;
+      sum[p * kMostModes + mode] += Opinion(salience.data[p]);
+      count[p * kMostModes + mode] += 1;
     }
   }
+  for (std::size_t i = 0; i < sum.size(); ++i) model_.mode_odds_[i] += sum[i] / (count[i] + 1);
+}
 
-  const std::vector<Image8>&rgb_, &lab_;
-  const PixelModes& modes_;
-  const FilmHints& hints_;
-  LearntFilm learnt_;
-};
+void FilmLearning::LearnColours(const std::function<Image8(std::size_t)>& trimap_of) {
+  ColorOdds colours;
+  const std::size_t count = std::min(kFramesForColours, rgb_.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = i * rgb_.size() / count;
+    colours.Add(rgb_[k], trimap_of(k));
+  }
+  for (std::size_t k = 0; k < hints_.told.size(); ++k)
+    if (!hints_.told[k].empty()) colours.Add(rgb_[k], hints_.told[k]);
+  colours.Finish();
+  model_.colours_ = std::move(colours);
+}
 
-LearntFilm LearnFilm(const std::vector<Image8>& rgb, const std::vector<Image8>& lab,
-                     const PixelModes& modes, double radius, const Image8& area,
-                     const FilmHints& hints, const FilmMaskOptions& options) {
-  return FilmLearning(rgb, lab, modes, hints).Learn(radius, area, options);
+void FilmLearning::Cut() {
+  masks_.resize(rgb_.size());
+  ParallelFor(std::ssize(rgb_), [&](std::int64_t i) {
+    const auto k = static_cast<std::size_t>(i);
+    ImageF odds = model_.Odds(rgb_[k], lab_[k]);
+    for (std::size_t p = 0; !heard_.empty() && p < odds.data.size(); ++p)
+      odds.data[p] += heard_[k].data[p];
+    if (!hints_.told.empty() && !hints_.told[k].empty())
+      for (std::size_t p = 0; p < odds.data.size(); ++p)
+        if (const std::uint8_t told = hints_.told[k].data[p]; told != kUnknown)
+          odds.data[p] = told == kObject ? kTold : -kTold;
+    masks_[k] = model_.Regions(rgb_[k], odds);
+  });
+}
+
+// Each colour of a pixel goes to the side on which the cuts have it.
+void FilmLearning::TakeSides(float limit) {
+  constexpr float kHalfSure = 2;  // frames that make a colour's side half sure
+  std::vector<float> inside(modes_.modes.size(), 0), count(inside);
+  for (std::size_t k = 0; k < rgb_.size(); ++k)
+    for (std::size_t p = 0; p < masks_[k].data.size(); ++p) {
+      const std::uint8_t mode = modes_.labels[k].data[p];
+      if (mode == kNoMode) continue;
+      inside[p * kMostModes + mode] += masks_[k].data[p] > 127;
+      count[p * kMostModes + mode] += 1;
+    }
+  for (std::size_t i = 0; i < count.size(); ++i)
+    model_.mode_odds_[i] =
+        count[i] > 0 ? limit * (2 * inside[i] - count[i]) / (count[i] + kHalfSure) : 0;
+  FindSet();
+}
+
+// The most frequent of each pixel's colours that are on the set's side; colours that may be its
+// shadow lean to that side too.
+void FilmLearning::FindSet() {
+  constexpr float kSetSide = -0.5F;
+  model_.set_.assign(modes_.modes.size() / kMostModes, -1);
+  for (std::size_t p = 0; p < model_.set_.size(); ++p) {
+    const PixelMode* modes = modes_.of(p);
+    float* odds = &model_.mode_odds_[p * kMostModes];
+    if (!model_.area_.data[p]) model_.set_[p] = 0;
+    for (int m = 0; m < kMostModes && model_.set_[p] < 0 && modes[m].share > 0; ++m)
+      if (odds[m] < kSetSide) model_.set_[p] = static_cast<std::int8_t>(m);
+    if (model_.set_[p] < 0) continue;
+    for (int m = 0; m < kMostModes && modes[m].share > 0; ++m)
+      if (m != model_.set_[p] && MayBeShadow(modes[m].lab.data(), modes[model_.set_[p]].lab.data()))
+        odds[m] -= kShadowLean;
+  }
 }
 
 }  // namespace keypose::capture

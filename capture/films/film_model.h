@@ -2,6 +2,7 @@
 // actor's, and the colours of both at large.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "capture/films/pixel_modes.h"
@@ -46,26 +47,44 @@ class FilmModel {
   std::vector<std::int8_t>
       set_;  // the pixel's mode that is the set's; -1: the film does not show it
   ColorOdds colours_;
-  bool colours_known_ = false;
   ImageF prior_;
   Image8 area_;
 };
 
-struct LearntFilm {
-  FilmModel model;
-  std::vector<Image8> masks;  ///< of the frames that were learnt from
-};
-
-/// Learns from frames spread over the film. First evidence are edges (EdgeEvidence), the network
-/// and what a person said; then colours and frames teach each other in rounds: the frames are cut,
-/// and each pixel's colours go to the side on which the cuts have them.
-///
-/// @param rgb, lab  frames of the film's usual exposure, at least one
-/// @param modes     of these frames
-/// @param area      255 where the actor moves; far from it everything is the set
+/// Learns from frames spread over the film. First evidence are edges (EdgeEvidence), texture, the
+/// network and what a person said; then colours and frames teach each other in rounds: the frames
+/// are cut, and each pixel's colours go to the side on which the cuts have them.
 /// Same bits for any thread count.
-LearntFilm LearnFilm(const std::vector<Image8>& rgb, const std::vector<Image8>& lab,
-                     const PixelModes& modes, double radius, const Image8& area,
-                     const FilmHints& hints, const FilmMaskOptions& options);
+class FilmLearning {
+ public:
+  /// @param rgb, lab  frames of the film's usual exposure, at least one
+  /// @param modes     of these frames
+  /// @param area      255 where the actor moves; far from it everything is the set
+  FilmLearning(std::vector<Image8> rgb, std::vector<Image8> lab, PixelModes modes, double radius,
+               const Image8& area, FilmHints hints, const FilmMaskOptions& options);
+
+  /// Two more rounds with log odds for each pixel of each frame, such as other cameras give them.
+  void Listen(std::vector<ImageF> odds);
+
+  const FilmModel& model() const { return model_; }
+  const std::vector<Image8>& masks() const { return masks_; }  ///< of the frames
+  const FilmHints& hints() const { return hints_; }
+
+ private:
+  void Begin();
+  void AddSalience();
+  Image8 FirstTrimap(std::size_t k) const;
+  void LearnColours(const std::function<Image8(std::size_t)>& trimap_of);
+  void Cut();
+  void TakeSides(float limit);
+  void FindSet();
+
+  std::vector<Image8> rgb_, lab_;
+  PixelModes modes_;
+  FilmHints hints_;
+  std::vector<ImageF> heard_;
+  FilmModel model_;
+  std::vector<Image8> masks_;
+};
 
 }  // namespace keypose::capture

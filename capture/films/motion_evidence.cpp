@@ -13,8 +13,11 @@ namespace {
 /// What lies beside the border of what moves in one frame.
 class Border {
  public:
-  Border(const Image8& lab, const Image8& usual, const cv::Mat& moving, double radius)
-      : lab_(lab), usual_(usual), moving_(moving), radius_(radius) {
+  /// @param steady  how steadily each pixel shows its usual colour, in [0, 1]: beside a pixel that
+  /// often shows another, the usual picture may be the actor
+  Border(const Image8& lab, const Image8& usual, const cv::Mat& steady, const cv::Mat& moving,
+         double radius)
+      : lab_(lab), usual_(usual), steady_(steady), moving_(moving), radius_(radius) {
     sum_ = cv::Mat::zeros(moving.size(), CV_32F), count_ = sum_.clone();
     for (int y = kBeside; y + kBeside < moving.rows; ++y)
       for (int x = kBeside; x + kBeside < moving.cols; ++x) Add(x, y);
@@ -49,20 +52,30 @@ class Border {
       const double edge = ModeDistance(lab_.at(ax, ay), lab_.at(bx, by)),
                    usual = ModeDistance(usual_.at(ax, ay), usual_.at(bx, by));
       const auto value = static_cast<float>(std::clamp((edge - usual) / (2 * radius_), -1.0, 1.0));
-      Put(x, y, here ? value : -value);
-      Put(x + dx, y + dy, here ? -value : value);
+      const float weight = here ? steady_.at<float>(by, bx) : steady_.at<float>(ay, ax);
+      Put(x, y, here ? value : -value, weight);
+      Put(x + dx, y + dy, here ? -value : value, weight);
     }
   }
-  void Put(int x, int y, float value) {
-    sum_.at<float>(y, x) += value;
-    count_.at<float>(y, x) += 1;
+  void Put(int x, int y, float value, float weight) {
+    sum_.at<float>(y, x) += weight * value;
+    count_.at<float>(y, x) += weight;
   }
 
   const Image8 &lab_, &usual_;
-  const cv::Mat& moving_;
+  const cv::Mat &steady_, &moving_;
   double radius_;
   cv::Mat sum_, count_;
 };
+
+cv::Mat Steadiness(const PixelModes& modes) {
+  constexpr double kUnsteady = 0.55, kSteady = 0.9;  // share of frames with the usual colour
+  cv::Mat steady(modes.height, modes.width, CV_32F);
+  for (std::size_t p = 0; p < steady.total(); ++p)
+    steady.ptr<float>()[p] = static_cast<float>(
+        std::clamp((modes.of(p)->share / 255.0 - kUnsteady) / (kSteady - kUnsteady), 0.0, 1.0));
+  return steady;
+}
 
 Image8 UsualPicture(const PixelModes& modes) {
   Image8 usual(modes.width, modes.height, 3);
@@ -123,6 +136,7 @@ cv::Mat Moves(const cv::Mat& texture, const cv::Mat& change, double radius) {
 std::vector<float> EdgeEvidence(const std::vector<Image8>& lab, const PixelModes& modes,
                                 const Image8& area, double radius) {
   const Image8 usual = UsualPicture(modes);
+  const cv::Mat steady = Steadiness(modes);
   std::vector<cv::Mat> evidence(lab.size());
   ParallelFor(std::ssize(lab), [&](std::int64_t k) {
     cv::Mat moving = cv::Mat::zeros(modes.height, modes.width, CV_8U);
@@ -130,7 +144,7 @@ std::vector<float> EdgeEvidence(const std::vector<Image8>& lab, const PixelModes
     for (std::size_t p = 0; p < moving.total(); ++p)
       if (area.data[p] && label.data[p] != 0) moving.data[p] = 255;
     cv::medianBlur(moving, moving, 3);
-    evidence[k] = Border(lab[k], usual, moving, radius).Spread();
+    evidence[k] = Border(lab[k], usual, steady, moving, radius).Spread();
   });
   return SumOverFrames(evidence, modes, area);
 }
