@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/board/board_survey.h"
+#include "capture/calibrate_options.h"
 #include "capture/rig/point_placement.h"
 #include "capture/rig/rig_calibrator.h"
 #include "core/errors.h"
@@ -30,54 +31,6 @@ constexpr double kMostFocalError = 0.02;
 constexpr int kReportEvery = 10;   // batches of frames
 constexpr int kSurveyed = 24;      // frames of a camera that tell which board it is
 constexpr int kLensPictures = 60;  // of a camera
-
-struct CalibrateOptions {
-  std::string board = "auto";
-  int board_columns = 0, board_rows = 0;
-  double board_square_mm = 1000 * BoardLayout{}.square_m;
-  int every = 5;
-  int floor_frame = 0;
-
-  BoardWish Wish() const {
-    BoardWish wish;
-    if (board == "charuco") wish.kind = BoardPattern::Kind::kCharuco;
-    if (board == "checkerboard") wish.kind = BoardPattern::Kind::kCheckerboard;
-    wish.columns = board_columns, wish.rows = board_rows;
-    wish.square_m = board_square_mm / 1000;
-    return wish;
-  }
-  void Describe(OptionVisitor& visit) {
-    visit("board", board,
-          {.help = "what is printed on the board; auto: found in the pictures",
-           .choices = {"auto", "charuco", "checkerboard"}});
-    visit("board_columns", board_columns,
-          {"squares along the board's one side, where they are not found in the pictures; a "
-           "checkerboard of 7 x 4 inner corners has 8 x 5; 0: found",
-           "",
-           0,
-           100,
-           {}});
-    visit("board_rows", board_rows, {"squares along its other side; 0: found", "", 0, 100, {}});
-    visit("board_square_mm", board_square_mm,
-          {"side of a square, as measured on the print", "mm", 2, 500, {}});
-    visit("every", every, {"only every so many frames are looked at", "frames", 1, 1000, {}});
-    visit("floor_frame", floor_frame,
-          {"the frame in which the board lies on the floor: it becomes z = 0 and the origin",
-           "",
-           0,
-           1e6,
-           {}});
-  }
-  std::vector<std::string> Problems() const {
-    if ((board_columns == 0) != (board_rows == 0))
-      return {"board_columns and board_rows belong together: give both, or none"};
-    if (board_columns == 0) return {};
-    BoardPattern pattern;
-    pattern.kind = BoardPattern::Kind::kCheckerboard;
-    pattern.layout.columns = board_columns, pattern.layout.rows = board_rows;
-    return pattern.Problems();
-  }
-};
 
 StageSpec Spec() {
   StageSpec spec;
@@ -105,7 +58,6 @@ StageSpec Spec() {
 }
 
 std::string Fixed(double x, int digits) { return fmt::format("{:.{}f}", x, digits); }
-
 /// Looks for the board in the films of all cameras, and tells the user while it does what is still
 /// missing.
 class BoardFinder {
@@ -270,14 +222,16 @@ void ReportRig(StageContext& stage, const RigResult& result) {
                     {"corners", r.corners},
                     {"coverage", r.coverage},
                     {"shared", r.shared}});
-    stage.Note(name + ": " + Fixed(r.rms_px, 2) + " px over " + std::to_string(r.corners) +
-               " corners of " + std::to_string(r.boards) + " boards, " +
-               Fixed(100 * r.coverage, 0) + " % of the picture, " + std::to_string(r.shared) +
-               " boards shared with other cameras");
+    stage.Note(
+        fmt::format("{}: {:.2f} px over {} corners of {} boards, {:.0f} % of the picture, {} "
+                    "boards shared with other cameras",
+                    name, r.rms_px, r.corners, r.boards, 100 * r.coverage, r.shared));
     WarnOfCoverage(stage, name, r.coverage);
     if (r.rms_px > kMostRms)
-      stage.Warn("camera " + name + " misses the corners by " + Fixed(r.rms_px, 1) +
-                 " px: the board was bent, moved fast, or the films do not begin together");
+      stage.Warn(
+          fmt::format("camera {} misses the corners by {:.1f} px: the board was bent, moved "
+                      "fast, or the films do not begin together",
+                      name, r.rms_px));
   }
   stage.ReportJson("cameras", rows.dump());
   stage.Report("rms_px", result.rms_px);
@@ -319,8 +273,10 @@ std::vector<View> LensesOfPictures(StageContext& stage, const CalibrateOptions& 
                     100 * lens.coverage, lens.camera.fx));
     WarnOfCoverage(stage, camera.name, lens.coverage);
     if (lens.rms_px > kMostRms)
-      stage.Warn("the lens of camera " + camera.name + " misses the corners by " +
-                 Fixed(lens.rms_px, 1) + " px: the board was bent or moved fast");
+      stage.Warn(
+          fmt::format("the lens of {} misses the corners by {:.1f} px: the board was bent or "
+                      "moved fast",
+                      camera.name, lens.rms_px));
     View view;
     view.name = camera.name, view.camera = lens.camera;
     lenses.push_back(view);
@@ -439,12 +395,31 @@ std::vector<View> PlacedByPoints(StageContext& stage, const std::vector<View>& l
   return views;
 }
 
+/// The frame whose board becomes the floor: the one that was said, or, where nobody said one and
+/// the first frame shows no board, the first that does.
+int FloorFrame(StageContext& stage, const CalibrateOptions& options, const BoardFinder& finder,
+               int least_corners) {
+  int first = -1;
+  for (const BoardSighting& s : finder.sightings()) {
+    if (s.partial || SizeOf(s.corners) < least_corners) continue;
+    if (s.frame == options.floor_frame) return s.frame;
+    if (first < 0 || s.frame < first) first = s.frame;
+  }
+  if (first < 0 || options.floor_frame != 0) return options.floor_frame;
+  stage.Warn(
+      "no camera saw the board in frame 0: the world is that of the board in frame " +
+      std::to_string(first) +
+      ", whose z points up only if it lay on the floor then; give floor_frame, or tell later "
+      "steps what is up");
+  return first;
+}
+
 std::vector<View> PlacedByBoard(StageContext& stage, const CalibrateOptions& options,
                                 const std::vector<View>& lenses) {
   BoardFinder finder(stage, OpenShot(stage.Input("video")).cameras, 0.8);
   finder.LookTogether(options);
   RigCalibratorOptions rig;
-  rig.floor_frame = options.floor_frame;
+  rig.floor_frame = FloorFrame(stage, options, finder, rig.least_corners);
   rig.turns = finder.pattern().Turns();
   if (!lenses.empty()) rig.lenses = LensesFor(stage, lenses, finder.cameras());
   SubProgress solving(stage.progress(), 0.8, 1);

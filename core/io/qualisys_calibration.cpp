@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/errors.h"
-#include "core/io/rig_parts.h"
 
 namespace keypose {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/io/rig_calibration.h"
+#include "core/io/rig_parts.h"
 
 namespace keypose {
 

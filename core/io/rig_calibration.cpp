@@ -257,8 +257,8 @@ RigCalibration ReadCalibration(const fs::path& path, bool lens_only) {
   return rig;
 }
 
-std::string YamlOf(const std::vector<View>& views, bool places) {
-  std::string text = "%YAML:1.0\n---\nunit: m\n";
+std::string YamlOf(const std::vector<View>& views, bool places, bool metres) {
+  std::string text = std::string("%YAML:1.0\n---\n") + (metres ? "unit: m\n" : "");
   const auto matrix = [&](const char* name, int rows, int cols, const std::vector<double>& data) {
     text +=
         fmt::format("  {}: !!opencv-matrix\n    rows: {}\n    cols: {}\n    dt: d\n    data: [ ",
@@ -289,9 +289,11 @@ RigCalibration ReadRigCalibration(const fs::path& path) { return ReadCalibration
 
 RigCalibration ReadLensCalibration(const fs::path& path) { return ReadCalibration(path, true); }
 
-std::string OpenCvYaml(const std::vector<View>& views) { return YamlOf(views, true); }
+std::string OpenCvYaml(const std::vector<View>& views, bool metres) {
+  return YamlOf(views, true, metres);
+}
 
-std::string OpenCvLensYaml(const std::vector<View>& views) { return YamlOf(views, false); }
+std::string OpenCvLensYaml(const std::vector<View>& views) { return YamlOf(views, false, true); }
 
 std::vector<int> MatchCameraNames(const std::vector<std::string>& cameras,
                                   const std::vector<View>& views) {

@@ -2,24 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
+#include "core/io/rig_parts.h"
 
 namespace keypose {
-
-/// Cameras in one world. What is up, and where the origin lies, is the file's choice.
-struct RigCalibration {
-  std::vector<View> views;  ///< in the file's order; the name is the camera's
-  std::string format;       ///< "OpenCV YAML", "COLMAP model", "Qualisys", "matrices"
-  /// length of the world's unit [m]; 0 where the format does not say
-  double metres_per_unit = 0;
-  /// the world's direction that points up, where the format fixes it (Qualisys: z)
-  std::optional<Eigen::Vector3d> up;
-  std::vector<std::string> notes;  ///< what was assumed or left out, for the user
-};
 
 /// Reads what the path holds, by content:
 /// - OpenCV YAML: a folder with a file for each camera (its name is the camera's), or one file with
@@ -39,8 +28,9 @@ RigCalibration ReadRigCalibration(const std::filesystem::path& path);
 /// The same, where cameras in OpenCV YAML may have no place: lenses alone.
 RigCalibration ReadLensCalibration(const std::filesystem::path& path);
 
-/// One OpenCV YAML file with a node for each camera, in metres.
-std::string OpenCvYaml(const std::vector<View>& views);
+/// One OpenCV YAML file with a node for each camera.
+/// @param metres  places are in metres, and the file says so
+std::string OpenCvYaml(const std::vector<View>& views, bool metres = true);
 
 /// The same without places: what ReadLensCalibration reads.
 std::string OpenCvLensYaml(const std::vector<View>& views);

@@ -79,11 +79,13 @@ std::optional<Answer> Bordered(const Question& q) {
   const double scale = std::min(across, along);
   const int whole = rows ? q.film.height : q.film.width;
   const double border = (whole - scale * (rows ? q.camera.height : q.camera.width)) / 2;
-  const int first = BlackLines(q.picture, rows, false), last = BlackLines(q.picture, rows, true);
+  int first = BlackLines(q.picture, rows, false), last = BlackLines(q.picture, rows, true);
   constexpr double kLeeway_px = 2;  // sizes are rounded to even numbers
   if (first < 1 || last < 1 || std::abs(first - border) > kLeeway_px ||
       std::abs(last - border) > kLeeway_px)
     return {};
+  // The scene beside a border may be black as well, or bleed into it: alike to a pixel is alike.
+  if (std::abs(first - last) <= 1) first = last = static_cast<int>(std::lround(border));
   const double shown =
       static_cast<double>(whole - first - last) / (rows ? q.camera.height : q.camera.width);
   const Eigen::Array2d scales = rows ? Eigen::Array2d(across, shown) : Eigen::Array2d(shown, along);
@@ -191,7 +193,7 @@ FilmedView ViewForPictures(const View& calibrated, const Image8& picture,
   }
   filmed.view.camera = answer->camera;
   if (!answer->note.empty())
-    filmed.note = fmt::format("{}: the film of camera {} {}", stage, calibrated.name, answer->note);
+    filmed.note = fmt::format("the film of camera {} {}", calibrated.name, answer->note);
   return filmed;
 }
 

@@ -56,7 +56,7 @@ TEST(ViewForPictures, HalfTheSizeIsScaledAndSaid) {
   const FilmedView film = ViewForPictures(Calibrated(), Framed(544, 960, 0, 0), {}, "track");
   EXPECT_LT(Apart(film.view, Calibrated(), [](const Vector2d& p) { return Vector2d(p / 2); }),
             1e-9);
-  EXPECT_THAT(film.note, HasSubstr("track: the film of camera cam1 has 544 x 960 pixels"));
+  EXPECT_THAT(film.note, HasSubstr("the film of camera cam1 has 544 x 960 pixels"));
   EXPECT_THAT(film.note, HasSubstr("1088 x 1920: scaled by 0.5"));
 }
 
