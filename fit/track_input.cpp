@@ -9,6 +9,7 @@
 #include "core/name_list.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "fit/tracking/camera_turns.h"
 #include "views/shot/filmed_view.h"
 #include "views/shot/rig.h"
 
@@ -127,6 +128,15 @@ void TrackInput::MakeCameras() {
   for (const View& view : views_) {
     const double side = std::max(view.camera.width, view.camera.height);
     cameras_.emplace_back(view, std::min(1.0, kMaskSide / side));
+  }
+}
+
+void TrackInput::TurnCameras(const std::vector<Vector3d>& turns) {
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    View& view = views_[used_[i]];
+    view.camera_from_world = TurnedBy(view.camera_from_world, turns[i]);
+    const double side = std::max(view.camera.width, view.camera.height);
+    cameras_[used_[i]] = SilhouetteCamera(view, std::min(1.0, kMaskSide / side));
   }
 }
 

@@ -47,6 +47,8 @@ class TrackInput {
 
   /// Silhouettes of the used cameras in frames [first, first + count); negative steps go backwards.
   std::vector<std::vector<Silhouette>> Read(int first, int count, int step = 1);
+  /// Turns the used cameras about their centres, by rotation vectors in world [rad].
+  void TurnCameras(const std::vector<Eigen::Vector3d>& turns);
   /// One camera's mask in a frame, at full size; and its picture, RGB (the mask where there is
   /// none).
   Image8 Mask(int camera, int frame);

@@ -14,6 +14,7 @@
 #include "core/io/frame_folder.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/render.h"
 #include "core/size_of.h"
@@ -23,6 +24,7 @@
 #include "fit/track_output.h"
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/calm_take.h"
+#include "fit/tracking/camera_turns.h"
 #include "fit/tracking/second_look.h"
 #include "fit/tracking/tracker.h"
 
@@ -32,6 +34,9 @@ namespace {
 constexpr int kBatch = 8;          // frames that are read at once
 constexpr double kUnseenDeg = 20;  // an angle less sure than this counts as not seen
 constexpr int kGoodCameras = 8, kFewCameras = 5;
+constexpr int kTurnFrames = 24, kLeastTurnFrames = 8;  // that tell how a camera is turned
+constexpr double kLeastTurn_px = 2;                    // of the reduced pictures
+constexpr double kTurnGain = 0.9;                      // of the outlines' cost, at most
 
 struct TrackOptions {
   int actor_frame = 0;
@@ -90,7 +95,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",
@@ -107,6 +112,9 @@ StageSpec Spec() {
       {"motion", "file", "the motion (.bvh), y up", "motion.bvh", false, false},
       {"clocks", "file", "offsets between the films' clocks, for video3d (.json)", "clocks.json",
        true, false},
+      {"rig", "file",
+       "the cameras for the films' pictures, turned back where one was touched (OpenCV YAML)",
+       "rig.yml", true, false},
       {"picture", "file", "the template over the film (.jpg)", "tracked.jpg", true, false}};
   spec.memory_gib = 1;
   spec.common = {"actor_frame", "cameras", "height_m", "fps", "calm"};
@@ -270,6 +278,37 @@ void RefineActor(TrackInput& input, const TrackOptions& options,
   actor->pose = tracked[std::min(options.actor_frame, input.frames() - 1)].pose;
 }
 
+/// Turns cameras back that were touched since they were calibrated, where the outlines of many
+/// frames say so.
+/// @return whether any was
+bool TurnCameras(StageContext& stage, TrackInput& input, const BodyShape& shape,
+                 const std::vector<TrackedFrame>& tracked) {
+  const int count = std::min(kTurnFrames, input.frames());
+  if (count < kLeastTurnFrames) return false;
+  std::vector<TurnFrame> frames;
+  for (int i = 0; i < count; ++i) {
+    const int f = static_cast<int>((i + 0.5) * input.frames() / count);
+    frames.push_back({input.Read(f, 1)[0], tracked[f].pose});
+  }
+  const CameraTurns found = FindCameraTurns(std::move(frames), shape);
+  const double most = *std::max_element(found.shift_px.begin(), found.shift_px.end());
+  if (most < kLeastTurn_px || found.after > kTurnGain * found.before) return false;
+  input.TurnCameras(found.turns);
+  for (std::size_t i = 0; i < found.turns.size(); ++i) {
+    if (found.shift_px[i] < kLeastTurn_px) continue;
+    const View& view = input.cameras()[input.used()[i]].view();
+    const double full = view.camera.fx / input.cameras()[input.used()[i]].pinhole().fx;
+    char text[160];
+    std::snprintf(text, sizeof text, "by %.1f degrees (%.0f pixels)",
+                  found.turns[i].norm() * 180 / kPi, full * found.shift_px[i]);
+    stage.Warn("by the outlines of all frames camera " + view.name + " is turned " + text +
+               " against its calibration: it was touched since, or calibrated roughly; it is "
+               "turned back for this motion, but calibrate the cameras again, by clicked points "
+               "for example");
+  }
+  return true;
+}
+
 void WarnOfCameras(StageContext& stage, const TrackInput& input) {
   const int count = SizeOf(input.used());
   if (count >= kFewCameras) return;
@@ -361,6 +400,16 @@ void WriteFrames(StageContext& stage, const TrackInput& input, const BodyShape& 
   WriteBvh(stage.Output("motion"), clip);
 }
 
+/// In the unit of the calibration, as the frames.
+std::string CamerasText(const TrackInput& input) {
+  std::vector<View> views;
+  for (const SilhouetteCamera& camera : input.cameras()) {
+    views.push_back(camera.view());
+    views.back().camera_from_world.translation /= input.metres_per_unit();
+  }
+  return OpenCvYaml(views, input.metres_per_unit() == 1);
+}
+
 void WritePicture(StageContext& stage, TrackInput& input, const BodyShape& shape,
                   const std::vector<TrackedFrame>& frames) {
   const std::filesystem::path path = stage.Output("picture");
@@ -400,6 +449,8 @@ void Run(StageContext& stage, const TrackOptions& options) {
   if (!has_actor && options.actor_frames > 1 && input.frames() > 1) {
     const std::vector<TrackedFrame> rough = TrackAll(input, actor.shape, actor.pose, at, &first);
     SubProgress refining(stage.progress(), 0.5, 0.6);
+    // A camera that was touched bends the body; turned back, it lets the others say how it is.
+    TurnCameras(stage, input, actor.shape, rough);
     RefineActor(input, options, rough, &actor, &refining);
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -419,6 +470,7 @@ void Run(StageContext& stage, const TrackOptions& options) {
   WriteFrames(stage, input, actor.shape, frames, fps);
   if (const auto clocks = stage.Output("clocks"); !clocks.empty())
     WriteFile(clocks, ClocksText(input.offsets(), input.cameras()));
+  if (const auto rig = stage.Output("rig"); !rig.empty()) WriteFile(rig, CamerasText(input));
   WritePicture(stage, input, actor.shape, frames);
 }
 
