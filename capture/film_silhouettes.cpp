@@ -196,12 +196,13 @@ class Comparison {
   /// Each camera learns from what the others say.
   /// @return false: the masks meet nowhere
   bool Teach(const std::vector<View>& views) {
-    const ViewAgreement agreement(views, Unions());
+    const std::vector<Image8> unions = Unions();
+    const ViewAgreement agreement(views, unions);
     if (!agreement.meets()) return false;
     Look(agreement);
     for (std::size_t c = 0; c < films_.size(); ++c) {
       constexpr double kLimit = 2.5;
-      const std::vector<float> odds = OddsOfDenials(masks_[c], denials_[c], kLimit);
+      const std::vector<float> odds = OddsOfDenials(masks_[c], denials_[c], unions[c], kLimit);
       std::vector<ImageF> heard;
       for (const Image8& mask : films_[c].masker().learnt_masks())
         heard.emplace_back(mask.width, mask.height, 1);

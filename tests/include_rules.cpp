@@ -115,9 +115,11 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
     return from + " may not include " + to;
   }
   if (IsTest(file) && from.starts_with("core") && to.starts_with("core")) return "";
-  // files.h depends on no format: it reads and writes whole files, which the stage's report needs
-  // too.
-  if (from == "core/stage" && included == "core/io/files.h") return "";
+  // They depend on no format: files.h reads and writes whole files, which the stage's report needs,
+  // too, and shared_files.h finds those whose versions the stage describes.
+  if (from == "core/stage" &&
+      (included == "core/io/files.h" || included == "core/io/shared_files.h"))
+    return "";
   if (to == "core" && from != "core") return "";
   const bool reads_files = from == "synth" || from == "pipeline" || from == "studio";
   if (to == "core/io" && reads_files) return "";

@@ -25,7 +25,7 @@ class Border {
 
   /// Evidence that each pixel shows a thing before the set, near the border.
   cv::Mat Spread() const {
-    const int window = 2 * std::max(4, std::max(moving_.rows, moving_.cols) / 50) + 1;
+    const int window = 2 * std::max(2, std::max(moving_.rows, moving_.cols) / 170) + 1;
     cv::Mat near_sum, near_count, result(moving_.size(), CV_32F);
     for (const bool inside : {true, false}) {
       cv::Mat side = inside ? cv::Mat(moving_ != 0) : cv::Mat(moving_ == 0), sum, count;

@@ -175,20 +175,25 @@ std::vector<Image8> ViewAgreement::LeastDenials(const std::vector<Image8>& masks
 }
 
 std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
-                                 const std::vector<Image8>& denials, double limit) {
-  std::array<double, kMostDenials + 1> inside{}, all{};
+                                 const std::vector<Image8>& denials, const Image8& area,
+                                 double limit) {
+  constexpr float kOneMayErr = -0.3F;  // a camera alone may have lost a limb
+  std::array<std::array<double, kMostDenials + 1>, 2> count{};  // of the set, of the actor
+  std::array<double, 2> all{};
   for (std::size_t k = 0; k < masks.size(); ++k)
     for (std::size_t p = 0; p < masks[k].data.size(); ++p) {
-      const std::uint8_t d = denials[k].data[p];
-      inside[d] += masks[k].data[p] > 127;
-      all[d] += 1;
+      if (!area.data[p]) continue;
+      const bool actor = masks[k].data[p] > 127;
+      count[actor][denials[k].data[p]] += 1, all[actor] += 1;
     }
-  constexpr float kOneMayErr = -0.3F;  // a camera alone may have lost a limb
   std::vector<float> odds;
-  for (std::size_t d = 0; d <= kMostDenials; ++d)
-    odds.push_back(static_cast<float>(
-        std::clamp(std::log((inside[d] + 1) / (all[d] - inside[d] + 1)), -limit, limit)));
+  for (std::size_t d = 0; d <= kMostDenials; ++d) {
+    const double of_actor = (count[1][d] + 1) / (all[1] + 1),
+                 of_set = (count[0][d] + 1) / (all[0] + 1);
+    odds.push_back(static_cast<float>(std::clamp(std::log(of_actor / of_set), -limit, limit)));
+  }
   odds[1] = std::max(odds[1], kOneMayErr);
+  for (std::size_t d = 1; d <= kMostDenials; ++d) odds[d] = std::min(odds[d], odds[d - 1]);
   return odds;
 }
 

@@ -35,10 +35,13 @@ class ViewAgreement {
   std::vector<std::vector<std::uint8_t>> reach_;   // for each camera half a place's width [px]
 };
 
-/// Log odds that a pixel is the actor's for each number of denials, as the masks of a camera have
-/// it, within +-limit.
+/// What each number of denials says: ln p(number | actor) / p(number | set), as a camera's own
+/// masks have it, within +-limit. One denial says hardly anything against the actor: a camera alone
+/// may have lost a limb.
 /// @param masks, denials  of one camera, frame by frame, of one size
+/// @param area            255 where the actor may be
 std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
-                                 const std::vector<Image8>& denials, double limit);
+                                 const std::vector<Image8>& denials, const Image8& area,
+                                 double limit);
 
 }  // namespace keypose::capture
