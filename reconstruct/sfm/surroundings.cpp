@@ -26,7 +26,7 @@ struct SurroundingsTuning {
   /// of the longer side: places so far outside of the mask are not the figure's
   KEYPOSE_TUNED(double, kOutside, 0.03);
   /// matches outside of the masks, on the median of these pairs
-  KEYPOSE_TUNED(int, kFewest, 30);
+  KEYPOSE_TUNED(int, kFewest, 10);
   KEYPOSE_TUNED(double, kNearlyAll, 0.9);  ///< share of the photographs
 };
 
