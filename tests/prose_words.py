@@ -55,6 +55,8 @@ LATER_SECTIONS = {
     'docs/file-formats.md': ('Pins', 'Clips, rigs', 'The shot', 'Clicks', 'The finished shot', 'Textures of frames',
                              'Armatures'),
     'docs/pipeline.md': ('Poses from meshes', 'A filmed shot', 'A performance', 'What the figure is'),
+    'docs/stages/sfm.md': ('In a room',),
+    'docs/stages/masks.md': ('In a room',),
     'docs/stages/export.md': ('A texture for each frame', 'Blender by the add-on', 'FBX', 'Point caches', 'USD', 'The film', 'Few morph targets',
                               'Numbered files'),
 }
