@@ -26,7 +26,7 @@ constexpr int kSideBySide = 24;  // frames that are masked side by side
 
 /// Puts a stroke into a frame's trimap, a few pixels wide.
 void Draw(const FigureStroke& stroke, const Image8& picture, Image8& trimap) {
-  constexpr int kWidth = 2;
+  constexpr int kWidth = 1;
   std::vector<Eigen::Vector2d> points = stroke.points;
   for (Eigen::Vector2d& point : points)
     point =

@@ -141,8 +141,6 @@ struct FilmMasker::Impl {
         const double weight = regions[i].amount * SalienceOf(regions[i], middle, network);
         if (weight > highest) highest = weight, best = i;
       }
-    } else {
-      was_told = true;
     }
     for (std::size_t i = 0; i < regions.size(); ++i)
       if (i != best && regions[i].amount > kRival * regions[best].amount)
@@ -155,7 +153,7 @@ struct FilmMasker::Impl {
       throw InputError(
           "nothing moves in the film, so the actor cannot be told from the set; put a picture of "
           "the empty set at background/CAMERA.jpg beside the films");
-    if (!network || was_told) return;
+    if (!network) return;
     hints.salience.resize(rgb.size());
     const cv::Rect part = SquareAround(region, rgb[0].width, rgb[0].height);
     for (int i = 0; i < kAsked; ++i) {
@@ -200,8 +198,7 @@ struct FilmMasker::Impl {
   MovingRegion region;
   std::unique_ptr<FilmLearning> learning;  ///< until EndLearning
   FilmModel model;
-  std::vector<Image8> actors;  ///< the masks of the sample
-  bool was_told = false;
+  std::vector<Image8> actors;         ///< the masks of the sample
   double exposure_change = 0;         ///< largest, in stops
   std::vector<std::string> rivals{};  ///< places of other things that move
   Image8 before;                      ///< the mask of the last frame

@@ -1,6 +1,7 @@
 #include "capture/films/film_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -43,15 +44,62 @@ float Opinion(std::uint8_t salience) {
   return salience > kSure ? 1.0F : salience < kSureNot ? -0.7F : 0.0F;
 }
 
+int ReachOf(const Image8& area) {
+  return std::max(4, static_cast<int>(std::lround(kReach * std::max(area.width, area.height))));
+}
+
+/// The median colour of what is told of one side.
+std::array<std::uint8_t, 3> ToldColour(const Image8& lab, const Image8& told, std::uint8_t side) {
+  std::array<std::vector<std::uint8_t>, 3> values;
+  for (std::size_t p = 0; p < told.data.size(); ++p)
+    for (std::size_t c = 0; told.data[p] == side && c < 3; ++c)
+      values[c].push_back(lab.data[3 * p + c]);
+  std::array<std::uint8_t, 3> median{};
+  for (std::size_t c = 0; c < 3 && !values[c].empty(); ++c) {
+    const auto middle = values[c].begin() + static_cast<std::ptrdiff_t>(values[c].size() / 2);
+    std::nth_element(values[c].begin(), middle, values[c].end());
+    median[c] = *middle;
+  }
+  return median;
+}
+
+/// A stroke means the patch that it lies on: what is told spreads to neighbours of nearly the
+/// stroke's median colour; a stroke that goes a little too far does not spread there.
+void GrowTold(const Image8& lab, double radius, Image8& told) {
+  struct Grown {
+    cv::Point at, from;
+  };
+  const double step = 0.5 * radius, patch = 1.5 * radius;
+  const int reach = ReachOf(told);
+  const std::array<std::uint8_t, 3> colours[] = {ToldColour(lab, told, kBackground),
+                                                 ToldColour(lab, told, kObject)};
+  std::vector<Grown> open;
+  for (int y = 0; y < told.height; ++y)
+    for (int x = 0; x < told.width; ++x)
+      if (*told.at(x, y) != kUnknown) open.push_back({{x, y}, {x, y}});
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const Grown here = open[i];
+    const std::uint8_t side = *told.at(here.at.x, here.at.y);
+    for (const cv::Point& to : {here.at + cv::Point(1, 0), here.at - cv::Point(1, 0),
+                                here.at + cv::Point(0, 1), here.at - cv::Point(0, 1)}) {
+      if (!cv::Rect(0, 0, told.width, told.height).contains(to) ||
+          *told.at(to.x, to.y) != kUnknown || cv::norm(to - here.from) > reach)
+        continue;
+      const std::uint8_t* colour = lab.at(to.x, to.y);
+      if (ModeDistance(colour, lab.at(here.at.x, here.at.y)) > step ||
+          ModeDistance(colour, colours[side == kObject].data()) > patch)
+        continue;
+      *told.at(to.x, to.y) = side;
+      open.push_back({to, here.from});
+    }
+  }
+}
+
 cv::Rect Around(const Image8& area, int margin) {
   const cv::Rect box = cv::boundingRect(MatOf(area));
   if (box.empty()) return {0, 0, area.width, area.height};
   return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
          cv::Rect(0, 0, area.width, area.height);
-}
-
-int ReachOf(const Image8& area) {
-  return std::max(4, static_cast<int>(std::lround(kReach * std::max(area.width, area.height))));
 }
 
 /// 0 where things move, down to -limit beyond the reach.
@@ -119,6 +167,8 @@ FilmLearning::FilmLearning(std::vector<Image8> rgb, std::vector<Image8> lab, Pix
   model_.modes_.width = modes_.width, model_.modes_.height = modes_.height;
   model_.modes_.modes = modes_.modes;
   model_.prior_ = PriorOf(area, options.odds_limit);
+  for (std::size_t k = 0; k < hints_.told.size(); ++k)
+    if (!hints_.told[k].empty()) GrowTold(lab_[k], radius, hints_.told[k]);
   Begin();
   for (int round = 0; round < options.rounds; ++round) {
     Cut();
@@ -148,6 +198,7 @@ void FilmLearning::Begin() {
     model_.mode_odds_[i] += kTextureWeight * texture[i];
   AddSalience();
   for (float& odds : model_.mode_odds_) odds *= kEvidence;
+  TakeTold();
   FindSet();
   LearnColours([&](std::size_t k) { return FirstTrimap(k); });
 }
@@ -222,7 +273,19 @@ void FilmLearning::TakeSides(float limit) {
   for (std::size_t i = 0; i < count.size(); ++i)
     model_.mode_odds_[i] =
         count[i] > 0 ? limit * (2 * inside[i] - count[i]) / (count[i] + kHalfSure) : 0;
+  TakeTold();
   FindSet();
+}
+
+// What a person said of a pixel in one frame holds wherever it has the same colour.
+void FilmLearning::TakeTold() {
+  constexpr float kSaid = 1.5F * kModeLimit;
+  for (std::size_t k = 0; k < hints_.told.size(); ++k)
+    for (std::size_t p = 0; p < hints_.told[k].data.size(); ++p) {
+      const std::uint8_t mode = modes_.labels[k].data[p];
+      if (hints_.told[k].data[p] == kUnknown || mode == kNoMode) continue;
+      model_.mode_odds_[p * kMostModes + mode] = hints_.told[k].data[p] == kObject ? kSaid : -kSaid;
+    }
 }
 
 // The most frequent of each pixel's colours that are on the set's side; colours that may be its

@@ -77,6 +77,7 @@ class FilmLearning {
   void LearnColours(const std::function<Image8(std::size_t)>& trimap_of);
   void Cut();
   void TakeSides(float limit);
+  void TakeTold();
   void FindSet();
 
   std::vector<Image8> rgb_, lab_;
