@@ -1,11 +1,16 @@
 // `keypose calibrate` as a user runs it, on rendered pictures of a board.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
+#include "capture/board/testing/seen_board.h"
 #include "core/errors.h"
+#include "core/fit_view.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/io/known_points_io.h"
 #include "core/io/rig_calibration.h"
 #include "core/io/testing_folder.h"
@@ -105,6 +110,72 @@ TEST(CalibrateProgram, BoardPicturesGiveTheLensAndClickedPointsThePlace) {
                                      folder.path());
   ASSERT_EQ(again.exit_code, 0) << again.output;
   EXPECT_EQ(ReadFile(folder.path() / "again.yml"), ReadFile(folder.path() / "rig.yml"));
+}
+
+/// Four webcams of 640 x 480 on an arc, the second and the fourth turned by a quarter.
+std::vector<View> Webcams() {
+  std::vector<View> views;
+  constexpr double kRolls[] = {0, 90, 0, -90};
+  for (int c = 0; c < 4; ++c) {
+    const double a = 0.4 * c - 0.6;
+    View view;
+    view.name = "port_" + std::to_string(c);
+    view.camera = {640, 480, 620, 620, 324, 237, 0, 0, 0, 0};
+    const Eigen::Quaterniond roll(
+        Eigen::AngleAxisd(kRolls[c] * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()));
+    view.camera_from_world =
+        Compose({roll, Eigen::Vector3d::Zero()},
+                LookAt({2 * std::sin(a), -1.9 * std::cos(a), 1 + 0.15 * c}, {0, 0, 0.75}));
+    views.push_back(view);
+  }
+  return views;
+}
+
+/// A board of an afternoon's print, inverted, held into the room in so many places.
+void FilmBoard(const std::vector<View>& webcams, const fs::path& shot, int frames) {
+  capture::BoardPattern board = capture::Charuco(4, 5, 0);  // DICT_4X4_50
+  board.inverted = true;
+  for (int f = 0; f < frames; ++f) {
+    Rigid3 world_from_board;
+    world_from_board.rotation =
+        Eigen::AngleAxisd(0.5 * std::sin(1.7 * f), Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(1.0 + 0.4 * std::sin(0.9 * f), Eigen::Vector3d::UnitX()) *
+        Eigen::AngleAxisd(0.4 * std::cos(1.3 * f), Eigen::Vector3d::UnitY());
+    world_from_board.translation = {0.3 * std::sin(0.7 * f), 0.25 * std::cos(1.1 * f) - 0.2,
+                                    0.75 + 0.3 * std::sin(0.5 * f)};
+    for (int c = 0; c < 4; ++c) {
+      capture::Seeing seeing;
+      seeing.view = webcams[c], seeing.noise = 3, seeing.blur_px = 0.8;
+      seeing.view.camera_from_world = Compose(webcams[c].camera_from_world, world_from_board);
+      const fs::path folder = shot / webcams[c].name;
+      fs::create_directories(folder);
+      WriteImage(folder / (std::to_string(f) + ".png"),
+                 capture::Photograph(board, seeing, 4 * f + c + 1));
+    }
+  }
+}
+
+TEST(CalibrateProgram, AnInvertedBoardInFourWebcamsTwoOfThemTurnedPlacesThem) {
+  const TestingFolder folder;
+  const std::vector<View> truth = Webcams();
+  FilmBoard(truth, folder.path() / "shot", 16);
+  const RunResult run = RunProgram({"keypose-calibrate", "--video", "shot", "--calibration",
+                                    "rig.yml", "--every", "1", "--board_square_mm", "50"},
+                                   folder.path());
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_NE(run.output.find("a ChArUco board of 4 x 5 squares, DICT_4X4_50, printed inverted"),
+            std::string::npos)
+      << run.output;
+  const std::vector<View> found = ReadRigCalibration(folder.path() / "rig.yml").views;
+  ASSERT_EQ(found.size(), 4u);
+  PointsX3 centers(4, 3), expected(4, 3);
+  for (int c = 0; c < 4; ++c) {
+    EXPECT_NEAR(found[c].camera.fx, 620, 6) << c;
+    centers.row(c) = found[c].Center().transpose(), expected.row(c) = truth[c].Center().transpose();
+  }
+  const Similarity3 moved = FitSimilarity(centers, expected, {}, false);
+  // squares of 11 to 25 pixels tell a webcam's distance to half a percent
+  EXPECT_LT((Transformed(moved, centers) - expected).rowwise().norm().maxCoeff(), 0.012);
 }
 
 TEST(CalibrateProgram, NothingToCalibrateFromIsAUsageError) {

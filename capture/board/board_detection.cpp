@@ -7,7 +7,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/board/markers.h"
+#include "capture/board/print_match.h"
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "core/tuned.h"
 
 namespace keypose::capture {
@@ -392,19 +394,34 @@ cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f&
   return distance;
 }
 
-std::vector<BoardCorner> CornersIn(const Image8& picture, const BoardPattern& pattern,
-                                   bool thorough) {
-  const BoardLayout& board = pattern.layout;
-  const BoardMap rough(PlacedMarkers(picture, pattern, thorough), board.square_m);
+/// Corners that the picture shows, from points whose places on the board are known roughly.
+std::vector<BoardCorner> CornersFrom(const MarkerPoints& points, const cv::Mat& grey,
+                                     const BoardInk& ink, const BoardLayout& board) {
+  const BoardMap rough(points, board.square_m);
   if (!rough.found()) return {};
-  const cv::Mat grey(picture.height, picture.width, CV_8UC1,
-                     const_cast<std::uint8_t*>(picture.data.data()));
-  const BoardInk ink(pattern);
   const std::vector<BoardCorner> first = FitCorners(grey, rough, ink, board);
   // Marker corners have errors of half a pixel, which distort the patches. The detected corners
   // give better predictions.
   const BoardMap fine(PointsOf(first, board), board.square_m);
   return fine.found() ? FitCorners(grey, fine, ink, board) : first;
+}
+
+std::vector<BoardCorner> CornersIn(const Image8& picture, const BoardPattern& pattern,
+                                   bool thorough) {
+  const BoardLayout& board = pattern.layout;
+  const cv::Mat grey(picture.height, picture.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.data.data()));
+  const BoardInk ink(pattern);
+  std::vector<BoardCorner> corners =
+      CornersFrom(PlacedMarkers(picture, pattern, thorough), grey, ink, board);
+  constexpr int kSmall_px = 1000;  // of a picture whose markers may be a dozen pixels
+  constexpr double kEnlarged = 2.5, kEnough = 0.9;
+  if (!thorough || std::max(picture.width, picture.height) > kSmall_px ||
+      SizeOf(corners) >= kEnough * board.CornerCount())
+    return corners;
+  std::vector<BoardCorner> matched =
+      CornersFrom(PointsOf(MatchPrint(picture, pattern, kEnlarged), board), grey, ink, board);
+  return matched.size() > corners.size() ? matched : corners;
 }
 
 }  // namespace

@@ -79,21 +79,16 @@ std::optional<Saddle> RingOf(const cv::Mat& grey, const Point& at, double radius
   return saddle;
 }
 
-/// How much of a saddle each pixel is: the Hessian's negative determinant.
-cv::Mat SaddleResponse(const cv::Mat& grey) {
-  cv::Mat smooth, xx, yy, xy;
+/// Where the Hessian's negative determinant peaks, and a ring agrees.
+std::vector<Saddle> SaddlesOf(const cv::Mat& grey) {
+  constexpr float kLeastResponse = 3;  // of a contrast of kSectorContrast after the blur
+  cv::Mat smooth, xx, yy, xy, highest;
   grey.convertTo(smooth, CV_32F);
   cv::GaussianBlur(smooth, smooth, {0, 0}, 1.5);
   cv::Sobel(smooth, xx, CV_32F, 2, 0, 3, 0.25);
   cv::Sobel(smooth, yy, CV_32F, 0, 2, 3, 0.25);
   cv::Sobel(smooth, xy, CV_32F, 1, 1, 3, 0.25);
-  return xy.mul(xy) - xx.mul(yy);
-}
-
-std::vector<Saddle> SaddlesOf(const cv::Mat& grey) {
-  constexpr float kLeastResponse = 3;  // of a contrast of kSectorContrast after the blur
-  const cv::Mat response = SaddleResponse(grey);
-  cv::Mat highest;
+  const cv::Mat response = xy.mul(xy) - xx.mul(yy);
   cv::dilate(response, highest, cv::Mat::ones(5, 5, CV_8U));
   std::vector<Saddle> saddles;
   for (int y = 2; y < grey.rows - 2; ++y)
@@ -344,11 +339,12 @@ std::map<Cell, int> AboutEvenSquares(const cv::Mat& grey, const std::map<Cell, i
 }
 
 /// A grid without what belongs to no square, and with what the first search missed.
-std::map<Cell, int> Mended(const cv::Mat& grey, std::map<Cell, int> cells,
+std::map<Cell, int> Mended(const cv::Mat& grey, bool even, std::map<Cell, int> cells,
                            std::vector<Saddle>* saddles) {
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
-    cells = AboutEvenSquares(grey, Agreeing(cells, *saddles), *saddles);
+    cells = Agreeing(cells, *saddles);
+    if (even) cells = AboutEvenSquares(grey, cells, *saddles);
     Trim(&cells);
     if (SizeOf(cells) < kLeastSide * kLeastSide) return {};
     const std::size_t before = cells.size();
@@ -359,7 +355,8 @@ std::map<Cell, int> Mended(const cv::Mat& grey, std::map<Cell, int> cells,
 }
 
 /// The largest grid of all seeds.
-std::map<Cell, int> LargestGrid(const cv::Mat& grey, std::vector<Saddle>* saddles) {
+/// @param even  of squares without anything in them
+std::map<Cell, int> LargestGrid(const cv::Mat& grey, bool even, std::vector<Saddle>* saddles) {
   const int seeds = SizeOf(*saddles);
   std::vector<bool> tried(saddles->size(), false);
   std::map<Cell, int> best;
@@ -370,7 +367,7 @@ std::map<Cell, int> LargestGrid(const cv::Mat& grey, std::vector<Saddle>* saddle
     for (const auto& [cell, saddle] : cells)
       if (saddle < seeds) tried[saddle] = true;
     if (cells.size() <= best.size() / 2) continue;
-    cells = Mended(grey, std::move(cells), saddles);
+    cells = Mended(grey, even, std::move(cells), saddles);
     if (cells.size() > best.size()) best = std::move(cells);
   }
   return best;
@@ -416,10 +413,8 @@ CheckerGrid Ordered(const std::map<Cell, int>& cells, const std::vector<Saddle>&
     return votes > 0;
   };
   const int turns = grid.columns == grid.rows ? 4 : 2;
-  for (int i = 0; i < turns && !first_dark(); ++i) {
-    turn();
-    if (turns == 2) turn();
-  }
+  for (int i = 0; i < turns && !first_dark(); ++i)
+    for (int quarter = 0; quarter < 4 / turns; ++quarter) turn();
   grid.first_dark = first_dark();
   for (const Placed& p : placed)
     grid.corners.push_back({p.column, p.row, Eigen::Vector2d(p.saddle->at.x, p.saddle->at.y)});
@@ -455,13 +450,12 @@ void Refine(const cv::Mat& grey, double factor, CheckerGrid* grid) {
     }
     fine.emplace_back(at[0].x, at[0].y);
   }
-  std::size_t i = 0;
-  for (CheckerGrid::Corner& corner : grid->corners) {
+  for (int i = 0; i < SizeOf(fine); ++i) {
+    CheckerGrid::Corner& corner = grid->corners[i];
     // One that ran away is no corner, or hidden.
     const double most = 0.2 * Spacing(*grid, corner);
     if ((fine[i] - corner.pixel).norm() < most) corner.pixel = fine[i];
     corner.pixel.array() += 0.5;
-    ++i;
   }
 }
 
@@ -478,7 +472,7 @@ CheckerGrid FindCheckerboard(const Image8& image) {
     cv::Mat small = grey;
     if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
     std::vector<Saddle> saddles = SaddlesOf(small);
-    const std::map<Cell, int> cells = LargestGrid(small, &saddles);
+    const std::map<Cell, int> cells = LargestGrid(small, true, &saddles);
     if (cells.size() > best.corners.size()) best = Ordered(cells, saddles), best_factor = factor;
     if (best.whole() && best.rows > kLeastSide) break;
     if (factor == 1 && side > whole) break;
@@ -486,6 +480,19 @@ CheckerGrid FindCheckerboard(const Image8& image) {
   if (best.columns < kLeastSide || best.rows < kLeastSide) return {};
   Refine(grey, best_factor, &best);
   return best;
+}
+
+CheckerGrid FindCornerGrid(const Image8& grey, double enlarged) {
+  const cv::Mat view(grey.height, grey.width, CV_8UC1, const_cast<std::uint8_t*>(grey.data.data()));
+  cv::Mat large;
+  cv::resize(view, large, {}, enlarged, enlarged, cv::INTER_CUBIC);
+  std::vector<Saddle> saddles = SaddlesOf(large);
+  const std::map<Cell, int> cells = LargestGrid(large, false, &saddles);
+  CheckerGrid grid;
+  if (!cells.empty()) grid = Ordered(cells, saddles);
+  for (CheckerGrid::Corner& corner : grid.corners)
+    corner.pixel = (corner.pixel.array() + 0.5) / enlarged;
+  return grid;
 }
 
 }  // namespace keypose::capture

@@ -32,4 +32,8 @@ struct CheckerGrid {
 /// features", CVIU 2014; growing a grid as in Geiger et al., ICRA 2012; subpixel places by OpenCV.
 CheckerGrid FindCheckerboard(const Image8& image);
 
+/// The same, whatever is inside of the squares, such as markers; the corners are not refined.
+/// @param enlarged  how much larger the picture is made first, >= 1: small squares need it
+CheckerGrid FindCornerGrid(const Image8& grey, double enlarged);
+
 }  // namespace keypose::capture
