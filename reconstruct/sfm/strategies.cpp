@@ -24,6 +24,8 @@ struct FewPointsTuning {
   KEYPOSE_TUNED(double, kLeastObservations, 100);  ///< of a view, on average
 };
 
+constexpr std::size_t kFocalsOfWhole = 3;
+
 /// The model after another adjustment with a robust loss. Known poses stay fixed; models without
 /// observations of points and boards stay unchanged.
 PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& options,
@@ -98,13 +100,19 @@ StrategyResult PlaceByFeatures(const StrategyContext& context, const SfmFiles& f
 StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const SfmFiles& files,
                                          const MatchedFeatures& matched, const SetBoards& boards) {
   StrategyResult best = PlaceByFeatures(context, files, matched, boards);
-  if (context.IsSettled(best)) return best;
-  const std::vector<double> focals = FocalsToTry(matched);
+  const auto is_found = [&](const StrategyResult& result) {
+    return matched.whole ? HasNearlyAll(context, result) : context.IsSettled(result);
+  };
+  if (is_found(best)) return best;
+  std::vector<double> focals = FocalsToTry(matched);
+  // Whole photographs determine the focal length: a start from far off is enough.
+  if (matched.whole && focals.size() > kFocalsOfWhole) focals.resize(kFocalsOfWhole);
   for (std::size_t k = 1; k < focals.size(); ++k) {
     ColmapDatabase(files.database).SetFocals(WithFocal(matched.lenses, focals[k]));
     StrategyResult result = PlaceByFeatures(context, files, matched, boards);
     if (result.views() > 0 && result.evidence.Score() > best.evidence.Score())
       best = std::move(result);
+    if (matched.whole && is_found(best)) break;
   }
   if (focals.size() > 1) ColmapDatabase(files.database).SetFocals(matched.lenses);
   return best;
@@ -169,7 +177,7 @@ StrategyResult PlaceBySurroundings(const StrategyContext& context, const fs::pat
       best = std::move(result);
       matched = std::move(found);
     }
-    if (context.IsSettled(best)) break;
+    if (HasNearlyAll(context, best)) break;
   }
   MeasureSurroundings(check, matched, best);
   return best;

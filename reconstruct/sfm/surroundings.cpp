@@ -27,7 +27,8 @@ struct SurroundingsTuning {
   KEYPOSE_TUNED(double, kOutside, 0.03);
   /// matches outside of the masks, on the median of these pairs
   KEYPOSE_TUNED(int, kFewest, 10);
-  KEYPOSE_TUNED(double, kNearlyAll, 0.9);  ///< share of the photographs
+  KEYPOSE_TUNED(double, kEnough, 0.9);      ///< share of the photographs
+  KEYPOSE_TUNED(double, kNearlyAll, 0.98);  ///< likewise
 };
 
 /// Photographs in pairs of neighbours, spread over the set.
@@ -106,6 +107,12 @@ bool HasSurroundings(const StrategyContext& context, const fs::path& scratch) {
 }
 
 bool IsEnough(const StrategyContext& context, const StrategyResult& result) {
+  return IsSure(result.evidence) &&
+         static_cast<double>(result.views()) >=
+             SurroundingsTuning::kEnough * static_cast<double>(context.set.images.size());
+}
+
+bool HasNearlyAll(const StrategyContext& context, const StrategyResult& result) {
   return IsSure(result.evidence) &&
          static_cast<double>(result.views()) >=
              SurroundingsTuning::kNearlyAll * static_cast<double>(context.set.images.size());

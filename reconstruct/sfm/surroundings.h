@@ -18,6 +18,9 @@ bool HasSurroundings(const StrategyContext& context, const std::filesystem::path
 /// matches agree.
 bool IsEnough(const StrategyContext& context, const StrategyResult& result);
 
+/// Whether hardly any photograph is left to be placed by more features or another focal length.
+bool HasNearlyAll(const StrategyContext& context, const StrategyResult& result);
+
 /// Adds which share of the matches lies on the masks and around them, and what was left behind.
 void MeasureSurroundings(const EvidenceCheck& check, const MatchedFeatures& matched,
                          StrategyResult& result);
