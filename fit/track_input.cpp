@@ -42,13 +42,32 @@ double UnitOfHeight(double height) {
   return 0;
 }
 
+/// The shot, with masks from another folder where the stage has them.
+Shot ShotWithMasks(const StageContext& stage, const std::filesystem::path& folder) {
+  Shot shot = OpenShot(folder);
+  if (!stage.Has("masks")) return shot;
+  const Shot masks = OpenShot(stage.Input("masks"));
+  for (ShotCamera& camera : shot.cameras)
+    for (const ShotCamera& other : masks.cameras) {
+      if (other.name != camera.name || other.masks.empty()) continue;
+      if (!camera.pictures.empty() && other.masks.frames != camera.pictures.frames)
+        throw InputError("track: camera " + camera.name + " has " +
+                         std::to_string(camera.pictures.frames) + " frames but " +
+                         std::to_string(other.masks.frames) +
+                         " masks in --masks; a mask for each frame is needed");
+      camera.masks = other.masks;
+    }
+  if (!(shot.frames_per_second > 0)) shot.frames_per_second = masks.frames_per_second;
+  return shot;
+}
+
 }  // namespace
 
 TrackInput::~TrackInput() = default;
 
 TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_folder,
                        const TrackInputOptions& options)
-    : shot_(OpenShot(shot_folder)) {
+    : shot_(ShotWithMasks(stage, shot_folder)) {
   if (!shot_.has_masks())
     throw InputError(
         "track: the shot " + shot_folder.filename().string() +

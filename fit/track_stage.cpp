@@ -104,6 +104,8 @@ StageSpec Spec() {
        "", false, false},
       {"calibration", "path", "cameras: OpenCV YAML, a COLMAP model, Qualisys' text, or matrices",
        "", false, false},
+      {"masks", "folder", "masks/CAMERA/ of the films; by default those beside the films", "", true,
+       false},
       {"actor", "file", "actor.json of an earlier run with the same actor", "", true, false}};
   spec.outputs = {
       {"frames", "folder",
