@@ -1,5 +1,6 @@
 // keypose-capture: a folder of photographs to checked images with masks.
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/reduced_image.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -28,21 +30,32 @@ using namespace keypose::capture;
 
 constexpr int kCellWidth = 240;
 constexpr int kPreview_px = 640;
+// for more photographs, comparing all pairs would take too long
+constexpr std::size_t kMostCompared = 60;
 
 /// Whether some photographs, spread over the set, show the calibration board.
 bool ShowsBoard(const PhotographImport& import, const CaptureOptions& options) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
-  std::vector<char> seen(probes, 0);
+  std::atomic<bool> seen = false;
   ParallelFor(static_cast<std::int64_t>(probes), [&](std::int64_t k) {
+    if (seen) return;
     const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
     try {
-      seen[k] = !FindBoard(LoadUpright(import, i, import.files[i], 3), options.Board()).empty();
+      const Image8 image = LoadReduced(import, i, DetailEighths(import, i));
+      if (!FindBoard(image, options.Board()).empty()) seen = true;
     } catch (const InputError&) {
       // A damaged photograph is reported later, with all the others.
     }
   });
-  return std::find(seen.begin(), seen.end(), 1) != seen.end();
+  return seen;
+}
+
+/// Eighths that suffice for the working image; ordinary photographs are decoded whole.
+int SegmentedEighths(const PhotographImport& import, std::size_t i, const CaptureOptions& options) {
+  if (DetailEighths(import, i) == 8) return 8;
+  const Size size = WrittenSize(import, i);
+  return EighthsFor(size.width, size.height, 2 * options.mask_px);
 }
 
 /// Decodes everything once, which also detects truncated files, and searches the calibration board.
@@ -52,13 +65,17 @@ void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptio
   import.board_corners.resize(import.files.size());
   import.boards.resize(import.files.size());
   ForEachPhotograph(import, stage.progress(), "cannot be used", [&](std::size_t i) {
-    const Image8 image = LoadUpright(import, i, import.files[i], 3);
+    const int eighths =
+        with_board ? DetailEighths(import, i) : SegmentedEighths(import, i, options);
+    const Image8 image = LoadReduced(import, i, eighths);
     import.small[i] = WorkingImage(image, options.mask_px);
     if (!with_board) return;
-    import.board_corners[i] = FindBoard(image, options.Board());
-    import.boards[i] = OddsOfBoard(import.small[i], import.board_corners[i],
+    std::vector<BoardCorner>& corners = import.board_corners[i];
+    corners = FindBoard(image, options.Board());
+    import.boards[i] = OddsOfBoard(import.small[i], corners,
                                    static_cast<double>(import.small[i].width) / image.width,
                                    options.Board(), options.Masking().odds_limit);
+    for (BoardCorner& corner : corners) corner.pixel *= 8.0 / eighths;
   });
 }
 
@@ -99,37 +116,43 @@ struct Written {
   Preview preview;
 };
 
-Written WriteOne(const PhotographImport& import, std::size_t i, const fs::path& folder,
-                 const CaptureOptions& options) {
-  const Image8 image = LoadUpright(import, i, import.files[i], 3);
-  const Image8 mask = MaskOf(import, i, image);
-  Written written;
-  CapturedImage& entry = written.image;
-  entry.name = import.photographs[i].name;
-  entry.width = image.width;
-  entry.height = image.height;
-  if (const Photograph& photograph = import.photographs[i];
-      photograph.width != image.width || photograph.height != image.height) {
+CapturedImage EntryOf(const PhotographImport& import, std::size_t i,
+                      const MaskedPhotograph& masked) {
+  const Photograph& photograph = import.photographs[i];
+  CapturedImage entry;
+  entry.name = photograph.name;
+  entry.width = masked.size.width;
+  entry.height = masked.size.height;
+  if (photograph.width != entry.width || photograph.height != entry.height) {
     entry.photograph_width = photograph.width;
     entry.photograph_height = photograph.height;
   }
-  entry.focal_px = import.photographs[i].focal_px * import.factor;
+  entry.focal_px = photograph.focal_px * import.factor;
   entry.mask = "masks/" + entry.name + ".png";
-  entry.mask_fraction = MaskFraction(mask);
+  entry.mask_fraction = MaskFraction(masked.detail_mask);
   entry.mask_given = !import.user_masks[i].empty();
-  entry.group = import.photographs[i].group;
+  entry.group = photograph.group;
   entry.place = PlaceOf(import, i);
   entry.board_corners = import.board_corners[i];
+  return entry;
+}
+
+Written WriteOne(const PhotographImport& import, std::size_t i, const fs::path& folder,
+                 const CaptureOptions& options) {
+  const std::string& name = import.photographs[i].name;
+  const MaskedPhotograph masked = WriteMasked(
+      import, i, folder / name, folder / "masks" / (name + ".png"), options.jpeg_quality);
+  const Image8 &image = masked.detail, &mask = masked.detail_mask, grey = Grey(image);
+  Written written;
+  written.image = EntryOf(import, i, masked);
   // Sharpness is measured at a size at which any camera in focus is sharp.
-  const Image8 grey = WorkingImage(Grey(image), options.sharpness_px),
-               grey_mask = WorkingImage(mask, options.sharpness_px);
-  written.quality = MeasureQuality(grey, grey_mask);
-  entry.sharpness = written.quality.laplacian_variance;
-  entry.exposure = written.quality.exposure;
-  written.preview = {WorkingImage(Grey(image), kPreview_px), WorkingImage(mask, kPreview_px)};
-  written.cell = ContactCell(image, mask, entry.name, kCellWidth);
-  WritePhotograph(import, i, image, folder / entry.name, options.jpeg_quality);
-  WriteImage(folder / entry.mask, mask);
+  written.quality = MeasureQuality(WorkingImage(grey, options.sharpness_px),
+                                   WorkingImage(mask, options.sharpness_px));
+  written.image.sharpness = written.quality.laplacian_variance;
+  written.image.exposure = written.quality.exposure;
+  if (import.files.size() <= kMostCompared)
+    written.preview = {WorkingImage(grey, kPreview_px), WorkingImage(mask, kPreview_px)};
+  written.cell = ContactCell(image, mask, name, kCellWidth);
   return written;
 }
 
@@ -174,13 +197,12 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
 /// Warns of problems that a person can still correct at this time: too few photographs, or too far
 /// apart. The final decision is made in sfm.
 void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t groups) {
-  // for more photographs, all pairs would take too long
-  constexpr std::size_t kFew = 16, kMost = 60;
+  constexpr std::size_t kFew = 16;
   if (all.size() < kFew)
     stage.Warn("there are only " + std::to_string(all.size()) +
                " photographs; without the printed calibration board a turn needs 24 of them, 15 "
                "degrees apart, unless the figure is rich in texture");
-  if (all.size() > kMost || groups > 1) return;
+  if (all.size() > kMostCompared || groups > 1) return;
   std::vector<Preview> previews;
   for (Written& written : all) previews.push_back(std::move(written.preview));
   constexpr int kStrong = 40;  // of the at most 400 features of a preview
@@ -297,7 +319,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "8",
+    .version = "9",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",
@@ -320,7 +342,7 @@ const StageSpec kSpec = {
                  .file = "images"}},
     .tools = {},
     .cores = 0,
-    .memory_gib = 2,
+    .memory_gib = 1,
     .common = {"max_size", "min_images", "min_sharpness", "board", "board_page"}};
 
 }  // namespace

@@ -90,10 +90,10 @@ TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
   GTEST_SKIP() << "a sanitizer's shadow needs all of the address space";
 #endif
   WritePhotos(8);
-  WriteImage(photos / "giant.jpg", Image8(8000, 6000, 3, 128));
-  const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, of the 4.3 that it needs
+  WriteImage(photos / "giant.jpg", Image8(12000, 8000, 3, 128));
+  const Outcome outcome = Run("", "ulimit -v 1300000; ");  // 1.3 GB, of the 1.4 that it needs
   EXPECT_EQ(outcome.code, 4) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("giant.jpg (8000 x 6000 pixels) needs 4.3 GB"));
+  EXPECT_THAT(outcome.output, HasSubstr("giant.jpg (12000 x 8000 pixels) needs 1.4 GB"));
 }
 
 TEST_F(CaptureProgram, NamesThatAreNotUtf8AreAnInputErrorThatShowsThem) {

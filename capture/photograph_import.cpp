@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
 #include "capture/shoot/develop/white_balance.h"
@@ -13,6 +15,8 @@
 #include "core/io/image_io.h"
 #include "core/io/painted_masks.h"
 #include "core/io/photograph_files.h"
+#include "core/io/png_io.h"
+#include "core/io/reduced_image.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/sha256.h"
@@ -36,19 +40,28 @@ Image8 ReadBalanced(const fs::path& file, const shoot::SideFile* side) {
   return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
 }
 
-/// Each photograph in progress takes many times its pixels (measured: 90 bytes each, most for the
-/// board and the mask). If there is not enough memory for one per core, fewer are processed at a
-/// time; the result is the same.
+/// Whether the photograph's file is no picture that later stages read.
+bool IsDeveloped(const PhotographImport& import, std::size_t i) {
+  const shoot::SideFile* side = SideFileOf(import, i);
+  return IsHeicName(import.files[i]) || IsRawName(import.files[i]) || (side && side->white);
+}
+
+/// Each photograph in progress takes many times the pixels that it is looked at with (measured: 90
+/// bytes each, most for the board and the mask), and a large one some times its own (measured: 7
+/// bytes each, where it is encoded). If there is not enough memory for one per core, fewer are
+/// processed at a time; the result is the same.
 void FitIntoMemory(StageContext& stage, const PhotographImport& import) {
-  constexpr std::int64_t kBytesAPixel = 90;
+  constexpr std::int64_t kBytesADetail = 90, kBytesAPixel = 9;
   std::size_t largest = 0;
   const auto pixels = [&](std::size_t i) {
     return std::int64_t{import.photographs[i].width} * import.photographs[i].height;
   };
   for (std::size_t i = 1; i < import.photographs.size(); ++i)
     if (pixels(i) > pixels(largest)) largest = i;
-  const std::int64_t need = kBytesAPixel * pixels(largest);
   const Photograph& photograph = import.photographs[largest];
+  const std::int64_t eighths = EighthsFor(photograph.width, photograph.height, kDetail_px);
+  const std::int64_t need = kBytesADetail * pixels(largest) * eighths * eighths / 64 +
+                            (eighths < 8 ? kBytesAPixel * pixels(largest) : 0);
   RequireMemory(need, "capture: photograph " + photograph.name + " (" +
                           std::to_string(photograph.width) + " x " +
                           std::to_string(photograph.height) + " pixels)");
@@ -186,6 +199,17 @@ Image8 LoadPlate(const PhotographImport& import, std::size_t group) {
   return ReadBalanced(import.backgrounds[group], SideFileIn(import, import.groups[group].folder));
 }
 
+Size WrittenSize(const PhotographImport& import, std::size_t i) {
+  const Photograph& photograph = import.photographs[i];
+  Size size{photograph.width, photograph.height};
+  if (import.quarter_turns[i]) std::swap(size.width, size.height);
+  if (import.factor == 1) return size;
+  const auto part = [&](int side) {
+    return std::max(1, static_cast<int>(std::lround(side * import.factor)));
+  };
+  return {part(size.width), part(size.height)};
+}
+
 Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
                    int channels) {
   Image8 image = channels == 3 ? ReadBalanced(import.files[i], SideFileOf(import, i))
@@ -197,9 +221,24 @@ Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path
                      std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
                      "; make the mask at the photograph's size");
   if (import.quarter_turns[i]) image = QuarterTurned(image);
-  if (import.factor == 1) return image;
-  return Resized(image, std::max(1, static_cast<int>(std::lround(image.width * import.factor))),
-                 std::max(1, static_cast<int>(std::lround(image.height * import.factor))));
+  const Size size = WrittenSize(import, i);
+  return import.factor == 1 ? image : Resized(image, size.width, size.height);
+}
+
+int DetailEighths(const PhotographImport& import, std::size_t i) {
+  const Size size = WrittenSize(import, i);
+  return EighthsFor(size.width, size.height, kDetail_px);
+}
+
+Image8 LoadReduced(const PhotographImport& import, std::size_t i, int eighths) {
+  const Photograph& photograph = import.photographs[i];
+  // A quarter turn would put a last row that is cut short to the other side.
+  const bool turns = import.quarter_turns[i] &&
+                     (photograph.width * eighths % 8 != 0 || photograph.height * eighths % 8 != 0);
+  if (eighths == 8 || import.factor != 1 || turns || IsDeveloped(import, i))
+    return Reduced(LoadUpright(import, i, import.files[i], 3), eighths);
+  Image8 image = ReadReduced(import.files[i], 3, eighths);
+  return import.quarter_turns[i] ? QuarterTurned(image) : image;
 }
 
 void ForEachPhotograph(const PhotographImport& import, Progress* progress, const std::string& what,
@@ -220,32 +259,55 @@ void ForEachPhotograph(const PhotographImport& import, Progress* progress, const
                      JoinNames(faults, 200));
 }
 
-Image8 MaskOf(const PhotographImport& import, std::size_t i, const Image8& image) {
-  if (import.user_masks[i].empty()) return RefinedMask(image, import.small_masks[i]);
-  Image8 mask = LoadUpright(import, i, import.user_masks[i], 1);
-  for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
-  return mask;
+namespace {
+
+void CopyPhotograph(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
 }
 
-void WritePhotograph(const PhotographImport& import, std::size_t i, const Image8& image,
-                     const fs::path& to, int quality) {
+/// Writes the photograph: its file where nothing changed, else its pixels with its EXIF data.
+/// @return what it is looked at with
+Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::path& to,
+                       int quality) {
   const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
-  const shoot::SideFile* side = SideFileOf(import, i);
-  const bool developed =
-      IsHeicName(import.files[i]) || IsRawName(import.files[i]) || (side && side->white);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !developed) {
-    std::error_code error;
-    fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
-    if (error)
-      throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " +
-                      error.message());
-    return;
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 &&
+      !IsDeveloped(import, i)) {
+    CopyPhotograph(import.files[i], to);
+    return LoadReduced(import, i, DetailEighths(import, i));
   }
+  Image8 image = LoadUpright(import, i, import.files[i], 3);
   ExifToWrite exif;
   exif.focal_mm = info.focal_mm.value_or(0);
   exif.focal_35mm = info.focal_35mm.value_or(0);
   exif.model = info.camera_model;
   WriteImage(to, image, quality, &exif);
+  return Reduced(std::move(image), DetailEighths(import, i));
+}
+
+}  // namespace
+
+MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, const fs::path& to,
+                             const fs::path& mask_to, int quality) {
+  const int eighths = DetailEighths(import, i);
+  MaskedPhotograph masked;
+  masked.size = WrittenSize(import, i);
+  masked.detail = WritePhotograph(import, i, to, quality);
+  if (import.user_masks[i].empty()) {
+    masked.detail_mask = RefinedMask(masked.detail, import.small_masks[i]);
+    if (eighths < 8)
+      masked.mask =
+          EnlargedMask(masked.detail_mask, eighths, masked.size.width, masked.size.height);
+  } else {
+    Image8 mask = LoadUpright(import, i, import.user_masks[i], 1);
+    for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
+    masked.detail_mask = Reduced(mask, eighths);
+    if (eighths < 8) masked.mask = std::move(mask);
+  }
+  WriteGreyMaskPng(mask_to, masked.mask.empty() ? masked.detail_mask : masked.mask);
+  return masked;
 }
 
 }  // namespace keypose::capture

@@ -20,6 +20,11 @@ namespace keypose::capture {
 
 namespace fs = std::filesystem;
 
+/// Longer side that suffices for masks and checks. Larger photographs are looked at reduced by
+/// eighths to this or a little more: later stages look at 2000 pixels (sfm) or 1600 (dense,
+/// refine).
+inline constexpr int kDetail_px = 2000;
+
 /// The set during import.
 struct PhotographImport {
   fs::path folder, masks;  // masks: empty if the user gave none
@@ -47,16 +52,34 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
 /// @throws InputError  a mask of another size
 Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
                    int channels);
+/// Eighths of the size written at which the photograph is looked at; 8 for ordinary ones.
+int DetailEighths(const PhotographImport& import, std::size_t i);
+/// Pixels of the photograph, upright, at `eighths` of the size written.
+Image8 LoadReduced(const PhotographImport& import, std::size_t i, int eighths);
 /// The clean plate of a group, with the white balance of its photographs.
 /// @pre there is one
 Image8 LoadPlate(const PhotographImport& import, std::size_t group);
 /// The photograph's place in its session with `keypose shoot`.
 std::optional<TurntablePlace> PlaceOf(const PhotographImport& import, std::size_t i);
-/// Its mask at full size: the user's, or the segmented one refined.
-Image8 MaskOf(const PhotographImport& import, std::size_t i, const Image8& image);
-/// The photograph as it came where nothing changed; else `image` with its EXIF data.
-void WritePhotograph(const PhotographImport& import, std::size_t i, const Image8& image,
-                     const fs::path& to, int quality);
+
+/// Width and height of a picture.
+struct Size {
+  int width = 0, height = 0;
+};
+/// Size of the photograph as it is written.
+Size WrittenSize(const PhotographImport& import, std::size_t i);
+
+/// A photograph and its mask, as written and as looked at.
+struct MaskedPhotograph {
+  Image8 detail, detail_mask;  ///< at DetailEighths of the size
+  Image8 mask;                 ///< at full size; empty where detail_mask has it
+  Size size;                   ///< in full
+};
+/// Writes the photograph and its mask, the user's or the segmented one with its border refined. The
+/// photograph is copied where nothing changed; else encoded, with its EXIF data.
+/// @throws DiskError
+MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, const fs::path& to,
+                             const fs::path& mask_to, int quality);
 
 /// Calls body(i) for all photographs in parallel and collects the errors.
 /// @throws InputError  of each photograph; "... 3 files WHAT"

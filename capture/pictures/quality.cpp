@@ -26,28 +26,37 @@ double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
   return total <= 0 ? 1 : (total - gone) / total;
 }
 
+/// The box and the pixels beside it that filters reach.
+cv::Rect WithReach(const cv::Rect& box, const cv::Size& size) {
+  constexpr int kReach = 8;
+  return cv::Rect(box.x - kReach, box.y - kReach, box.width + 2 * kReach, box.height + 2 * kReach) &
+         cv::Rect({0, 0}, size);
+}
+
 }  // namespace
 
 Quality MeasureQuality(const Image8& grey, const Image8& mask) {
-  cv::Mat inside = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255))
-                                : cv::Mat(MatOf(mask) > 127);
+  cv::Mat all = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255))
+                             : cv::Mat(MatOf(mask) > 127);
   // Excludes the object's outline, which is an edge of the mask and not of the texture.
   cv::Mat core;
-  cv::erode(inside, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
-  if (cv::countNonZero(core) > 100) inside = core;
-  if (cv::countNonZero(inside) == 0) inside.setTo(255);
+  cv::erode(all, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
+  if (cv::countNonZero(core) > 100) all = core;
+  if (cv::countNonZero(all) == 0) all.setTo(255);
+  const cv::Rect box = WithReach(cv::boundingRect(all), all.size());
+  const cv::Mat inside = all(box), pixels = MatOf(grey)(box);
   cv::Mat laplacian, values, weight;
-  cv::Laplacian(MatOf(grey), laplacian, CV_32F);
+  cv::Laplacian(pixels, laplacian, CV_32F);
   cv::Scalar mean, deviation;
   cv::meanStdDev(laplacian, mean, deviation, inside);
-  MatOf(grey).convertTo(values, CV_32F);
+  pixels.convertTo(values, CV_32F);
   inside.convertTo(weight, CV_32F, 1 / 255.0);
   Quality quality;
   quality.laplacian_variance = deviation[0] * deviation[0];
   quality.crispness =
       1 - std::max(BlurEffect(values, weight, true), BlurEffect(values, weight, false));
-  quality.exposure = cv::mean(MatOf(grey), inside)[0];
-  const cv::Mat clipped = ((MatOf(grey) <= 2) | (MatOf(grey) >= 253)) & inside;
+  quality.exposure = cv::mean(pixels, inside)[0];
+  const cv::Mat clipped = ((pixels <= 2) | (pixels >= 253)) & inside;
   quality.clipped = static_cast<double>(cv::countNonZero(clipped)) / cv::countNonZero(inside);
   return quality;
 }

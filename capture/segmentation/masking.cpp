@@ -13,6 +13,7 @@
 #include "capture/segmentation/boundary_matting.h"
 #include "capture/segmentation/colour_odds.h"
 #include "capture/segmentation/empty_set.h"
+#include "capture/segmentation/guided_border.h"
 #include "capture/segmentation/mask_holes.h"
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/set_rounds.h"
@@ -95,6 +96,27 @@ void RequireCleanPlateFits(const std::vector<Image8>& images, const Image8& clea
                        " at working size): photograph the empty set with the same camera settings");
 }
 
+constexpr double kGuideNoise = 5;  // 8 bit levels: differences of colour that are no edge
+constexpr int kLargeRadius = 8;    // pixels, from which a fraction of the picture's size suffices
+
+/// The mask at the picture's size, by the guided filter.
+Image8 GuidedWhole(const Image8& image, const Image8& small_mask, int radius) {
+  cv::Mat large, guided;
+  cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
+  // The filter needs some thirty planes of floats. Two radii beyond the mask its result is zero for
+  // any picture, so it is applied to the mask's surroundings only.
+  const int margin = 4 * radius;
+  cv::Rect box = cv::boundingRect(large);
+  if (box.empty()) return ImageOf(large);
+  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+        cv::Rect({0, 0}, large.size());
+  cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius,
+                             kGuideNoise * kGuideNoise);
+  cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
+  mask(box).setTo(255, guided > 127);
+  return ImageOf(mask);
+}
+
 }  // namespace
 
 std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& clean_plate,
@@ -146,20 +168,10 @@ Image8 RefinedRegions(const Image8& image, const Image8& small_mask, const Backd
     MatteBoundary(image, matted);
     return matted;
   }
-  cv::Mat large, guided;
-  cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
+  // A radius of two pixels of the small mask.
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
-  // The filter needs some thirty planes of floats. Two radii beyond the mask its result is zero for
-  // any picture, so it is applied to the mask's surroundings only.
-  const int margin = 4 * radius;
-  cv::Rect box = cv::boundingRect(large);
-  if (box.empty()) return ImageOf(large);
-  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-        cv::Rect({0, 0}, large.size());
-  cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius, 25.0);
-  cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
-  mask(box).setTo(255, guided > 127);
-  Image8 matted = ImageOf(mask);
+  Image8 matted = radius < kLargeRadius ? GuidedWhole(image, small_mask, radius)
+                                        : GuidedMask(image, small_mask, radius, kGuideNoise);
   if (backdrop) OpenMaskHoles(image, *backdrop, matted);
   MatteBoundary(image, matted);
   return matted;

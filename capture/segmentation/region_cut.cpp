@@ -12,26 +12,48 @@
 namespace keypose::capture {
 namespace {
 
+/// Squared colour difference: a whole number.
+int Difference(const cv::Vec3b& a, const cv::Vec3b& b) {
+  int sum = 0;
+  for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return sum;
+}
+constexpr std::size_t kMostDifference = std::size_t{3} * 255 * 255;
+
 /// 1 / (2 mean squared colour difference of neighbours), GrabCut's beta.
 double Beta(const cv::Mat& image) {
-  double sum = 0;
+  std::int64_t sum = 0;
   std::int64_t count = 0;
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
-      const cv::Vec3d here = image.at<cv::Vec3b>(y, x);
-      if (x > 0)
-        sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y, x - 1)), cv::NORM_L2SQR), ++count;
-      if (y > 0)
-        sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y - 1, x)), cv::NORM_L2SQR), ++count;
+      const cv::Vec3b& here = image.at<cv::Vec3b>(y, x);
+      if (x > 0) sum += Difference(here, image.at<cv::Vec3b>(y, x - 1)), ++count;
+      if (y > 0) sum += Difference(here, image.at<cv::Vec3b>(y - 1, x)), ++count;
     }
-  return sum <= 0 ? 0 : 1 / (2 * sum / static_cast<double>(count));
+  return sum <= 0 ? 0 : 1 / (2 * static_cast<double>(sum) / static_cast<double>(count));
 }
+
+/// Cost of a border between neighbours, by their difference; each is computed when it first occurs.
+class BorderCost {
+ public:
+  BorderCost(double beta, double smoothness)
+      : beta_(beta), smoothness_(smoothness), known_(kMostDifference + 1, -1) {}
+  double Of(int difference) {
+    double& cost = known_[static_cast<std::size_t>(difference)];
+    if (cost < 0) cost = smoothness_ * std::exp(-beta_ * difference);
+    return cost;
+  }
+
+ private:
+  double beta_, smoothness_;
+  std::vector<double> known_;
+};
 
 /// Minimum-cost labelling: odds at pixels, and a cost for each pair of differently labelled
 /// neighbours that decreases with their colour difference.
 cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
   constexpr std::array<std::array<int, 2>, 4> kNeighbors{{{-1, 0}, {0, -1}, {-1, -1}, {1, -1}}};
-  const double beta = Beta(image);
+  BorderCost cost(Beta(image), smoothness);
   const int pixels = image.rows * image.cols;
   cv::detail::GCGraph<double> graph(static_cast<unsigned>(pixels),
                                     static_cast<unsigned>(2 * (4 * pixels)));
@@ -43,11 +65,9 @@ cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
       for (const auto& [dx, dy] : kNeighbors) {
         const int nx = x + dx, ny = y + dy;
         if (nx < 0 || ny < 0 || nx >= image.cols) continue;
-        const double difference =
-            cv::norm(cv::Vec3d(image.at<cv::Vec3b>(y, x)) - cv::Vec3d(image.at<cv::Vec3b>(ny, nx)),
-                     cv::NORM_L2SQR);
         const double weight =
-            smoothness * std::exp(-beta * difference) / (dx != 0 && dy != 0 ? std::sqrt(2.0) : 1.0);
+            cost.Of(Difference(image.at<cv::Vec3b>(y, x), image.at<cv::Vec3b>(ny, nx))) /
+            (dx != 0 && dy != 0 ? std::sqrt(2.0) : 1.0);
         graph.addEdges(vertex, ny * image.cols + nx, weight, weight);
       }
     }
@@ -66,6 +86,7 @@ cv::Mat HeaviestRegion(const cv::Mat& labels) {
   std::vector<double> weight(static_cast<std::size_t>(count), 0);
   for (int y = 0; y < labels.rows; ++y)
     for (int x = 0; x < labels.cols; ++x) {
+      if (components.at<int>(y, x) == 0) continue;
       const double dx = (x + 0.5) / labels.cols - 0.5, dy = (y + 0.5) / labels.rows - 0.5;
       weight[components.at<int>(y, x)] += std::exp(-(dx * dx + dy * dy) / (2 * 0.2 * 0.2));
     }

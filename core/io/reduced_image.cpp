@@ -53,6 +53,21 @@ void AddRows(const Image8& image, const Footprint& rows, std::vector<float>* sum
   }
 }
 
+/// @param sums  of a row of the picture, whose last pixel is repeated
+void JoinColumns(const std::vector<float>& sums, const std::vector<Footprint>& columns,
+                 int channels, std::uint8_t* out) {
+  const int last = static_cast<int>(sums.size()) / channels - 1;
+  for (const Footprint& footprint : columns)
+    for (int c = 0; c < channels; ++c) {
+      float sum = 0;
+      for (std::size_t i = 0; i < footprint.weights.size(); ++i) {
+        const int from = std::min(footprint.first + static_cast<int>(i), last);
+        sum += footprint.weights[i] * sums[static_cast<std::size_t>(from * channels + c)];
+      }
+      *out++ = static_cast<std::uint8_t>(std::lround(sum));
+    }
+}
+
 struct JpegErrors {
   jpeg_error_mgr manager;
   std::jmp_buf back;
@@ -125,7 +140,7 @@ int EighthsFor(int width, int height, int least_px) {
   return eighths;
 }
 
-Image8 Reduced(const Image8& image, int eighths) {
+Image8 Reduced(Image8 image, int eighths) {
   if (eighths >= 8 || image.empty()) return image;
   const std::vector<Footprint> columns = Footprints(image.width, eighths),
                                rows = Footprints(image.height, eighths);
@@ -133,19 +148,7 @@ Image8 Reduced(const Image8& image, int eighths) {
   std::vector<float> sums;
   for (int y = 0; y < out.height; ++y) {
     AddRows(image, rows[static_cast<std::size_t>(y)], &sums);
-    for (int x = 0; x < out.width; ++x) {
-      const Footprint& footprint = columns[static_cast<std::size_t>(x)];
-      for (int c = 0; c < out.channels; ++c) {
-        float sum = 0;
-        for (std::size_t i = 0; i < footprint.weights.size(); ++i) {
-          const int from = std::min(footprint.first + static_cast<int>(i), image.width - 1);
-          sum +=
-              footprint.weights[i] *
-              sums[static_cast<std::size_t>(from) * static_cast<std::size_t>(image.channels) + c];
-        }
-        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(sum));
-      }
-    }
+    JoinColumns(sums, columns, out.channels, out.at(0, y));
   }
   return out;
 }

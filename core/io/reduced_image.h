@@ -16,7 +16,7 @@ int EighthsFor(int width, int height, int least_px);
 /// pixels along both axes, so that a place p of the picture is at p * eighths / 8 (pixel centres at
 /// .5). The last column and row may cover pixels beyond the picture, which repeat its border.
 /// @param eighths  1 to 8
-Image8 Reduced(const Image8& image, int eighths);
+Image8 Reduced(Image8 image, int eighths);
 
 /// ReadImage at `eighths` of the size: its pixels as Reduced gives them, but for the rounding. (A
 /// JPEG's means are taken from its cosine terms, which keeps more of the contrast of fine detail.)
