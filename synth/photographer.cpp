@@ -1,7 +1,6 @@
 #include "synth/photographer.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -15,8 +14,11 @@
 #include "core/ray_scene.h"
 #include "core/size_of.h"
 #include "synth/calibration_board.h"
+#include "synth/enlarged.h"
 #include "synth/hand.h"
 #include "synth/light.h"
+#include "synth/posed_clay.h"
+#include "synth/ray_table.h"
 #include "synth/sensor.h"
 #include "synth/turntable.h"
 
@@ -27,34 +29,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kTableHalfWidth = 0.24;  // [m]
-const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
-constexpr double kGlossPower = 22;
-
-/// Points with z = 1 in the camera's frame, at the pixels' corners. Inside a pixel, bilinear
-/// interpolation of the distortion is exact to 1e-6 px.
-class RayTable {
- public:
-  explicit RayTable(const Camera& camera)
-      : stride_(camera.width + 1),
-        corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
-    const auto row = [&](std::int64_t y) {
-      for (int x = 0; x < stride_; ++x)
-        corners_[y * stride_ + x] = camera.Unproject(Vector2d(x, static_cast<double>(y))).head<2>();
-    };
-    ParallelFor(camera.height + 1, row, 16);
-  }
-  /// @param sx, sy  place inside the pixel, in [0,1]
-  Vector3d At(int x, int y, double sx, double sy) const {
-    const Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
-    const Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) +
-                       sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
-    return {p[0], p[1], 1};
-  }
-
- private:
-  int stride_;
-  std::vector<Vector2d> corners_;
-};
 
 /// The pixels that the character may cover, [x0, x1) x [y0, y1).
 struct Window {
@@ -89,47 +63,42 @@ LampStand FallenLamp(const PhotographerOptions& options) {
   return {options.mishaps.fallen_aside_rad, options.mishaps.fallen_elevation_deg * kPi / 180};
 }
 
+/// The photographs as they are drawn, before they are enlarged.
+PhotographerOptions Drawn(PhotographerOptions options) {
+  options.width /= options.enlarge, options.height /= options.enlarge;
+  return options;
+}
+
 }  // namespace
 
 struct Photographer::Impl {
   Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options,
        const std::vector<RingView>* stands)
-      : world(the_world),
-        options(the_options),
-        surface(TruthSurface(world, pose)),
-        scene(surface.points, surface.faces),
-        normals(VertexNormals(pose(world.smooth.rows() ? world.smooth : world.rest.points),
-                              surface.faces)),  // the tilt of the prints is added at each point
-        views(stands ? *stands : PlaceCameras(surface.points, options)),
-        rays(views.front().view.camera),
-        backdrop(Backdrop(options)),
-        light(surface, normals, scene, UprightLamp(options).elevation_rad),
-        table(scene, kTableHalfWidth),
-        lumps(surface.points.rows()) {
-    ParallelFor(
-        world.rest.points.rows(),
-        [&](std::int64_t i) { lumps[i] = world.clay.LumpAt(world.rest.points.row(i)); }, 512);
+      : options(the_options),
+        clay(the_world, pose),
+        views(stands ? *stands : PlaceCameras(clay.surface.points, options)),
+        rays(views.front().view.camera.Scaled(1.0 / options.enlarge)),
+        backdrop(Backdrop(Drawn(options))),
+        light(clay.surface, clay.normals, clay.scene, UprightLamp(options).elevation_rad),
+        table(clay.scene, kTableHalfWidth) {
     if (options.board.charuco) board = MakeBoardPicture(options.board);
     if (options.mishaps.lamp_falls_after < 1)
-      fallen_light.emplace(surface, normals, scene, FallenLamp(options).elevation_rad);
+      fallen_light.emplace(clay.surface, clay.normals, clay.scene,
+                           FallenLamp(options).elevation_rad);
     hands = HandViews(options.mishaps, SizeOf(views));
   }
   bool LampLies(int i) const {
     return i >= FirstAfter(options.mishaps.lamp_falls_after, SizeOf(views));
   }
 
-  World world;
   PhotographerOptions options;
-  Mesh surface;
-  RayScene scene;
-  PointsX3 normals;
+  PosedClay clay;
   std::vector<RingView> views;
   RayTable rays;
   ImageF backdrop;
   LightField light;
   std::optional<LightField> fallen_light;  // after the lamp fell
   TableLight table;
-  std::vector<int> lumps;  // per vertex
   std::optional<BoardPicture> board;
   std::vector<int> hands;  // photographs with a hand
 };
@@ -142,17 +111,12 @@ class Exposure {
   template <class Impl>
   Exposure(const Impl& set, const RingView& ring_view, const LightField& field,
            const LampStand& stand)
-      : world_(set.world),
-        options_(set.options),
-        surface_(set.surface),
-        scene_(set.scene),
-        normals_(set.normals),
+      : options_(set.options),
+        clay_(set.clay),
         view_(ring_view.view),
         rays_(set.rays),
         backdrop_(set.backdrop),
-        sky_(field.sky()),
         table_(set.table),
-        lumps_(set.lumps),
         board_(set.board ? &*set.board : nullptr),
         lamp_direction_(
             LampDirection(ring_view.azimuth_rad + stand.aside_rad, stand.elevation_rad)),
@@ -160,14 +124,17 @@ class Exposure {
         table_from_world_(ring_view.table_from_world),
         world_from_camera_(ring_view.view.camera_from_world.Inverse()),
         turn_(world_from_camera_.rotation.toRotationMatrix()),
-        window_(WindowOf(view_, surface_.points)) {
+        window_(WindowOf(view_, clay_.surface.points)) {
     const double lamp_azimuth = ring_view.azimuth_rad + stand.aside_rad;
     if (options_.shadows) {
       lamp_ = field.Lamp(lamp_azimuth);
       table_lamp_ = table_.Lamp(lamp_azimuth, stand.elevation_rad);
     } else {
-      lamp_.assign(lumps_.size(), 1.0f);
+      lamp_.assign(clay_.lumps.size(), 1.0f);
     }
+    light_ = {&lamp_,           options_.shadows ? &field.sky() : nullptr,
+              lamp_direction_,  options_.lamp,
+              options_.ambient, options_.gloss};
   }
 
   /// Light of one pixel; `covered` receives the share of the pixel that the character covers.
@@ -179,9 +146,9 @@ class Exposure {
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const Vector3d direction = turn_ * rays_.At(x, y, (i + 0.5) / n, (j + 0.5) / n);
-          const RayScene::Hit hit = scene_.Cast(world_from_camera_.translation, direction);
+          const RayScene::Hit hit = clay_.scene.Cast(world_from_camera_.translation, direction);
           if (hit.face < 0) continue;
-          sum += Shade(hit, direction.normalized());
+          sum += clay_.Shade(hit, direction.normalized(), light_);
           ++hits;
         }
     }
@@ -191,49 +158,6 @@ class Exposure {
   }
 
  private:
-  Vector3d Shade(const RayScene::Hit& hit, const Vector3d& direction) const {
-    const int a = surface_.faces(hit.face, 0), b = surface_.faces(hit.face, 1),
-              c = surface_.faces(hit.face, 2);
-    const double w = 1 - hit.u - hit.v;
-    const auto mix = [&](const PointsX3& rows) -> Vector3d {
-      return (w * rows.row(a) + hit.u * rows.row(b) + hit.v * rows.row(c)).transpose();
-    };
-    const auto mix_light = [&](const std::vector<float>& values) {
-      return w * values[a] + hit.u * values[b] + hit.v * values[c];
-    };
-    const Vector3d rest = mix(world_.rest.points);
-    const int lump =
-        lumps_[a] == lumps_[b] && lumps_[b] == lumps_[c] ? lumps_[a] : world_.clay.LumpAt(rest);
-    const Vector3d normal =
-        (mix(normals_).normalized() - PosedSlope(world_.clay.RidgeSlope(rest, lump), a, b, c))
-            .normalized();
-    const double lamp = options_.lamp * mix_light(lamp_),
-                 facing = std::max(0.0, normal.dot(lamp_direction_));
-    const double room = options_.ambient * (options_.shadows ? mix_light(sky_) : 1);
-    const Vector3d light = lamp * facing * kLampColor + room * kRoomColor;
-    const Vector3d halfway = (lamp_direction_ - direction).normalized();
-    const double shine = world_.clay.lumps[lump].crisp ? 6 : 1;
-    const double gloss = options_.gloss * shine * mix_light(lamp_) *
-                         std::pow(std::max(0.0, normal.dot(halfway)), kGlossPower * shine);
-    return world_.clay.Paint(rest, lump).cwiseProduct(light) + gloss * kLampColor;
-  }
-
-  /// Transfers a slope from the rest triangle to the posed one: the rise along corresponding edges
-  /// is equal.
-  Vector3d PosedSlope(const Vector3d& slope, int a, int b, int c) const {
-    if (slope.isZero(0)) return slope;
-    const auto edges = [&](const PointsX3& p) {
-      Eigen::Matrix<double, 3, 2> e;
-      e.col(0) = (p.row(b) - p.row(a)).transpose();
-      e.col(1) = (p.row(c) - p.row(a)).transpose();
-      return e;
-    };
-    const Eigen::Matrix<double, 3, 2> rest = edges(world_.rest.points),
-                                      posed = edges(surface_.points);
-    const Eigen::Matrix2d metric = posed.transpose() * posed;
-    return posed * metric.inverse() * (rest.transpose() * slope);
-  }
-
   /// The set behind the character: backdrop, shadow on the table, board.
   Vector3d Behind(int x, int y) const {
     const float* back = backdrop_.at(x, y);
@@ -284,17 +208,12 @@ class Exposure {
     return Vector3d::Constant(sum / (kSamples * kSamples));
   }
 
-  const World& world_;
   const PhotographerOptions& options_;
-  const Mesh& surface_;
-  const RayScene& scene_;
-  const PointsX3& normals_;
+  const PosedClay& clay_;
   const View& view_;
   const RayTable& rays_;
   const ImageF& backdrop_;
-  const std::vector<float>& sky_;
   const TableLight& table_;
-  const std::vector<int>& lumps_;
   const BoardPicture* board_;
   Vector3d lamp_direction_;
   double upright_height_;  // height (z) of the unit vector to the standing lamp
@@ -303,6 +222,7 @@ class Exposure {
   Eigen::Matrix3d turn_;
   Window window_;
   std::vector<float> lamp_, table_lamp_;
+  ClayLight light_;
 };
 
 SensorOptions SensorFor(const PhotographerOptions& options, std::uint64_t photograph) {
@@ -326,26 +246,32 @@ Photographer::Photographer(Photographer&&) noexcept = default;
 
 int Photographer::view_count() const { return SizeOf(impl_->views); }
 const View& Photographer::ViewAt(int i) const { return impl_->views[i].view; }
-const Mesh& Photographer::surface() const { return impl_->surface; }
+const Mesh& Photographer::surface() const { return impl_->clay.surface; }
 
 SyntheticView Photographer::Take(int i) const {
-  const RingView& ring_view = impl_->views[i];
+  const int enlarge = impl_->options.enlarge;
+  RingView drawn = impl_->views[i];
+  drawn.view.camera = drawn.view.camera.Scaled(1.0 / enlarge);
   const bool lies = impl_->LampLies(i);
-  const Exposure exposure(*impl_, ring_view, lies ? *impl_->fallen_light : impl_->light,
+  const Exposure exposure(*impl_, drawn, lies ? *impl_->fallen_light : impl_->light,
                           lies ? FallenLamp(impl_->options) : UprightLamp(impl_->options));
-  const int width = impl_->options.width, height = impl_->options.height;
-  SyntheticView photograph{ring_view.view, {}, Image8(width, height, 1)};
-  ImageF linear(width, height, 3);
+  const int width = drawn.view.camera.width, height = drawn.view.camera.height;
+  ImageF linear(width, height, 3), share(width, height, 1);
   const auto row = [&](std::int64_t y) {
     for (int x = 0; x < width; ++x) {
       double covered = 0;
       const Vector3d color = exposure.Pixel(x, static_cast<int>(y), &covered);
       for (int c = 0; c < 3; ++c)
         linear.at(x, static_cast<int>(y))[c] = static_cast<float>(color[c]);
-      *photograph.mask.at(x, static_cast<int>(y)) = covered >= 0.5 ? 255 : 0;
+      *share.at(x, static_cast<int>(y)) = static_cast<float>(covered);
     }
   };
   ParallelFor(height, row, 16);
+  linear = Enlarged(std::move(linear), enlarge);
+  share = Enlarged(std::move(share), enlarge);
+  SyntheticView photograph{impl_->views[i].view, {}, Image8(share.width, share.height, 1)};
+  for (std::size_t p = 0; p < share.data.size(); ++p)
+    photograph.mask.data[p] = share.data[p] >= 0.5f ? 255 : 0;
   if (std::binary_search(impl_->hands.begin(), impl_->hands.end(), i))
     HoldHand(linear, photograph.mask, impl_->options.seed * 977 + static_cast<std::uint64_t>(i));
   photograph.image =
@@ -354,7 +280,7 @@ SyntheticView Photographer::Take(int i) const {
 }
 
 Image8 Photographer::CleanPlate() const {
-  return Develop(impl_->backdrop, SensorFor(impl_->options, 0));
+  return Develop(Enlarged(impl_->backdrop, impl_->options.enlarge), SensorFor(impl_->options, 0));
 }
 
 std::vector<SyntheticView> Photograph(const World& world, const Pose& pose,

@@ -23,6 +23,8 @@ std::vector<std::string> PhotographerOptions::Problems() const {
   require(noise >= 0 && blur_px >= 0 && blur_px < 20 && vignetting >= 0 && vignetting < 1,
           "noise and blur_px must be >= 0, vignetting in [0, 1)");
   require(supersampling >= 1 && supersampling <= 8, "supersampling must be in [1, 8]");
+  require(enlarge >= 1 && enlarge <= 8 && width % enlarge == 0 && height % enlarge == 0,
+          "enlarge must be in [1, 8] and divide width and height");
   require(table_shadow >= 0 && table_shadow <= 1, "table_shadow must be in [0, 1]");
   require(ambient >= 0 && lamp >= 0 && gloss >= 0, "ambient, lamp and gloss must be >= 0");
   for (const std::string& problem : mishaps.Problems(views)) problems.push_back(problem);

@@ -34,6 +34,9 @@ struct PhotographerOptions {
   double blur_px = 0.55;           ///< standard deviation of the lens blur
   double vignetting = 0.12;        ///< share of light lost in the corners
   int supersampling = 2;           ///< rays per pixel along each axis
+  /// drawn so many times smaller, then enlarged before noise: large photographs in little time, as
+  /// soft as a telephone's
+  int enlarge = 1;
   std::uint64_t seed = 1;
   BoardOptions board;
   /// Take() applies moves, hands and lamps; photographs of another figure or pose need another

@@ -13,6 +13,7 @@
 #include "synth/pair_command.h"
 #include "synth/performance_command.h"
 #include "synth/photos_command.h"
+#include "synth/rooms/room_command.h"
 #include "synth/score_command.h"
 #include "synth/shot_command.h"
 #include "synth/shot_score.h"
@@ -95,6 +96,10 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
       ->add_option("--height", c.photographer.height,
                    "[px]; default: 3/4 of the width if only that is given")
       ->capture_default_str();
+  photos
+      ->add_option("--enlarge", c.photographer.enlarge,
+                   "draw so many times smaller and enlarge: large photographs in little time")
+      ->capture_default_str();
   photos->add_option("--focal", c.photographer.focal_35mm, "35 mm equivalent [mm]")
       ->capture_default_str();
   photos->add_option("--noise", c.photographer.noise, "sensor noise; 1: an ordinary camera")
@@ -124,6 +129,37 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
       c.photographer.height = c.photographer.width * 3 / 4;
     ConsoleProgress progress;
     std::printf("%d photographs in %s\n", RunPhotos(c, &progress), (c.output / "photos").c_str());
+  });
+}
+
+void AddRoom(CLI::App& app, RoomCommand& c) {
+  CLI::App* room = app.add_subcommand(
+      "room", "photograph a clay figure in a room, as people do at home, with exact truth");
+  RoomOptions& r = c.room;
+  room->add_option("output,--output", c.output, "folder to write photos/ and truth/ into")
+      ->required();
+  room->add_option("--seed", r.seed, "of the room, the figure and the camera's way")
+      ->capture_default_str();
+  room->add_option("--kind", r.kind,
+                   "walk, mat, mat-hand, both, one-side; trunk and relief, whose figure does not "
+                   "stand free; default: by the seed");
+  room->add_option("--photographs", r.photographs, "default: 36, fewer of one side");
+  room->add_option_function<std::string>(
+      "--size", [&r](const std::string& text) { ReadSize(text, &r.width, &r.height); },
+      "WIDTHxHEIGHT of a photograph held level [px]; default 1200x800");
+  room->add_option("--second", r.second, "another thing: none, apart, touching");
+  room->add_option("--hands", r.hands, "photographs with a person's hand");
+  room->add_option("--exif", r.exif, "yes | no");
+  room->add_option("--lenses", r.lenses, "1 | 2: close-ups with another focal length");
+  room->add_option("--texture", r.texture, "rich | weak: contrast of the figure's paint");
+  room->add_option("--detail", r.detail, "of all printed things; 1 is for 1 to 2 megapixels")
+      ->capture_default_str();
+  room->add_option("--noise", r.noise, "sensor noise; 1: an ordinary camera")
+      ->capture_default_str();
+  room->add_option("--spacing", r.spacing_m, "of the figure's vertices [m]")->capture_default_str();
+  room->callback([&c] {
+    ConsoleProgress progress;
+    std::printf("%s\n", RunRoom(c, &progress).c_str());
   });
 }
 
@@ -399,6 +435,7 @@ int main(int argc, char** argv) {
   CLI::App app("Synthetic worlds with known truth", "keypose-synth");
   app.require_subcommand(1);
   PhotosCommand photos;
+  RoomCommand room;
   PairCommand pair;
   PickCommand pick;
   ScoreFlags score;
@@ -411,6 +448,7 @@ int main(int argc, char** argv) {
   ShotCommand shot;
   ShotScoreCommand shot_score;
   AddPhotos(app, photos);
+  AddRoom(app, room);
   AddPair(app, pair);
   AddPick(app, pick);
   AddScore(app, score);
