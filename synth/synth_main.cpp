@@ -14,6 +14,7 @@
 #include "synth/performance_command.h"
 #include "synth/photos_command.h"
 #include "synth/rooms/room_command.h"
+#include "synth/rooms/room_score_command.h"
 #include "synth/score_command.h"
 #include "synth/shot_command.h"
 #include "synth/shot_score.h"
@@ -161,6 +162,16 @@ void AddRoom(CLI::App& app, RoomCommand& c) {
     ConsoleProgress progress;
     std::printf("%s\n", RunRoom(c, &progress).c_str());
   });
+}
+
+void AddRoomScore(CLI::App& app, RoomScoreCommand& c) {
+  CLI::App* score = app.add_subcommand(
+      "score-room", "compare what was made of a room's photographs with its truth; prints JSON");
+  score->add_option("--truth", c.truth, "truth/figure that `synth room` wrote")->required();
+  score->add_option("--model", c.model, "COLMAP model");
+  score->add_option("--masks", c.masks, "folder of masks NAME.png");
+  score->add_option("--mesh", c.mesh, "mesh in the model's frame");
+  score->callback([&c] { std::fputs(RunRoomScore(c).c_str(), stdout); });
 }
 
 void AddPair(CLI::App& app, PairCommand& c) {
@@ -436,6 +447,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   PhotosCommand photos;
   RoomCommand room;
+  RoomScoreCommand room_score;
   PairCommand pair;
   PickCommand pick;
   ScoreFlags score;
@@ -449,6 +461,7 @@ int main(int argc, char** argv) {
   ShotScoreCommand shot_score;
   AddPhotos(app, photos);
   AddRoom(app, room);
+  AddRoomScore(app, room_score);
   AddPair(app, pair);
   AddPick(app, pick);
   AddScore(app, score);
