@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/room/first_masks.h"
+#include "capture/room/free_standing.h"
 #include "capture/room/room_evidence.h"
 #include "capture/salience/salience_network.h"
 #include "core/errors.h"
@@ -198,6 +199,17 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
   const std::string percent = std::to_string(static_cast<int>(std::lround(100 * left))) + " %";
   const std::string advice = Advice(figures.set.images[figures.index[0]].name);
   stage.Report("figure_unclear", left < kHardly);
+  const Attachment attachment =
+      FindAttachment({figures.views, figures.points}, masks, std::isfinite(space.floor));
+  stage.Report("goes_on_beside", attachment.share);
+  if (attachment.attached && figures.strokes.empty())
+    throw InputError(
+        "masks: the figure does not stand free: " +
+        std::to_string(static_cast<int>(std::lround(100 * attachment.share))) +
+        " % of what is seen just beside its outlines is as near as the figure itself, as around a "
+        "relief on a wall or a carving on a trunk, which have no shape of their own; photograph a "
+        "figure that stands free, or " +
+        advice);
   if (left < kNotAtAll)
     throw InputError("masks: it cannot be told what the figure is: of each mask only " + percent +
                      " lies where the other photographs have it too; " + advice);

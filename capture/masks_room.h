@@ -36,8 +36,9 @@ struct FigureSet {
 bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
                 std::vector<Image8>& masks);
 
-/// Warns where masks of a room do not agree well, and refuses where they do not agree at all.
-/// Reports figure_unclear.
+/// Warns where masks of a room do not agree well, and refuses where they do not agree at all, or
+/// where the figure does not stand free and no person said what it is. Reports figure_unclear,
+/// goes_on_beside.
 /// @throws InputError  as said
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
                         const std::vector<Image8>& masks);
