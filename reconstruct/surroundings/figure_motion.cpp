@@ -109,10 +109,12 @@ std::vector<Matches> MotionsOf(const PairData& pair, Matches matches, double lim
   return motions;
 }
 
+/// How likely the matches of a motion are on the figure, in the mean: a wall and a table have many
+/// more matches than the figure, but all around it.
 double LikelyFigure(const PairData& pair, const Matches& motion) {
   double sum = 0;
   for (const auto& [i, j] : motion) sum += std::min(pair.likely_first(i), pair.likely_second(j));
-  return sum;
+  return sum / static_cast<double>(motion.size());
 }
 
 /// The motions of one pair, and which of them the figure follows.

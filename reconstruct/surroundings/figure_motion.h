@@ -22,7 +22,7 @@ struct FigureMotionOptions {
                             ///< stay in place
   int fewest = 20;          ///< matches of a second motion
   double of_rest = 0.25;    ///< and its share of the matches that the first motion leaves
-  double clearly = 1.5;     ///< times the other's likely figure, for one motion to be the figure's
+  double clearly = 1.2;     ///< times the other's likely figure, for one motion to be the figure's
   int fewest_pairs = 3;     ///< pairs with two motions; with fewer all moves as one
 };
 
