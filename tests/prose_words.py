@@ -53,7 +53,7 @@ FIRST_PAGES = {
 LATER_SECTIONS = {
     'README.md': ('The studio', 'A second pose', 'A scan that dances', 'Into the shot'),
     'docs/file-formats.md': ('Pins', 'Clips, rigs', 'The shot', 'Clicks', 'The finished shot', 'Textures of frames',
-                             'Armatures'),
+                             'Armatures', 'Points of known place'),
     'docs/pipeline.md': ('Poses from meshes', 'A filmed shot', 'A performance', 'What the figure is'),
     'docs/stages/sfm.md': ('In a room',),
     'docs/stages/masks.md': ('In a room',),
