@@ -64,7 +64,8 @@ Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, bool w
 
 /// The longer side to which photographs are reduced before features are found.
 int SizeFor(const SfmOptions& options, const FeatureKind& kind) {
-  return kind.whole ? std::min(options.whole_px, options.max_image_size) : options.max_image_size;
+  if (!kind.whole || kind.fine) return options.max_image_size;
+  return std::min(options.whole_px, options.max_image_size);
 }
 
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
@@ -107,9 +108,9 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
                  "--SiftExtraction.peak_threshold",
                  Text(options.peak_threshold),
                  "--SiftExtraction.first_octave",
-                 kind.fine ? "-1" : "0",
+                 kind.fine && !kind.whole ? "-1" : "0",
                  "--SiftExtraction.estimate_affine_shape",
-                 Text(options.affine_shape && !kind.whole),
+                 Text(options.affine_shape && (kind.fine || !kind.whole)),
                  "--SiftExtraction.domain_size_pooling",
                  Text(options.domain_size_pooling)});
   return prepared;

@@ -24,8 +24,8 @@ struct FeatureKind {
   /// also at twice the photographs' size, which gives four of five features and takes most of the
   /// time
   bool fine = false;
-  /// of the whole photographs, reduced to `whole_px`, without adapting to slanted surfaces; else
-  /// of the masks alone
+  /// of the whole photographs, reduced to `whole_px`, without adapting to slanted surfaces; fine
+  /// ones are not reduced and adapt, which tells slanted mats. Else of the masks alone
   bool whole = false;
 };
 
