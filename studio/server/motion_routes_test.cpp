@@ -92,7 +92,7 @@ class MotionRoutes : public testing::Test, public TestingFolder {
     WriteFile(folder_ / "films/turn/cam1.mp4", "another film");
     WriteMesh(folder_ / "scan.ply", scan);
     WriteFile(folder_ / "marks.json", "{}");
-    AddTool("track", {"video", "calibration", "actor"},
+    AddTool("track", {"video", "masks", "calibration", "actor"},
             json::array(
                 {Folder("frames"), File("motion", "motion.bvh"), File("picture", "tracked.jpg")}));
     AddTool("transfer", {"template", "target", "marks", "pins"}, json::array({Folder("frames")}));
