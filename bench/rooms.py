@@ -43,6 +43,8 @@ CARVINGS = ('trunk', 'relief')
 def call(*words, may_fail=False, log=None):
     done = subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           env={**os.environ, 'QT_QPA_PLATFORM': 'offscreen'})
+    if done.returncode < 0:
+        sys.exit(f'rooms: {" ".join(map(str, words[:4]))} was stopped by signal {-done.returncode}; start again, what is there is kept')
     if log:
         log.write_text(done.stdout)
     if done.returncode != 0 and not may_fail:
