@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "capture/board/board_detection.h"
 #include "capture/board/board_print.h"
@@ -79,32 +80,78 @@ void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptio
   });
 }
 
+/// Segments some photographs together.
+void Segment(PhotographImport& import, const std::vector<std::size_t>& members,
+             const Image8& clean_plate, const MaskOptions& masking, Progress* progress) {
+  std::vector<Image8> images;
+  std::vector<BoardOdds> boards;
+  for (const std::size_t i : members) {
+    images.push_back(std::move(import.small[i]));
+    boards.push_back(import.boards[i]);
+  }
+  std::vector<Image8> masks = SegmentSet(images, clean_plate, boards, masking, progress);
+  for (std::size_t k = 0; k < members.size(); ++k)
+    import.small_masks[members[k]] = std::move(masks[k]);
+}
+
+/// Takes those photographs out of `members` that a clean plate of this size does not fit; none if
+/// it has no photograph's size: then its shape alone is compared, with all.
+std::vector<std::size_t> TakeOutOthers(const PhotographImport& import, const Image8& plate,
+                                       std::vector<std::size_t>& members) {
+  const auto fits = [&](std::size_t i) {
+    const bool turned = import.quarter_turns[i] != 0;
+    const Photograph& photograph = import.photographs[i];
+    return plate.width == (turned ? photograph.height : photograph.width) &&
+           plate.height == (turned ? photograph.width : photograph.height);
+  };
+  std::vector<std::size_t> others;
+  if (std::none_of(members.begin(), members.end(), fits)) return others;
+  for (const std::size_t i : members)
+    if (!fits(i)) others.push_back(i);
+  std::erase_if(members, [&](std::size_t i) { return !fits(i); });
+  return others;
+}
+
+/// Segments the photographs of one placement. What has another size than the clean plate is of
+/// another camera and segmented without it.
+void SegmentPlacement(StageContext& stage, PhotographImport& import, std::size_t placement,
+                      std::vector<std::size_t> members, const MaskOptions& masking,
+                      Progress* progress) {
+  Image8 clean_plate;
+  std::vector<std::size_t> others;
+  if (!import.backgrounds[placement].empty()) {
+    clean_plate = LoadPlate(import, placement);
+    others = TakeOutOthers(import, clean_plate, members);
+    clean_plate = WorkingImage(clean_plate, masking.working_px);
+  }
+  Segment(import, members, clean_plate, masking, progress);
+  if (others.empty()) return;
+  std::vector<std::string> names;
+  for (const std::size_t i : others) names.push_back(import.photographs[i].name);
+  stage.Warn(
+      "the clean plate has another size than these photographs, which are masked without "
+      "it: " +
+      JoinNames(names));
+  Segment(import, others, {}, masking, progress);
+}
+
 /// Segments the groups unless all masks are given: each placement has its own light and its own
 /// empty set.
 void SegmentAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
-  const MaskOptions masking = options.Masking();
   import.small_masks.resize(import.files.size());
   if (std::none_of(import.user_masks.begin(), import.user_masks.end(),
                    [](const fs::path& mask) { return mask.empty(); }))
     return;
   std::size_t begin = 0;
   for (std::size_t g = 0; g < import.groups.size(); ++g) {
-    const std::size_t end = begin + import.groups[g].files.size();
-    Image8 clean_plate;
-    if (!import.backgrounds[g].empty())
-      clean_plate = WorkingImage(LoadPlate(import, g), masking.working_px);
+    std::vector<std::size_t> members(import.groups[g].files.size());
+    std::iota(members.begin(), members.end(), begin);
+    const std::size_t end = begin + members.size();
     const auto share = [&](std::size_t i) {
       return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size());
     };
     SubProgress progress(stage.progress(), share(begin), share(end));
-    const std::vector<Image8> images(
-        std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(begin)),
-        std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(end)));
-    const std::vector<BoardOdds> boards(import.boards.begin() + static_cast<std::ptrdiff_t>(begin),
-                                        import.boards.begin() + static_cast<std::ptrdiff_t>(end));
-    auto masks = SegmentSet(images, clean_plate, boards, masking, &progress);
-    std::move(masks.begin(), masks.end(),
-              import.small_masks.begin() + static_cast<std::ptrdiff_t>(begin));
+    SegmentPlacement(stage, import, g, std::move(members), options.Masking(), &progress);
     begin = end;
   }
 }
@@ -127,7 +174,7 @@ CapturedImage EntryOf(const PhotographImport& import, std::size_t i,
     entry.photograph_width = photograph.width;
     entry.photograph_height = photograph.height;
   }
-  entry.focal_px = photograph.focal_px * import.factor;
+  entry.focal_px = photograph.focal_px * import.factors[i];
   entry.mask = "masks/" + entry.name + ".png";
   entry.mask_fraction = MaskFraction(masked.detail_mask);
   entry.mask_given = !import.user_masks[i].empty();
@@ -240,6 +287,25 @@ void ReportBoard(StageContext& stage, const PhotographImport& import) {
   stage.ReportJson("plate_not_seen", without.dump());
 }
 
+bool FocalKnown(const PhotographImport& import) {
+  return std::any_of(import.photographs.begin(), import.photographs.end(),
+                     [](const Photograph& p) { return p.focal_px > 0; });
+}
+
+/// The sizes written, the most common one first, where there are several.
+void ReportSizes(StageContext& stage, const PhotographImport& import) {
+  stage.Report("sizes", SizeOf(import.sizes));
+  if (import.sizes.size() < 2) return;
+  nlohmann::json each = nlohmann::json::array();
+  for (const SizeGroup& group : import.sizes) {
+    const Size size = WrittenSize(import, group.photographs.front());
+    each.push_back({{"width", size.width},
+                    {"height", size.height},
+                    {"photographs", SizeOf(group.photographs)}});
+  }
+  stage.ReportJson("images_by_size", each.dump());
+}
+
 void ReportSet(StageContext& stage, const PhotographImport& import,
                const std::vector<Written>& all) {
   double sharpness = 0, exposure = 0, clipped = 0, fraction = 0;
@@ -255,12 +321,15 @@ void ReportSet(StageContext& stage, const PhotographImport& import,
                     {"mask_fraction", w.image.mask_fraction}});
   }
   stage.Report("images", SizeOf(all));
-  stage.Report("width", all.front().image.width);
-  stage.Report("height", all.front().image.height);
+  const SizeGroup& most = import.sizes.front();
+  const std::size_t usual = most.photographs.front();
+  stage.Report("width", WrittenSize(import, usual).width);
+  stage.Report("height", WrittenSize(import, usual).height);
+  ReportSizes(stage, import);
   stage.Report("camera_model", import.photographs.front().camera_model);
-  stage.Report("focal_known", MedianFocalPx(import.photographs) > 0);
-  stage.Report("focal_px", MedianFocalPx(import.photographs) * import.factor);
-  stage.Report("focal_spread", FocalSpread(import.photographs));
+  stage.Report("focal_known", FocalKnown(import));
+  stage.Report("focal_px", MedianFocalPx(import.photographs, most) * import.factors[usual]);
+  stage.Report("focal_spread", FocalSpread(import.photographs, import.sizes));
   stage.Report("turned", static_cast<int>(std::count(import.quarter_turns.begin(),
                                                      import.quarter_turns.end(), 1)));
   stage.Report("user_masks",
@@ -309,7 +378,7 @@ void Run(StageContext& stage, const CaptureOptions& options) {
             [](const auto& a, const auto& b) { return a.name < b.name; });
   WriteImageSet(set);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
-  if (MedianFocalPx(import.photographs) <= 0)
+  if (!FocalKnown(import))
     stage.Note("capture: no focal length in the EXIF data; sfm starts from a guess and refines it");
 }
 
@@ -319,7 +388,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "9",
+    .version = "10",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",

@@ -177,13 +177,23 @@ TEST(QuarterTurns, TurnsPortraitsOfTheSameCamera) {
   EXPECT_EQ(turns, (std::vector<char>{0, 1, 0}));
 }
 
-TEST(QuarterTurns, OtherSizesThrowAndAreNamed) {
-  const std::string message = MessageOf([] {
-    QuarterTurns(
-        {Photo("a.jpg", 30, 20, 1), Photo("odd.jpg", 31, 20, 2), Photo("c.jpg", 30, 20, 3)});
-  });
-  EXPECT_THAT(message, HasSubstr("odd.jpg"));
-  EXPECT_THAT(message, HasSubstr("31 x 20"));
+TEST(QuarterTurns, OfEachCameraTheRarerWayIsTurned) {
+  const auto turns =
+      QuarterTurns({Photo("a", 30, 20, 1), Photo("b", 60, 80, 2), Photo("c", 80, 60, 3),
+                    Photo("d", 60, 80, 4), Photo("e", 20, 30, 5), Photo("f", 30, 20, 6)});
+  EXPECT_EQ(turns, (std::vector<char>{0, 0, 1, 0, 1, 0}));
+}
+
+TEST(GroupedBySize, PutsTheMostCommonFirstAndTheOthersAreNamed) {
+  const std::vector<Photograph> photographs = {Photo("odd.jpg", 31, 20, 1),
+                                               Photo("a.jpg", 30, 20, 2), Photo("b.jpg", 20, 30, 3),
+                                               Photo("c.jpg", 30, 20, 4)};
+  const std::vector<SizeGroup> groups = GroupedBySize(photographs, QuarterTurns(photographs));
+  ASSERT_EQ(groups.size(), 2U);
+  EXPECT_EQ(groups[0].photographs, (std::vector<std::size_t>{1, 2, 3}));
+  EXPECT_EQ(groups[0].width, 30);
+  EXPECT_EQ(DifferentSizes(photographs, groups),
+            "the photographs have different sizes: 3 are 30 x 20, 1 is 31 x 20: odd.jpg");
 }
 
 TEST(RequireEnoughAndDistinct, NamesCopies) {
@@ -203,11 +213,19 @@ TEST(RequireEnoughAndDistinct, TooFewThrow) {
               HasSubstr("at least 2 are needed, and 6 or more from different sides"));
 }
 
-TEST(FocalSpread, IsRelativeToTheMedian) {
-  EXPECT_DOUBLE_EQ(FocalSpread({Photo("a", 3, 2, 1, 1000), Photo("b", 3, 2, 2, 1000),
-                                Photo("c", 3, 2, 3, 1100), Photo("d", 3, 2, 4)}),
+double SpreadOf(const std::vector<Photograph>& photographs) {
+  return FocalSpread(photographs, GroupedBySize(photographs, QuarterTurns(photographs)));
+}
+
+TEST(FocalSpread, IsRelativeToTheMedianOfASize) {
+  EXPECT_DOUBLE_EQ(SpreadOf({Photo("a", 3, 2, 1, 1000), Photo("b", 3, 2, 2, 1000),
+                             Photo("c", 3, 2, 3, 1100), Photo("d", 3, 2, 4)}),
                    0.1);
-  EXPECT_EQ(FocalSpread({Photo("a", 3, 2, 1)}), 0);
+  EXPECT_EQ(SpreadOf({Photo("a", 3, 2, 1)}), 0);
+  // Another camera has another focal length.
+  EXPECT_DOUBLE_EQ(SpreadOf({Photo("a", 3, 2, 1, 1000), Photo("b", 3, 2, 2, 1010),
+                             Photo("c", 3, 2, 3, 1000), Photo("d", 6, 4, 4, 3000)}),
+                   0.01);
 }
 
 TEST(ContactCell, ShowsTheObjectUntintedAndTheRestTinted) {

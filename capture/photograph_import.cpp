@@ -130,6 +130,21 @@ void FindMasksAndPlates(StageContext& stage, PhotographImport& import) {
   }
 }
 
+/// Different sizes are different lenses: one with few photographs cannot be solved for. In a pose
+/// that need not be a scan, lenses are known.
+void TellOfSizes(StageContext& stage, const PhotographImport& import, bool scan) {
+  constexpr std::size_t kFewest = 3;  // as reconstruct/sfm/set_lenses.h
+  if (import.sizes.size() < 2) return;
+  const std::string text = DifferentSizes(import.photographs, import.sizes);
+  if (!scan || import.sizes.back().photographs.size() >= kFewest)
+    stage.Note("capture: " + text + "; each size is taken for a lens of its own");
+  else
+    stage.Warn(text +
+               "; each size is taken for a lens of its own, and fewer than three photographs do "
+               "not tell what their lens is: leave out what was cropped or sent in a smaller size, "
+               "or give the camera's own files");
+}
+
 /// Masks that were painted over other photographs of these names are not used: their outlines would
 /// be wrong for what was shot again.
 void LeaveOutMasksOfAnother(StageContext& stage, PhotographImport* import) {
@@ -174,9 +189,13 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
   RequireUsableSizes(import.photographs);
   FitIntoMemory(stage, import);
   import.quarter_turns = QuarterTurns(import.photographs);
-  const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
-  if (options.max_size > 0 && longer > options.max_size)
-    import.factor = static_cast<double>(options.max_size) / longer;
+  import.sizes = GroupedBySize(import.photographs, import.quarter_turns);
+  TellOfSizes(stage, import, IsOfAScan(options.min_images));
+  for (const Photograph& photograph : import.photographs) {
+    const int longer = std::max(photograph.width, photograph.height);
+    const bool large = options.max_size > 0 && longer > options.max_size;
+    import.factors.push_back(large ? static_cast<double>(options.max_size) / longer : 1);
+  }
   for (const PhotographGroup& group : import.groups)
     if (const fs::path side = group.folder / kShootNotes; fs::exists(side))
       import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
@@ -203,9 +222,9 @@ Size WrittenSize(const PhotographImport& import, std::size_t i) {
   const Photograph& photograph = import.photographs[i];
   Size size{photograph.width, photograph.height};
   if (import.quarter_turns[i]) std::swap(size.width, size.height);
-  if (import.factor == 1) return size;
+  if (import.factors[i] == 1) return size;
   const auto part = [&](int side) {
-    return std::max(1, static_cast<int>(std::lround(side * import.factor)));
+    return std::max(1, static_cast<int>(std::lround(side * import.factors[i])));
   };
   return {part(size.width), part(size.height)};
 }
@@ -222,7 +241,7 @@ Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path
                      "; make the mask at the photograph's size");
   if (import.quarter_turns[i]) image = QuarterTurned(image);
   const Size size = WrittenSize(import, i);
-  return import.factor == 1 ? image : Resized(image, size.width, size.height);
+  return import.factors[i] == 1 ? image : Resized(image, size.width, size.height);
 }
 
 int DetailEighths(const PhotographImport& import, std::size_t i) {
@@ -235,7 +254,7 @@ Image8 LoadReduced(const PhotographImport& import, std::size_t i, int eighths) {
   // A quarter turn would put a last row that is cut short to the other side.
   const bool turns = import.quarter_turns[i] &&
                      (photograph.width * eighths % 8 != 0 || photograph.height * eighths % 8 != 0);
-  if (eighths == 8 || import.factor != 1 || turns || IsDeveloped(import, i))
+  if (eighths == 8 || import.factors[i] != 1 || turns || IsDeveloped(import, i))
     return Reduced(LoadUpright(import, i, import.files[i], 3), eighths);
   Image8 image = ReadReduced(import.files[i], 3, eighths);
   return import.quarter_turns[i] ? QuarterTurned(image) : image;
@@ -273,7 +292,7 @@ void CopyPhotograph(const fs::path& from, const fs::path& to) {
 Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::path& to,
                        int quality) {
   const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 &&
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factors[i] == 1 &&
       !IsDeveloped(import, i)) {
     CopyPhotograph(import.files[i], to);
     return LoadReduced(import, i, DetailEighths(import, i));

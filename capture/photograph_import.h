@@ -33,7 +33,8 @@ struct PhotographImport {
   std::vector<fs::path> files;        // of all groups
   std::vector<Photograph> photographs;
   std::vector<char> quarter_turns;
-  double factor = 1;  // size written over size read
+  std::vector<SizeGroup> sizes;  // the most common one first
+  std::vector<double> factors;   // size written over size read
   // of each group's folder; none for photographs that `keypose shoot` has not made
   std::map<fs::path, shoot::SideFile> side_files;
   std::vector<Image8> small;  // working images
@@ -45,10 +46,11 @@ struct PhotographImport {
 };
 
 /// Lists and inspects the photographs, masks and clean plates that the stage is given.
-/// @throws InputError  too few, damaged, of different sizes, masks of others; not enough memory
+/// @throws InputError  too few, damaged, masks of others; not enough memory
 PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& options);
 
-/// Pixels of the photograph, or of a mask of it, as they will be written: upright, of one size.
+/// Pixels of the photograph, or of a mask of it, as they will be written: upright, those of one
+/// camera of one size.
 /// @throws InputError  a mask of another size
 Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
                    int channels);

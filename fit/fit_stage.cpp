@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/errors.h"
@@ -71,16 +73,26 @@ StageSpec Spec() {
   return spec;
 }
 
-/// The template's lens for a photograph of this size.
+/// The template's lens for a photograph of this size, else of this shape.
 Camera LensFor(const Scene& rig, const CapturedImage& image) {
+  for (const View& view : rig.views)
+    if (view.camera.width == image.width && view.camera.height == image.height) return view.camera;
+  std::set<std::pair<int, int>> sizes;  // of the lenses of this shape
+  Camera camera;
   for (const View& view : rig.views) {
     const double factor = static_cast<double>(image.width) / view.camera.width;
-    if (std::abs(factor * view.camera.height - image.height) < 1) {
-      Camera camera = view.camera.Scaled(factor);
-      camera.width = image.width, camera.height = image.height;
-      return camera;
-    }
+    if (std::abs(factor * view.camera.height - image.height) >= 1) continue;
+    if (sizes.empty()) camera = view.camera.Scaled(factor);
+    sizes.emplace(view.camera.width, view.camera.height);
   }
+  camera.width = image.width, camera.height = image.height;
+  if (sizes.size() == 1) return camera;
+  if (sizes.size() > 1)
+    throw InputError("fit: " + image.name + " has " + std::to_string(image.width) + " x " +
+                     std::to_string(image.height) +
+                     " pixels, as no photograph of the template, and the template's lenses of this "
+                     "shape are several: which of them it is of, its size does not tell; "
+                     "photograph the pose with one of the template's cameras, at its own size");
   const Camera& known = rig.views[0].camera;
   throw InputError("fit: " + image.name + " has " + std::to_string(image.width) + " x " +
                    std::to_string(image.height) + " pixels, but the template's photographs have " +

@@ -138,6 +138,44 @@ TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
   EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));
 }
 
+// Every third photograph is of another camera: narrower, of fewer pixels, and of another shape.
+TEST_F(SfmProgram, PhotographsOfTwoCamerasInTurnComeOutTrueWithALensEach) {
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  const auto shoot = [&](const std::string& name, const std::string& flags) {
+    const std::string shape = "photos --poses rest --views 20 --elevations 25 --spacing 0.004 ";
+    return Run("", "keypose-synth", shape + "--output " + (root / name).string() + " " + flags);
+  };
+  ASSERT_EQ(shoot("a", "--width 800").code, 0);
+  ASSERT_EQ(shoot("b", "--width 560 --height 560 --focal 50").code, 0);
+  Scene truth = ReadColmapModel(root / "a/truth/rest/cameras");
+  const Scene other = ReadColmapModel(root / "b/truth/rest/cameras");
+  for (std::size_t i = 1; i < truth.views.size(); i += 3) {
+    const fs::path photograph = fs::path("photos/rest") / truth.views[i].name;
+    ASSERT_EQ(other.views[i].name, truth.views[i].name);
+    fs::copy_file(root / "b" / photograph, root / "a" / photograph,
+                  fs::copy_options::overwrite_existing);
+    truth.views[i] = other.views[i];
+  }
+  ASSERT_EQ(Run("", "keypose-capture",
+                "--photos " + (root / "a/photos/rest").string() + " --images " +
+                    (root / "images").string())
+                .code,
+            0);
+  const Outcome outcome = Sfm("", "model");
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const Scene found = ReadColmapModel(root / "model");
+  ASSERT_EQ(found.views.size(), truth.views.size());
+  const Similarity3 align = FitSimilarity(Centers(found), Centers(truth));
+  const PointsX3 moved = Transformed(align, Centers(found)), centers = Centers(truth);
+  const double distance = centers.rowwise().norm().mean();
+  EXPECT_LT((moved - centers).rowwise().norm().mean(), 0.005 * distance);
+  for (std::size_t i = 0; i < found.views.size(); ++i) {
+    const Camera &lens = found.views[i].camera, &true_lens = truth.views[i].camera;
+    EXPECT_EQ(lens.width, true_lens.width);
+    EXPECT_NEAR(lens.fx, true_lens.fx, 0.02 * true_lens.fx);
+  }
+}
+
 /// A photograph's number among those drawn, each `step_deg` of the table: r1_a036.jpg.
 int DrawnNumber(const std::string& name, double step_deg) {
   return static_cast<int>(std::lround(std::stod(name.substr(4, 3)) / step_deg));

@@ -14,10 +14,12 @@ std::string SizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-std::vector<double> KnownFocals(const std::vector<Photograph>& photographs) {
+/// Ascending.
+std::vector<double> KnownFocals(const std::vector<Photograph>& photographs,
+                                const SizeGroup& group) {
   std::vector<double> focals;
-  for (const Photograph& p : photographs)
-    if (p.focal_px > 0) focals.push_back(p.focal_px);
+  for (const std::size_t i : group.photographs)
+    if (photographs[i].focal_px > 0) focals.push_back(photographs[i].focal_px);
   std::sort(focals.begin(), focals.end());
   return focals;
 }
@@ -25,26 +27,49 @@ std::vector<double> KnownFocals(const std::vector<Photograph>& photographs) {
 }  // namespace
 
 std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs) {
-  std::map<std::pair<int, int>, std::vector<std::string>> by_size;
-  for (const Photograph& p : photographs) by_size[{p.width, p.height}].push_back(p.name);
-  std::vector<char> turns(photographs.size(), 0);
-  if (by_size.size() < 2) return turns;
-  auto most = by_size.begin();
-  for (auto it = by_size.begin(); it != by_size.end(); ++it)
-    if (it->second.size() > most->second.size()) most = it;
-  const auto [width, height] = most->first;
-  std::string others;
-  for (const auto& [size, names] : by_size)
-    if (size != most->first && size != std::pair{height, width})
-      others += "; " + SizeText(size.first, size.second) + ": " + JoinNames(names);
-  if (!others.empty())
-    throw InputError(
-        "capture: the photographs have different sizes: " + std::to_string(most->second.size()) +
-        " are " + SizeText(width, height) + others +
-        "; one pose is shot with one camera at one setting: leave out the others, or export all at "
-        "one size without cropping");
-  for (std::size_t i = 0; i < photographs.size(); ++i) turns[i] = photographs[i].width != width;
+  std::map<std::pair<int, int>, std::size_t> count;
+  for (const Photograph& p : photographs) ++count[{p.width, p.height}];
+  std::vector<char> turns;
+  for (const Photograph& p : photographs) {
+    const std::size_t as_it_is = count[{p.width, p.height}], turned = count[{p.height, p.width}];
+    // As many of both: all upright.
+    turns.push_back(turned > as_it_is || (turned == as_it_is && p.width > p.height));
+  }
   return turns;
+}
+
+std::vector<SizeGroup> GroupedBySize(const std::vector<Photograph>& photographs,
+                                     const std::vector<char>& turns) {
+  std::map<std::pair<int, int>, SizeGroup> by_size;
+  for (std::size_t i = 0; i < photographs.size(); ++i) {
+    const auto [a, b] = std::pair{photographs[i].width, photographs[i].height};
+    const auto [width, height] = turns[i] ? std::pair{b, a} : std::pair{a, b};
+    SizeGroup& group = by_size[{width, height}];
+    group.width = width, group.height = height;
+    group.photographs.push_back(i);
+  }
+  std::vector<SizeGroup> groups;
+  for (auto& [size, group] : by_size) groups.push_back(std::move(group));
+  std::stable_sort(groups.begin(), groups.end(), [](const SizeGroup& a, const SizeGroup& b) {
+    return a.photographs.size() > b.photographs.size();
+  });
+  return groups;
+}
+
+std::string DifferentSizes(const std::vector<Photograph>& photographs,
+                           const std::vector<SizeGroup>& groups) {
+  std::string text = "the photographs have different sizes: ";
+  for (const SizeGroup& group : groups) {
+    const bool first = &group == &groups.front();
+    text += (first ? "" : ", ") + std::to_string(group.photographs.size()) +
+            (group.photographs.size() == 1 ? " is " : " are ") +
+            SizeText(group.width, group.height);
+    if (first) continue;
+    std::vector<std::string> names;
+    for (const std::size_t i : group.photographs) names.push_back(photographs[i].name);
+    text += ": " + JoinNames(names, 6);
+  }
+  return text;
 }
 
 bool IsOfAScan(int min_images) { return min_images >= 8; }
@@ -89,16 +114,21 @@ void RequireUsableSizes(const std::vector<Photograph>& photographs) {
         "; at least 16 pixels each way, and at most 20 times as long as wide; leave them out");
 }
 
-double MedianFocalPx(const std::vector<Photograph>& photographs) {
-  const auto focals = KnownFocals(photographs);
+double MedianFocalPx(const std::vector<Photograph>& photographs, const SizeGroup& group) {
+  const auto focals = KnownFocals(photographs, group);
   return focals.empty() ? 0 : focals[focals.size() / 2];
 }
 
-double FocalSpread(const std::vector<Photograph>& photographs) {
-  const auto focals = KnownFocals(photographs);
-  if (focals.size() < 2) return 0;
-  const double median = focals[focals.size() / 2];
-  return std::max(focals.back() - median, median - focals.front()) / median;
+double FocalSpread(const std::vector<Photograph>& photographs,
+                   const std::vector<SizeGroup>& groups) {
+  double spread = 0;
+  for (const SizeGroup& group : groups) {
+    const auto focals = KnownFocals(photographs, group);
+    if (focals.size() < 2) continue;
+    const double median = focals[focals.size() / 2];
+    spread = std::max(spread, std::max(focals.back() - median, median - focals.front()) / median);
+  }
+  return spread;
 }
 
 std::string JoinNames(const std::vector<std::string>& names, std::size_t at_most) {

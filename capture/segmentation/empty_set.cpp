@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
@@ -88,9 +90,8 @@ cv::Mat CarriedIn(const cv::Mat& lab, const cv::Mat& known) {
 
 /// The other photographs of a take, evenly spread, for a median.
 std::vector<std::size_t> OthersOf(const Take& take, std::size_t i) {
-  std::vector<std::size_t> all;
-  for (std::size_t k = take.begin; k < take.end; ++k)
-    if (k != i) all.push_back(k);
+  std::vector<std::size_t> all = take.images;
+  std::erase(all, i);
   std::vector<std::size_t> some;
   const std::size_t count = std::min(kMostOfTake, all.size());
   for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * all.size() / count]);
@@ -145,17 +146,28 @@ cv::Mat SmoothDifference(const cv::Mat& lab, const cv::Mat& empty, int window) {
 
 }  // namespace
 
+const Take& TakeOf(const std::vector<Take>& takes, std::size_t i) {
+  return *std::find_if(takes.begin(), takes.end(), [i](const Take& take) {
+    return std::binary_search(take.images.begin(), take.images.end(), i);
+  });
+}
+
 std::vector<Take> FindTakes(const std::vector<Image8>& images, double border_share) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> by_size;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    by_size[{images[i].width, images[i].height}].push_back(i);
   std::vector<Take> takes;
-  std::vector<float> first, last;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    std::vector<float> here = BorderSignature(images[i], border_share);
-    if (takes.empty() || !SameSurroundings(here, last) || !SameSurroundings(here, first)) {
-      takes.push_back({i, i});
-      first = here;
+  for (const auto& [size, of_size] : by_size) {
+    std::vector<float> first, last;
+    for (const std::size_t i : of_size) {
+      std::vector<float> here = BorderSignature(images[i], border_share);
+      if (first.empty() || !SameSurroundings(here, last) || !SameSurroundings(here, first)) {
+        takes.emplace_back();
+        first = here;
+      }
+      takes.back().images.push_back(i);
+      last = std::move(here);
     }
-    takes.back().end = i + 1;
-    last = std::move(here);
   }
   return takes;
 }

@@ -10,21 +10,18 @@
 
 namespace keypose::capture {
 
-/// Photographs with the same fixed background, from a camera on a tripod and a turntable: [begin,
-/// end) in the set's order.
+/// Photographs with the same fixed background, from a camera on a tripod and a turntable: indices
+/// into the set, ascending. All have one size.
 struct Take {
-  std::size_t begin = 0, end = 0;
+  std::vector<std::size_t> images;
 };
 
 /// The take of photograph i.
-inline const Take& TakeOf(const std::vector<Take>& takes, std::size_t i) {
-  for (const Take& take : takes)
-    if (i < take.end) return take;
-  return takes.back();
-}
+/// @pre it has one
+const Take& TakeOf(const std::vector<Take>& takes, std::size_t i);
 
-/// Splits the set, in its order, where the image borders change. A background without structure
-/// never gives a split.
+/// Splits the photographs of each size, in the set's order, where the image borders change. A
+/// background without structure never gives a split.
 std::vector<Take> FindTakes(const std::vector<Image8>& images, double border_share);
 
 /// The empty set behind image `i`, in CIE Lab, 8 bits per channel as in OpenCV. Where other images

@@ -145,7 +145,7 @@ TEST(BackdropsOf, TellNothingOfAFigureOfTheirOwnColours) {
         if (photo.mask.data[p]) trimap.data[p] = kObject;
       trimaps.push_back(trimap);
     }
-    EXPECT_EQ(BackdropsOf(lab, trimaps, {{0, 6}}, 6).Confusing(), grey_figure);
+    EXPECT_EQ(BackdropsOf(lab, trimaps, {{{0, 1, 2, 3, 4, 5}}}, 6).Confusing(), grey_figure);
   }
 }
 

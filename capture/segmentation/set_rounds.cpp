@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/colour_odds.h"
@@ -144,19 +146,30 @@ EmptySetMatch FindSeenPast(const Round& round, const std::vector<Image8>& emptie
   return past;
 }
 
-/// The fold of a photograph, whose classifier does not learn from it: a quarter of the set in its
-/// order, so that a common error of neighbouring images does not confirm itself.
-std::size_t FoldOf(std::size_t i, std::size_t count, std::size_t folds) {
-  return i * folds / count;
+/// For each photograph its fold, whose classifier does not learn from it: a quarter of the set in
+/// its order, so that a common error of neighbouring images does not confirm itself. Of each size
+/// it has a quarter: another camera has other colours, which three quarters of its photographs
+/// teach.
+std::vector<std::size_t> FoldsOf(const std::vector<Image8>& images) {
+  const std::size_t folds = images.size() >= 8 ? 4 : 1;
+  std::map<std::pair<int, int>, std::size_t> count, seen;
+  for (const Image8& image : images) ++count[{image.width, image.height}];
+  std::vector<std::size_t> fold_of;
+  for (const Image8& image : images) {
+    const std::pair size{image.width, image.height};
+    fold_of.push_back(seen[size]++ * folds / count[size]);
+  }
+  return fold_of;
 }
 
-std::vector<PixelClassifier> Learn(const std::vector<PixelSamples>& samples) {
-  const std::size_t folds = samples.size() >= 8 ? 4 : 1;
+std::vector<PixelClassifier> Learn(const std::vector<PixelSamples>& samples,
+                                   const std::vector<std::size_t>& fold_of) {
+  const std::size_t folds = *std::max_element(fold_of.begin(), fold_of.end()) + 1;
   std::vector<PixelClassifier> classifiers;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     std::vector<const PixelSamples*> others;
     for (std::size_t i = 0; i < samples.size(); ++i)
-      if (folds == 1 || FoldOf(i, samples.size(), folds) != fold) others.push_back(&samples[i]);
+      if (folds == 1 || fold_of[i] != fold) others.push_back(&samples[i]);
     classifiers.emplace_back(others, ClassifierOptions{});
   }
   return classifiers;
@@ -255,14 +268,14 @@ std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<Bo
   const EmptySetMatch past = FindSeenPast(round, pictures.empties, pictures.foretold,
                                           SetRoundTuning::kSeenPast * options.odds_limit);
   TakeSamples(round, shadow_odds, past, pictures);
-  const std::vector<PixelClassifier> with_set = Learn(pictures.related),
-                                     without_set = Learn(pictures.plain);
+  const std::vector<std::size_t> fold_of = FoldsOf(round.images);
+  const std::vector<PixelClassifier> with_set = Learn(pictures.related, fold_of),
+                                     without_set = Learn(pictures.plain, fold_of);
   std::vector<Image8> masks(count);
   ParallelFor(std::ssize(round.images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     const bool foretold = pictures.foretold[i];
-    const PixelClassifier& classifier =
-        (foretold ? with_set : without_set)[FoldOf(i, count, with_set.size())];
+    const PixelClassifier& classifier = (foretold ? with_set : without_set)[fold_of[i]];
     std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], pictures.empties[i]);
     if (!foretold) features = WithoutEmptySet(std::move(features));
     ImageF odds(round.images[i].width, round.images[i].height, 1);

@@ -58,7 +58,19 @@ TEST(FindTakes, SplitsWhereTheSurroundingsChange) {
   for (int i = 0; i < 3; ++i) images.push_back(MakeTestPhoto(i, 240, 160, TestWall::kDark).image);
   const std::vector<Take> takes = FindTakes(images, 0.06);
   ASSERT_GE(takes.size(), 2U);
-  EXPECT_EQ(takes[0].end, 5U);
+  EXPECT_EQ(takes[0].images, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+}
+
+// The empty set is a median over a take, pixel by pixel.
+TEST(FindTakes, ATakeHasOneSizeAlsoWhereSizesAlternate) {
+  std::vector<Image8> images;
+  for (int i = 0; i < 8; ++i)
+    images.push_back(
+        MakeTestPhoto(i, i % 2 ? 180 : 240, i % 2 ? 120 : 160, TestWall::kLight).image);
+  const std::vector<Take> takes = FindTakes(images, 0.06);
+  ASSERT_EQ(takes.size(), 2U);
+  EXPECT_EQ(TakeOf(takes, 0).images, (std::vector<std::size_t>{0, 2, 4, 6}));
+  EXPECT_EQ(TakeOf(takes, 3).images, (std::vector<std::size_t>{1, 3, 5, 7}));
 }
 
 TEST(EmptySet, IsWhatTheOthersOfTheTakeShow) {
@@ -74,7 +86,7 @@ TEST(EmptySet, IsWhatTheOthersOfTheTakeShow) {
     lab.push_back(image);
     trimaps.push_back(trimap);
   }
-  const Image8 empty = EmptySet(lab, trimaps, {0, 5}, 2);
+  const Image8 empty = EmptySet(lab, trimaps, {{0, 1, 2, 3, 4}}, 2);
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) ASSERT_EQ(*empty.at(x, y), x) << x << " " << y;
 }
@@ -155,8 +167,9 @@ TestPhoto MakeRingPhoto(int index) {
 TEST(SegmentByClassifier, OpensHolesThatMasksHaveFilled) {
   std::vector<Image8> images, told;
   for (int i = 0; i < kRings; ++i) images.push_back(MakeRingPhoto(i).image);
-  Round round{images, {}, {}, {{0, kRings}}, &told, {-3.0F, 2.0F}};
+  Round round{images, {}, {}, {{}}, &told, {-3.0F, 2.0F}};
   for (int i = 0; i < kRings; ++i) {
+    round.takes[0].images.push_back(static_cast<std::size_t>(i));
     Image8 mask = MakeRingPhoto(i).truth;
     for (int y = 0; y < mask.height; ++y)
       for (int x = 0; x < mask.width; ++x)

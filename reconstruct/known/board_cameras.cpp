@@ -198,6 +198,36 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
   return placed;
 }
 
+BoardPoses PlaceByBoard(const std::vector<BoardLens>& lenses, const BoardLayout& board,
+                        const std::vector<BoardSighting>& sightings,
+                        const BoardPosesOptions& options) {
+  if (lenses.size() == 1)
+    return PlaceByBoard(lenses[0].camera, lenses[0].focal_known, board, sightings, options);
+  BoardPoses all;
+  double sum = 0, corners = 0;
+  for (int lens = 0; lens < SizeOf(lenses); ++lens) {
+    std::vector<BoardSighting> own = sightings;
+    std::erase_if(own, [&](const BoardSighting& sighting) { return sighting.lens != lens; });
+    if (own.empty()) continue;
+    BoardPoses part =
+        PlaceByBoard(lenses[lens].camera, lenses[lens].focal_known, board, own, options);
+    const auto add = [](auto& to, auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    add(all.scene.views, part.scene.views);
+    add(all.too_few, part.too_few);
+    add(all.rejected, part.rejected);
+    const auto count = static_cast<double>(part.bodies.observations.size());
+    sum += part.rms_px * part.rms_px * count, corners += count;
+  }
+  std::sort(all.scene.views.begin(), all.scene.views.end(),
+            [](const View& a, const View& b) { return a.name < b.name; });
+  std::sort(all.too_few.begin(), all.too_few.end());
+  std::sort(all.rejected.begin(), all.rejected.end());
+  all.bodies.world_from_body = {Rigid3{}};
+  all.bodies.observations = BoardObservations(all.scene, board, sightings, 0, options.min_corners);
+  all.rms_px = corners > 0 ? std::sqrt(sum / corners) : 0;
+  return all;
+}
+
 Similarity3 BoardFromScene(const Scene& board, const Scene& scene) {
   std::map<std::string, const View*> by_name;
   for (const View& view : board.views) by_name[view.name] = &view;

@@ -14,6 +14,13 @@ namespace keypose::reconstruct {
 struct BoardSighting {
   std::string name;
   std::vector<BoardCorner> corners;
+  int lens = 0;  ///< of several
+};
+
+/// A lens before its photographs are placed.
+struct BoardLens {
+  Camera camera;
+  bool focal_known = false;
 };
 
 struct BoardPosesOptions {
@@ -41,6 +48,12 @@ struct BoardPoses {
 /// Source: Collins & Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014 (IPPE, as in
 /// OpenCV).
 BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& board,
+                        const std::vector<BoardSighting>& sightings,
+                        const BoardPosesOptions& options);
+
+/// The same for photographs of several lenses, which are placed apart: the board joins them.
+/// @param lenses  BoardSighting::lens is an index into them
+BoardPoses PlaceByBoard(const std::vector<BoardLens>& lenses, const BoardLayout& board,
                         const std::vector<BoardSighting>& sightings,
                         const BoardPosesOptions& options);
 

@@ -67,6 +67,37 @@ double WorstCenter(const Scene& scene, const std::vector<View>& truth) {
   return worst;
 }
 
+/// Every third photograph becomes one of a lens of 0.6 times the size and other distortion.
+void TakeWithTwoLenses(Table& table) {
+  Camera other = TestCamera().Scaled(0.6);
+  other.fx = other.fy = 1000, other.k1 = 0.02;
+  for (std::size_t i = 0; i < table.truth.size(); i += 3) {
+    View& view = table.truth[i];
+    view.camera = other;
+    table.sightings[i].lens = 1;
+    for (BoardCorner& corner : table.sightings[i].corners)
+      corner.pixel = view.Project(BoardLayout{}.Corner(corner.id));
+  }
+}
+
+TEST(PlaceByBoard, PhotographsOfTwoLensesComeOutExactAndInOrder) {
+  Table table = MakeTable({20, 45}, 9, 0);
+  TakeWithTwoLenses(table);
+  Camera first = TestCamera(), second = TestCamera().Scaled(0.6);
+  first.k1 = second.k1 = 0;
+  BoardPosesOptions options;
+  options.bundle.keep_aspect = true;
+  const BoardPoses placed =
+      PlaceByBoard({{first, true}, {second, false}}, BoardLayout{}, table.sightings, options);
+  ASSERT_EQ(placed.scene.views.size(), 18u);
+  EXPECT_LT(placed.rms_px, 1e-3);
+  EXPECT_LT(WorstCenter(placed.scene, table.truth), 1e-5);  // of 0.6 m
+  EXPECT_NEAR(placed.scene.views[0].camera.fx, 1000, 0.05);
+  EXPECT_NEAR(placed.scene.views[1].camera.fx, 2400, 0.05);
+  for (const BodyObservation& o : placed.bodies.observations)
+    ASSERT_LT((placed.scene.views[o.view].Project(o.on_body) - o.pixel).norm(), 0.01);
+}
+
 TEST(PlaceByBoard, ExactCornersGiveTheExactCameras) {
   const Table table = MakeTable({20, 45}, 9, 0);
   Camera start = TestCamera();

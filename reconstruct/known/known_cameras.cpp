@@ -23,8 +23,8 @@ Camera ForPhotograph(const View& known, const Camera& photograph) {
   if (std::abs(factor * camera.height - photograph.height) > 1.5)
     throw InputError("sfm: the known camera of " + known.name + " is for " +
                      std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                     " pixels, but the photographs have " + std::to_string(photograph.width) +
-                     " x " + std::to_string(photograph.height) +
+                     " pixels, but the photograph has " + std::to_string(photograph.width) + " x " +
+                     std::to_string(photograph.height) +
                      "; give cameras for the photographs as capture wrote them");
   if (factor != 1) camera = camera.Scaled(factor);
   camera.width = photograph.width;
@@ -38,10 +38,10 @@ Camera ForPhotograph(const View& known, const Camera& photograph) {
 
 std::vector<View> MatchKnownPoses(const std::vector<View>& known,
                                   const std::vector<std::string>& photographs,
-                                  const Camera& photograph) {
-  std::map<std::string, std::string> by_name, by_stem;
-  for (const std::string& name : photographs)
-    by_name[name] = name, by_stem.emplace(Stem(name), name);
+                                  const std::vector<Camera>& sizes) {
+  std::map<std::string, std::size_t> by_name, by_stem;
+  for (std::size_t i = 0; i < photographs.size(); ++i)
+    by_name[photographs[i]] = i, by_stem.emplace(Stem(photographs[i]), i);
   std::map<std::string, View> matched;
   std::string strangers;
   int count = 0;
@@ -56,8 +56,8 @@ std::vector<View> MatchKnownPoses(const std::vector<View>& known,
       }
     }
     View here = view;
-    here.name = found->second;
-    here.camera = ForPhotograph(view, photograph);
+    here.name = photographs[found->second];
+    here.camera = ForPhotograph(view, sizes[found->second]);
     if (!matched.emplace(here.name, here).second)
       throw InputError("sfm: the known poses hold two cameras for " + here.name +
                        "; leave one out");

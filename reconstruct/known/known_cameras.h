@@ -13,12 +13,13 @@ namespace keypose::reconstruct {
 ///
 /// @param known   names may lack an extension; sizes and principal points of 0 are filled in from
 /// the photograph; a negative focal length is in units of the photograph's width
-/// @param photographs  of the set, all of the size of `photograph`, sorted by name
+/// @param photographs  of the set, sorted by name
+/// @param sizes        for each its width and height
 /// @return sorted by name; photographs without a known camera are left out
 /// @throws InputError  cameras whose names are not among the photographs (lists them), two for one
 /// photograph, another aspect ratio
 std::vector<View> MatchKnownPoses(const std::vector<View>& known,
                                   const std::vector<std::string>& photographs,
-                                  const Camera& photograph);
+                                  const std::vector<Camera>& sizes);
 
 }  // namespace keypose::reconstruct

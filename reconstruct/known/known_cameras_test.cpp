@@ -29,13 +29,15 @@ TEST(MatchKnownPoses, NamesMatchByStemAndIntrinsicsFollowTheSize) {
   view.camera = TestCamera().Scaled(0.5);
   View shares = LookFrom({0, 1, 1}, Camera{}, "a.png");
   shares.camera.fx = shares.camera.fy = -2400.0 / 1440;
-  Camera photograph;
+  Camera photograph, small;
   photograph.width = 1440, photograph.height = 1080;
-  const auto matched = MatchKnownPoses({view, shares}, {"a.png", "b.jpg", "c.jpg"}, photograph);
+  small.width = 720, small.height = 540;
+  const auto matched =
+      MatchKnownPoses({view, shares}, {"a.png", "b.jpg", "c.jpg"}, {small, photograph, photograph});
   ASSERT_EQ(matched.size(), 2u);
   EXPECT_EQ(matched[0].name, "a.png");
-  EXPECT_NEAR(matched[0].camera.fx, 2400, 1e-9);
-  EXPECT_EQ(matched[0].camera.cx, 720);
+  EXPECT_NEAR(matched[0].camera.fx, 1200, 1e-9);
+  EXPECT_EQ(matched[0].camera.cx, 360);
   EXPECT_EQ(matched[1].name, "b.jpg");
   EXPECT_NEAR(matched[1].camera.fx, 2400, 1e-9);
   EXPECT_EQ(matched[1].camera.width, 1440);
@@ -59,14 +61,14 @@ TEST(MatchKnownPoses, StrangersTwinsAndOtherShapesAreInputErrors) {
   twin.name = "a";
   wide.camera.width = 1920;
   EXPECT_THAT(MessageOf([&] {
-                MatchKnownPoses({a, stranger}, {"a.jpg"}, photograph);
+                MatchKnownPoses({a, stranger}, {"a.jpg"}, {photograph});
               }),
               HasSubstr("not in the set: z9.jpg"));
   EXPECT_THAT(MessageOf([&] {
-                MatchKnownPoses({a, twin}, {"a.jpg"}, photograph);
+                MatchKnownPoses({a, twin}, {"a.jpg"}, {photograph});
               }),
               HasSubstr("two cameras for a.jpg"));
-  EXPECT_THAT(MessageOf([&] { MatchKnownPoses({wide}, {"a.jpg"}, photograph); }),
+  EXPECT_THAT(MessageOf([&] { MatchKnownPoses({wide}, {"a.jpg"}, {photograph}); }),
               HasSubstr("1920 x 1080"));
 }
 

@@ -178,39 +178,62 @@ int SetBoards::views() const {
   return count;
 }
 
-SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const Camera& camera,
-                      bool focal_known, const SfmOptions& options) {
+namespace {
+
+/// Lenses of which three photographs or more are placed start from there in other placements.
+void LearnLenses(const BoardPoses& poses, const std::vector<BoardSighting>& sightings,
+                 std::vector<BoardLens>& lenses) {
+  std::vector<std::vector<const View*>> views(lenses.size());
+  for (const View& view : poses.scene.views)
+    for (const BoardSighting& sighting : sightings)
+      if (sighting.name == view.name) views[sighting.lens].push_back(&view);
+  for (std::size_t l = 0; l < lenses.size(); ++l)
+    if (views[l].size() >= 3) lenses[l] = {views[l][0]->camera, true};
+}
+
+/// The placements, "upright" first, with what their photographs show of the board.
+std::vector<SetBoards::Group> PlacementsOf(const ImageSet& set, const MatchedFeatures& matched) {
   std::map<std::string, SetBoards::Group> by_name;
-  for (const CapturedImage& image : set.images) {
+  for (std::size_t i = 0; i < set.images.size(); ++i) {
+    const CapturedImage& image = set.images[i];
     SetBoards::Group& group = by_name[image.group];
     group.name = image.group;
     group.images.push_back(image.name);
-    if (!image.board_corners.empty()) group.sightings.push_back({image.name, image.board_corners});
+    if (!image.board_corners.empty())
+      group.sightings.push_back({image.name, image.board_corners, matched.lens_of_image[i]});
   }
-  SetBoards boards;
+  std::vector<SetBoards::Group> groups;
   if (const auto upright = by_name.find("upright"); upright != by_name.end()) {
-    boards.groups.push_back(std::move(upright->second));
+    groups.push_back(std::move(upright->second));
     by_name.erase(upright);
   }
-  for (auto& [name, group] : by_name) boards.groups.push_back(std::move(group));
+  for (auto& [name, group] : by_name) groups.push_back(std::move(group));
+  return groups;
+}
+
+}  // namespace
+
+SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched,
+                      const SfmOptions& options) {
+  SetBoards boards;
+  boards.groups = PlacementsOf(set, matched);
   if (!set.board || !options.board) return boards;
   BoardPosesOptions placing;
   placing.min_corners = options.min_board_corners;
   placing.bundle = BundleOf(options, true, false);
-  Camera start = camera;
-  bool known = focal_known;
+  std::vector<BoardLens> lenses;
+  for (const Camera& lens : matched.lenses) lenses.push_back({lens, matched.focal_known});
   json rejected = json::array();
   double sum = 0, corners = 0;
   for (SetBoards::Group& group : boards.groups) {
-    group.poses = PlaceByBoard(start, known, *set.board, group.sightings, placing);
+    group.poses = PlaceByBoard(lenses, *set.board, group.sightings, placing);
     if (!boards.calibrate && SeenUnderSeveralTilts(group.poses.scene)) {
       boards.calibrate = true;
       placing.bundle = BundleOf(options, true, true);
-      group.poses = PlaceByBoard(start, known, *set.board, group.sightings, placing);
+      group.poses = PlaceByBoard(lenses, *set.board, group.sightings, placing);
     }
     for (const std::string& name : group.poses.rejected) rejected.push_back(name);
-    if (group.poses.scene.views.size() >= 3)
-      start = group.poses.scene.views[0].camera, known = true;
+    LearnLenses(group.poses, group.sightings, lenses);
     const auto count = static_cast<double>(group.poses.bodies.observations.size());
     sum += group.poses.rms_px * group.poses.rms_px * count;
     corners += count;
@@ -222,12 +245,14 @@ SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const Camera& ca
 }
 
 std::vector<View> KnownViews(StageContext& stage, const ImageSet& set) {
-  Camera photograph;
-  photograph.width = set.images[0].width;
-  photograph.height = set.images[0].height;
   std::vector<std::string> names;
-  for (const CapturedImage& image : set.images) names.push_back(image.name);
-  return MatchKnownPoses(ReadPoses(stage.Input("poses")), names, photograph);
+  std::vector<Camera> sizes;
+  for (const CapturedImage& image : set.images) {
+    names.push_back(image.name);
+    sizes.emplace_back();
+    sizes.back().width = image.width, sizes.back().height = image.height;
+  }
+  return MatchKnownPoses(ReadPoses(stage.Input("poses")), names, sizes);
 }
 
 PosedModel ModelFromPoses(const ModelInput& in) {

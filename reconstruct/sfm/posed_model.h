@@ -35,8 +35,9 @@ struct SetBoards {
 
 /// Groups the set's photographs, and estimates the poses of those that show the board. Reports
 /// board_views, board_rms_px.
-SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const Camera& camera,
-                      bool focal_known, const SfmOptions& options);
+/// @param matched  whose lenses are the start
+SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched,
+                      const SfmOptions& options);
 
 /// A model with the data it was made from.
 struct PosedModel {

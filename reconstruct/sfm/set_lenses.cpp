@@ -1,6 +1,7 @@
 #include "reconstruct/sfm/set_lenses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -57,20 +58,30 @@ std::vector<Group> ByFocal(const ImageSet& set, const std::vector<int>& images) 
   return groups;
 }
 
+/// As written, and as photographed: what had several sizes is of several cameras, though it may be
+/// written in one.
+std::array<int, 4> SizesOf(const CapturedImage& image) {
+  const bool as_it_was = image.photograph_width <= 0 || image.photograph_height <= 0;
+  const auto [shorter, longer] =
+      as_it_was ? std::minmax({image.width, image.height})
+                : std::minmax({image.photograph_width, image.photograph_height});
+  return {image.width, image.height, longer, shorter};
+}
+
 }  // namespace
 
 SetLenses LensesOf(const ImageSet& set) {
-  std::map<std::pair<int, int>, std::vector<int>> by_size;
+  std::map<std::array<int, 4>, std::vector<int>> by_size;
   for (int i = 0; i < static_cast<int>(set.images.size()); ++i) {
     const CapturedImage& image = set.images[static_cast<std::size_t>(i)];
-    by_size[{image.width, image.height}].push_back(i);
+    by_size[SizesOf(image)].push_back(i);
   }
   std::vector<Group> groups;
   std::vector<double> relative;  // focal lengths over the longer side
   for (const auto& [size, images] : by_size)
     for (Group& group : ByFocal(set, images)) {
       for (const double focal : group.focals)
-        relative.push_back(focal / std::max(size.first, size.second));
+        relative.push_back(focal / std::max(size[0], size[1]));
       groups.push_back(std::move(group));
     }
   for (Group& group : groups) std::sort(group.images.begin(), group.images.end());

@@ -211,7 +211,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   SfmFiles files = FilesOf(set, scratch, fine);
   matched = BuildDatabase(stage, set, files, options, {fine, false}, {}, watch);
   if (stage.Has("poses")) return PlaceByPoses(context, files, matched);
-  const SetBoards boards = PlaceBoards(stage, set, matched.camera, matched.focal_known, options);
+  const SetBoards boards = PlaceBoards(stage, set, matched, options);
   if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0)
     RequireOverlap(stage, set, matched);
   matched.upside_down = FindUpsideDown(stage, set, check, matched);

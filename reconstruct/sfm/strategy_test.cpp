@@ -6,12 +6,17 @@
 #include <map>
 #include <utility>
 
+#include "core/errors.h"
 #include "core/stage/stage.h"
+#include "reconstruct/sfm/set_lenses.h"
+#include "reconstruct/sfm/turntable_strategies.h"
 
 namespace keypose::reconstruct {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
@@ -52,6 +57,55 @@ StrategyResult ResultWith(const std::string& method, double hull_overlap) {
   result.evidence.outlines = true;
   result.evidence.hull_iou = hull_overlap;
   return result;
+}
+
+/// A photograph of a set, reduced from another size if that is given.
+CapturedImage Photograph(int width, int height, double focal_px, int of_width = 0,
+                         int of_height = 0) {
+  CapturedImage image;
+  image.width = width, image.height = height;
+  image.photograph_width = of_width, image.photograph_height = of_height;
+  image.focal_px = focal_px;
+  return image;
+}
+
+TEST(LensesOf, EachSizeIsALensAlsoIfItWasMadeTheSameSize) {
+  ImageSet set;
+  for (int i = 0; i < 9; ++i)
+    set.images.push_back(i % 3 == 0   ? Photograph(2000, 1500, 2400, 4000, 3000)
+                         : i % 3 == 1 ? Photograph(2000, 1500, 0, 1500 * 2, 2000 * 2)
+                                      : Photograph(2000, 1500, 0));
+  const SetLenses lenses = LensesOf(set);
+  ASSERT_EQ(lenses.cameras.size(), 2U);  // a portrait that was turned is of the same camera
+  EXPECT_THAT(lenses.of_image, ElementsAre(0, 0, 1, 0, 0, 1, 0, 0, 1));
+  EXPECT_EQ(lenses.cameras[0].fx, 2400);
+  EXPECT_EQ(lenses.cameras[1].fx, 2400);  // the only focal length that is known
+  EXPECT_TRUE(lenses.focal_known);
+}
+
+TEST(PlaceByTurntable, PhotographsOfTwoSizesAreNoRing) {
+  Reported stage;
+  const ImageSet set;
+  const EvidenceCheck check(set);
+  Stopwatch watch;
+  SfmOptions options;
+  MatchedFeatures matched;
+  matched.lenses.resize(2);
+  matched.lenses[0].width = matched.lenses[0].height = 800;
+  matched.lenses[1].width = matched.lenses[1].height = 480;
+  matched.camera = matched.lenses[0];
+  const StrategyContext context{stage, set, options, check, watch};
+  const StrategyResult best = PlaceByTurntable(context, {}, matched, ResultWith("features", 0.5));
+  EXPECT_EQ(best.method, "features");
+  for (const char* method : {"ring", "silhouettes"}) {
+    options.method = method;
+    try {
+      PlaceByTurntable(context, {}, matched, {});
+      ADD_FAILURE() << method;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(method), HasSubstr("800 x 800 and 480 x 480")));
+    }
+  }
 }
 
 TEST(Measurements, KeepTheirOrderAndTheLastValueOfAName) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/errors.h"
 #include "core/image_turns.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
@@ -230,11 +231,31 @@ std::optional<RingLayout> NotedLayout(const ImageSet& set) {
   return LayoutOfAngles(rings, angles_deg);
 }
 
+/// Whether the photographs can be of one camera on a tripod, as these strategies assume.
+/// @throws InputError  they cannot, and the method asks for such a strategy
+bool HaveOneSize(const SfmOptions& options, const MatchedFeatures& matched) {
+  const auto other = [&](const Camera& lens) {
+    return lens.width != matched.camera.width || lens.height != matched.camera.height;
+  };
+  const auto found = std::find_if(matched.lenses.begin(), matched.lenses.end(), other);
+  if (found == matched.lenses.end()) return true;
+  if (options.method == "ring" || options.method == "silhouettes")
+    throw InputError("sfm: --method " + options.method +
+                     " is for photographs of one camera on a tripod, but these have different "
+                     "sizes: " +
+                     std::to_string(matched.camera.width) + " x " +
+                     std::to_string(matched.camera.height) + " and " +
+                     std::to_string(found->width) + " x " + std::to_string(found->height) +
+                     "; use --method auto or features, or leave out those of one size");
+  return false;
+}
+
 }  // namespace
 
 StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& files,
                                 const MatchedFeatures& matched, StrategyResult best) {
   const auto& [stage, set, options, check, watch] = context;
+  if (!HaveOneSize(options, matched)) return best;
   std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
   if (const auto noted = NotedLayout(set); noted && options.rings == "auto")
     layouts.insert(layouts.begin(), *noted);

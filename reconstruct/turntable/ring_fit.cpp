@@ -55,6 +55,14 @@ double ChiSquared(const Scene& scene, const std::vector<Observation>& observatio
   return sum;
 }
 
+/// A ring has one camera on a tripod; photographs of several sizes are of several.
+bool HasOneSize(const Scene& scene) {
+  const Camera& first = scene.views.front().camera;
+  return std::all_of(scene.views.begin(), scene.views.end(), [&](const View& view) {
+    return view.camera.width == first.width && view.camera.height == first.height;
+  });
+}
+
 }  // namespace
 
 RingModel NearestRingModel(const Scene& scene, const Leveling& leveling) {
@@ -95,7 +103,8 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
                       const RingFitOptions& options, Progress* progress) {
   RingFit fit;
   fit.result = AdjustBundle(scene, observations, options.bundle, progress);
-  if (scene.views.size() < 5 || fit.result.scene.points.size() < 10) return fit;
+  if (scene.views.size() < 5 || fit.result.scene.points.size() < 10 || !HasOneSize(scene))
+    return fit;
   const Leveling leveling = LevelScene(fit.result.scene);
   if (leveling.rings < 1 || !leveling.centered_on_axis ||
       leveling.plane_rms > options.most_off_axis || leveling.circle_rms > options.most_off_axis)

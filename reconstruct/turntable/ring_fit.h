@@ -34,8 +34,9 @@ struct RingFit {
   BundleResult result;    ///< in the frame of the given scene
 };
 
-/// Adjusts the scene with free cameras, and with a ring model if the cameras form rings. Uses the
-/// ring model unless free cameras fit much better (chi^2 per degree of freedom).
+/// Adjusts the scene with free cameras, and with a ring model if the cameras form rings and have
+/// one size of picture. Uses the ring model unless free cameras fit much better (chi^2 per degree
+/// of freedom).
 ///
 /// A ring has about 6 unknowns plus one per view, instead of 6 per view: parameters that a view's
 /// own features do not determine follow from the other views.

@@ -39,6 +39,12 @@ std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene
   return index;
 }
 
+/// Each picture has its own, so that those of the smaller of two cameras keep their detail.
+double ScaleFor(const Camera& camera, int max_size) {
+  const int longer = std::max({1, camera.width, camera.height});
+  return std::min(1.0, static_cast<double>(max_size) / longer);
+}
+
 }  // namespace
 
 std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
@@ -46,18 +52,17 @@ std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::stri
                                             int fewest) {
   const ImageSet set = ReadImageSet(stage.Input("images"));
   const std::vector<int> image_of = MatchToImages(stage_name, scene, set);
-  int longest = 1;
-  for (const View& view : scene.views)
-    longest = std::max({longest, view.camera.width, view.camera.height});
-  const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
+  std::vector<View> reduced = scene.views;
+  for (View& view : reduced) view.camera = view.camera.Scaled(ScaleFor(view.camera, max_size));
   constexpr double kBytesAPixel = 5;  // measured in refine, which takes the least
-  RequireMemoryForViews(stage_name, scene.views, scale, kBytesAPixel);
+  RequireMemoryForViews(stage_name, reduced, 1, kBytesAPixel);
   std::vector<PreparedView> views(scene.views.size());
   ParallelFor(std::ssize(views), [&](std::int64_t i) {
     if (!set.images[image_of[i]].trusted) return;
     const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3),
                  mask = ReadImage(set.MaskPath(image_of[i]), 1);
-    views[i] = PrepareView(scene.views[i], static_cast<int>(i), image, mask, scale, levels);
+    views[i] = PrepareView(scene.views[i], static_cast<int>(i), image, mask,
+                           ScaleFor(scene.views[i].camera, max_size), levels);
   });
   std::vector<std::string> empty, doubted;
   for (std::size_t i = 0; i < views.size(); ++i) {

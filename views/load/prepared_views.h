@@ -16,10 +16,11 @@ namespace keypose {
 /// with a note.
 ///
 /// @param stage_name  prefix of the messages
-/// @param max_size    longer side of the largest prepared picture [px]
+/// @param max_size    longer side of the prepared pictures; smaller photographs stay as they are
+/// [px]
 /// @param fewest        views that are needed
-/// @throws InputError  no views, missing photographs or masks, or fewer than `fewest` masks that are
-/// not empty; names them
+/// @throws InputError  no views, missing photographs or masks, or fewer than `fewest` masks that
+/// are not empty; names them
 std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
                                             const Scene& scene, int max_size, int levels,
                                             int fewest = 3);
