@@ -6,6 +6,7 @@
 
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/support/ground.h"
+#include "cleanup/support/unseen.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
@@ -131,6 +132,13 @@ void WarnOfHandles(StageContext& stage, const CleanupOptions& options,
         ": the others could not be cut without self-intersections; try another number of --faces");
 }
 
+/// How much of the mesh is a guess.
+void ReportUnseen(StageContext& stage, const keypose::Mesh& mesh, const keypose::Sight& sight) {
+  const keypose::cleanup::UnseenSurface unseen = keypose::cleanup::MeasureUnseen(mesh, sight.views);
+  stage.Report("unseen_share", unseen.share);
+  stage.Report("unseen_sole_share", unseen.sole_share);
+}
+
 /// What was mended, and what the mesh is now.
 void ReportRepair(StageContext& stage, const CleanupResult& result) {
   stage.Report("faces", result.mesh.face_count());
@@ -174,7 +182,10 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Sight sight = SightOf(stage);
   const std::optional<double> ground = Ground(stage, options, surface, sight);
   const CleanupResult result = Cleaned(stage, options, surface, sight, ground);
-  if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
+  if (stage.Has("images")) {
+    WarnOfClosedWindows(stage, sight, result.mesh);
+    ReportUnseen(stage, result.mesh, sight);
+  }
   WarnOfHandles(stage, options, result);
   stage.Report("input_faces", surface.face_count());
   ReportRepair(stage, result);
@@ -184,7 +195,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "8",
+    .version = "9",
     .summary =
         "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
         "wanted size.",

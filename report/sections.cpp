@@ -93,6 +93,7 @@ constexpr Fact kPoseFacts[] = {
     {"cleanup", "self-intersections", "self_intersections"},
     {"cleanup", "genus", "genus"},
     {"cleanup", "repair strategy", "strategy"},
+    {"cleanup", "surface that no camera saw, soles left out (share)", "unseen_share"},
     {"cleanup", "distance of the mesh to the scan, 99 %", "distance_to_input_p99_over_diag"},
     {"cleanup", "distance of the scan to the mesh, 99 %", "distance_from_input_p99_over_diag"},
     {"fit", "features matched to the template", "matches"},

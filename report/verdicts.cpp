@@ -149,6 +149,10 @@ class Findings {
           "Large holes were closed: 1 % of the surface is more than " + Bold(Percent(*far)) +
               " of the diagonal from the scan.",
           "shoot the sides that no photograph shows");
+    if (const auto unseen = s.Number("unseen_share"); unseen && *unseen > kUnseenSurfaceLook)
+      Add(Grade::kLook, s,
+          Bold(Percent(*unseen)) + " of the surface was seen by no camera: it is closed by guess.",
+          "shoot the sides that no photograph shows, also from lower and from above");
     const auto moved = s.Number("undamaged_from_input_p99_over_diag"),
                diagonal = s.Number("diagonal");
     const double footprint = refine ? refine->Number("footprint").value_or(0) : 0;

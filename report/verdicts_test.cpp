@@ -76,6 +76,20 @@ TEST(Judge, SolesCutFlatAtTheGroundAreNoClosedHole) {
   EXPECT_EQ(Judged(contents).grade, Grade::kGood);
 }
 
+TEST(Judge, SurfaceThatNoCameraSawIsToldAndSolesAreNot) {
+  Contents contents = Ideal();
+  StepOf(contents, "cleanup").numbers = {
+      {"closed", 1}, {"unseen_share", 0.06}, {"unseen_sole_share", 0.2}};
+  EXPECT_EQ(Judged(contents).grade, Grade::kGood);
+  StepOf(contents, "cleanup").numbers["unseen_share"] = 0.38;
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why,
+              HasSubstr("of the surface was seen by no camera: it is closed by guess"));
+  EXPECT_THAT(verdict.why, HasSubstr("38"));
+  EXPECT_THAT(verdict.cure, HasSubstr("shoot the sides that no photograph shows"));
+}
+
 TEST(Judge, WhatOtherPosesShowIsNotUnseen) {
   Contents contents = Ideal();
   StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
