@@ -4,8 +4,12 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "capture/testing/test_ring.h"
 #include "core/io/colmap_io.h"
@@ -38,8 +42,8 @@ class MasksProgram : public testing::Test, public TestingFolder {
   }
   int Run(const std::string& options = "") const {
     fs::create_directories(root / "model");
-    WriteColmapModel(root / "model", Scene{ring.views, {}});
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-masks --images " +
+    WriteColmapModel(root / "model", Scene{ring.views, points});
+    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-masks --images " +
                                 set.folder.string() + " --model " + (root / "model").string() +
                                 " --masked " + (root / "masked").string() + " " + options +
                                 " --report " + (root / "report.json").string() + " > " +
@@ -48,8 +52,23 @@ class MasksProgram : public testing::Test, public TestingFolder {
   }
 
   const fs::path root = path();
+  /// Points of a room around the ball, in no mask.
+  void AddRoom() {
+    for (int k = 0; k < 60; ++k) {
+      SparsePoint point;
+      const double angle = 0.4 * k;
+      point.position = {3 * std::cos(angle), 3 * std::sin(angle), 0.5 + 0.02 * k};
+      point.color.setConstant(128);
+      point.views = {k % kRingViews, (k + 1) % kRingViews};
+      std::sort(point.views.begin(), point.views.end());
+      points.push_back(point);
+    }
+  }
+
   TestRing ring;
   ImageSet set;
+  std::vector<SparsePoint> points;
+  std::string first;  // shell text before the program's name
 };
 
 TEST_F(MasksProgram, WritesAnImagesFolderAndLeavesTheUsersMasks) {
@@ -118,6 +137,35 @@ TEST_F(MasksProgram, FigureThatWasMovedHalfWayRoundIsAnInputErrorThatSaysWhatToD
   EXPECT_EQ(Run(), 3);
   EXPECT_THAT(ReadFile(root / "log.txt"), testing::HasSubstr("shoot the rest again"));
   EXPECT_FALSE(fs::exists(root / "masked"));
+}
+
+TEST_F(MasksProgram, RefusedRoomLeavesASheetOfWhatWasTakenForTheFigure) {
+  AddRoom();
+  first = "KEYPOSE_ISNET_ONNX=" + (root / "none").string() + " ";  // nothing tells what it is
+  const std::vector<Image8> right = ring.masks;
+  const auto write_masks = [&](const std::vector<Image8>& masks) {
+    for (int i = 0; i < kRingViews; ++i)
+      WriteImage(set.MaskPath(i), masks[static_cast<std::size_t>(i)]);
+  };
+  for (std::size_t i = 0; i < kRingViews; ++i)
+    for (int y = 0; y < kRingHeight; ++y)
+      for (int x = 0; x < kRingWidth; ++x)
+        *ring.masks[i].at(x, y) = (i % 2 == 0 ? x < 60 : x > 140) && y < 60 ? 255 : 0;
+  write_masks(ring.masks);
+  EXPECT_EQ(Run(), 3) << ReadFile(root / "log.txt");
+  EXPECT_FALSE(fs::exists(root / "masked"));
+  const fs::path sheet = root / "masked.failed.jpg";
+  EXPECT_THAT(ReadFile(root / "log.txt"),
+              testing::AllOf(testing::HasSubstr("it cannot be told what the figure is"),
+                             testing::HasSubstr(sheet.string())));
+  ASSERT_TRUE(fs::exists(sheet));
+  const Image8 shown = ReadImage(sheet, 3);
+  EXPECT_GE(shown.width * shown.height, kRingViews * 240 * 180);  // a cell for each photograph
+
+  write_masks(right);
+  ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
+  EXPECT_TRUE(fs::exists(root / "masked"));
+  EXPECT_FALSE(fs::exists(sheet));
 }
 
 TEST_F(MasksProgram, ModelOfOtherPhotographsIsAnInputError) {

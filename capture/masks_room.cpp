@@ -8,13 +8,16 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "capture/pictures/contact_sheet.h"
 #include "capture/room/first_masks.h"
 #include "capture/room/free_standing.h"
 #include "capture/room/room_evidence.h"
 #include "capture/salience/salience_network.h"
 #include "core/errors.h"
 #include "core/figure_strokes.h"
+#include "core/io/image_io.h"
 #include "core/size_of.h"
+#include "core/stage/failure_picture.h"
 
 namespace keypose::capture {
 namespace {
@@ -144,6 +147,19 @@ double Overlap(const Image8& a, const Image8& b) {
   return either > 0 ? both / either : 0;
 }
 
+/// Writes a sheet of what was taken for the figure, for a person who reads why it is refused.
+/// @return a sentence with its path
+std::string Shown(StageContext& stage, const FigureSet& figures, const std::vector<Image8>& masks) {
+  constexpr int kCellWidth = 240;
+  std::vector<Image8> cells;
+  for (std::size_t v = 0; v < masks.size(); ++v)
+    cells.push_back(ContactCell(figures.images[v], masks[v],
+                                figures.set.images[figures.index[v]].name, kCellWidth));
+  const std::filesystem::path sheet = FailurePicture(stage, "masked");
+  WriteImage(sheet, ContactSheet(cells));
+  return "; what was taken for the figure: " + sheet.string();
+}
+
 /// The median overlap of the masks with what was told.
 double Overlap(const ToldFigure& told, const std::vector<Image8>& masks) {
   std::vector<double> overlaps;
@@ -154,43 +170,63 @@ double Overlap(const ToldFigure& told, const std::vector<Image8>& masks) {
   return overlaps.empty() ? 0 : overlaps[overlaps.size() / 2];
 }
 
-}  // namespace
+/// What is known before it is said what the figure is.
+struct Around {
+  bool shows_room = false, floor_in_masks = false;
+};
 
-bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
-                std::vector<Image8>& masks) {
+/// Looks at what is around the figure, and sets the floor, below which nothing of it is.
+Around LookAt(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
+              const std::vector<Image8>& masks) {
   const RoomEvidence room = LookAround({figures.views, figures.points}, masks);
-  const bool said = !figures.strokes.empty();
   const bool shows_room = room.in_room || room.floor_in_masks;
   stage.Report("in_room", shows_room);
   stage.Report("points_around", room.around);
-  if (!shows_room && !said) return false;
+  if (!shows_room && figures.strokes.empty()) return {};
   if (room.floor && shows_room) space.floor = 0;
   stage.Report("floor_in_masks", room.on_floor);
   // Few photographs, often of one side, leave much space that hardly any of them shows: it is not
   // the figure's.
   if (figures.views.size() < kFewViews) space.least_seen = kSeenByMost;
+  return {shows_room, room.floor_in_masks};
+}
+
+/// Carries what was told to all photographs; masks that a person made stay.
+void TakeTold(const FigureSet& figures, const ToldFigure& told, const SpaceOptions& space,
+              std::vector<Image8>& masks) {
+  std::vector<Image8> carried =
+      CarryToAll(figures.images, figures.views, told, figures.boards, figures.masking, space);
+  for (std::size_t v = 0; v < masks.size(); ++v)
+    if (!figures.set.images[figures.index[v]].mask_given) masks[v] = std::move(carried[v]);
+}
+
+}  // namespace
+
+bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
+                std::vector<Image8>& masks) {
+  std::filesystem::remove(FailurePicture(stage, "masked"));
+  const bool said = !figures.strokes.empty();
+  const Around around = LookAt(stage, figures, space, masks);
+  if (!around.shows_room && !said) return false;
   ReportProgress(stage.progress(), 0.1, "what is the figure");
   const ToldFigure told = Ask(stage, figures, space, masks);
   const double left = Mean(LeftByOthers(figures.views, masks, space));
   const double overlap = Overlap(told, masks);
   stage.Report("masks_left_by_others", left);
   stage.Report("masks_like_told", overlap);
-  const bool same = !said && !room.floor_in_masks && overlap >= kSame && left >= kAgree;
+  const bool same = !said && !around.floor_in_masks && overlap >= kSame && left >= kAgree;
   if (!told.fitting.empty() && !same) {
-    std::vector<Image8> carried =
-        CarryToAll(figures.images, figures.views, told, figures.boards, figures.masking, space);
-    for (std::size_t v = 0; v < masks.size(); ++v)
-      if (!figures.set.images[figures.index[v]].mask_given) masks[v] = std::move(carried[v]);
+    TakeTold(figures, told, space, masks);
     stage.Report("figure_by", said ? "strokes" : "the network");
     return true;
   }
   stage.Report("figure_by", same ? "colours, views and the network" : "colours and views");
   if (same || left >= kAgree) return true;
   stage.Report("figure_unclear", true);
-  throw InputError("masks: it cannot be told what the figure is: in " +
-                   std::to_string(SizeOf(figures.views)) +
-                   " photographs the masks hold different things; " +
-                   Advice(figures.set.images[figures.index[0]].name));
+  throw InputError(
+      "masks: it cannot be told what the figure is: in " + std::to_string(SizeOf(figures.views)) +
+      " photographs the masks hold different things; " +
+      Advice(figures.set.images[figures.index[0]].name) + Shown(stage, figures, masks));
 }
 
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
@@ -209,10 +245,11 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
         " % of what is seen just beside its outlines is as near as the figure itself, as around a "
         "relief on a wall or a carving on a trunk, which have no shape of their own; photograph a "
         "figure that stands free, or " +
-        advice);
+        advice + Shown(stage, figures, masks));
   if (left < kNotAtAll)
     throw InputError("masks: it cannot be told what the figure is: of each mask only " + percent +
-                     " lies where the other photographs have it too; " + advice);
+                     " lies where the other photographs have it too; " + advice +
+                     Shown(stage, figures, masks));
   if (left < kHardly)
     stage.Warn("it is doubtful what the figure is: of each mask only " + percent +
                " lies where the other photographs have it too; look at masks_agreed.jpg, and " +

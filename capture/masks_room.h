@@ -32,14 +32,15 @@ struct FigureSet {
 /// floor_in_masks, figure_by, figure_asked, figure_told, masks_left_by_others, masks_like_told.
 /// @param masks  as capture made them; those that a person made stay
 /// @return whether the photographs show a room or a person said something
-/// @throws InputError  what is the figure cannot be told
+/// @throws InputError  what is the figure cannot be told; a sheet of what was taken for it is then
+/// left as FailurePicture of `masked`
 bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
                 std::vector<Image8>& masks);
 
 /// Warns where masks of a room do not agree well, and refuses where they do not agree at all, or
 /// where the figure does not stand free and no person said what it is. Reports figure_unclear,
 /// goes_on_beside.
-/// @throws InputError  as said
+/// @throws InputError  as said, with such a sheet
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
                         const std::vector<Image8>& masks);
 

@@ -374,17 +374,41 @@ void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
   SaveRecord();
 }
 
+namespace {
+
+void Replace(const std::string& from, const std::string& to, std::string* text) {
+  for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at))
+    text->replace(at, from.size(), to), at += to.size();
+}
+
+}  // namespace
+
+/// Keeps the log of a failed step, and pictures that its program left to show why
+/// (core/stage/failure_picture.h).
+/// @param said  what is shown of it; the places of these pictures are corrected in it and in the
+/// log
+void Builder::KeepOfFailure(int step, std::string& said) {
+  const fs::path made = WorkFolder(step) / "made", kept = FailedFolder(step);
+  if (!workshop_.disk.Stat(made / "log.txt")) return;
+  if (said.empty()) said = LastLines(workshop_.disk.ReadEnd(made / "log.txt", 1 << 16), 6);
+  workshop_.disk.Remove(kept);
+  workshop_.disk.Move(made / "log.txt", kept / "log.txt");
+  for (const std::string& name : workshop_.disk.Children(made)) {
+    if (!name.ends_with(".failed.jpg")) continue;
+    workshop_.disk.Move(made / name, kept / name);
+    std::string log = workshop_.disk.Read(kept / "log.txt");
+    for (std::string* text : {&said, &log})
+      Replace((made / name).string(), (kept / name).string(), text);
+    workshop_.disk.Write(kept / "log.txt", log);
+  }
+}
+
 void Builder::Fail(const Running& running, int raw_code, const std::string& message) {
   const Step& what = plan_.graph().steps[running.step];
   const ExitCode code = CodeOf(raw_code);
-  const fs::path log = WorkFolder(running.step) / "made" / "log.txt";
   std::string said = message;
   try {
-    if (workshop_.disk.Stat(log)) {
-      if (said.empty()) said = LastLines(workshop_.disk.ReadEnd(log, 1 << 16), 6);
-      workshop_.disk.Remove(FailedFolder(running.step));
-      workshop_.disk.Move(log, FailedFolder(running.step) / "log.txt");
-    }
+    KeepOfFailure(running.step, said);
     workshop_.disk.Remove(WorkFolder(running.step));
     StepRecord record = plan_[running.step].last.value_or(StepRecord{});
     record.failed = true;

@@ -65,6 +65,7 @@ class Builder {
   void Handle(const ProcessEvent& event);
   void Succeed(const Running& running, std::int64_t peak_bytes);
   bool WasSpoilt(const Running& running);
+  void KeepOfFailure(int step, std::string& said);
   void Fail(const Running& running, int exit_code, const std::string& message);
   void Adopt(int step, bool made, double seconds, std::int64_t peak_bytes);
   void Publish(int step);

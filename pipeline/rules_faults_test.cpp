@@ -43,6 +43,29 @@ TEST(Rules, FailedStepKeepsItsLogStopsWhatDependsAndGoesOnAfterRepair) {
   EXPECT_FALSE(house.disk.Stat(house.project / ".keypose/failed/shape.rest"));
 }
 
+TEST(Rules, PictureOfAFailureIsKeptAndItsPlaceIsCorrected) {
+  FakeHouse house;
+  auto& shape = house.processes.stages["/bin/keypose-shape"].run;
+  const auto good = shape;
+  shape = [](const FakeCall& call, MemoryDisk& d) {
+    const std::string picture = call.Flag("mesh") + ".failed.jpg";
+    d.Write(picture, "a picture");
+    d.Write(call.Flag("mesh") + ".half.jpg", "another");
+    d.Write(call.log, "keypose shape: error: unclear; look at " + picture + "\n");
+    return 3;
+  };
+  const auto outcome = house.Run();
+  const auto failed = house.project / ".keypose/failed/shape.rest";
+  const auto files = house.disk.FilesBelow(failed);
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_THAT(files[1], testing::EndsWith(".failed.jpg"));
+  EXPECT_THAT(outcome.result.message, HasSubstr("look at " + (failed / files[1]).string()));
+  EXPECT_THAT(house.disk.Read(failed / "log.txt"), HasSubstr((failed / files[1]).string()));
+  shape = good;
+  EXPECT_EQ(house.Run().result.code, ExitCode::kOk);
+  EXPECT_FALSE(house.disk.Stat(failed));
+}
+
 TEST(Rules, FailureLeavesNoTemporaryFolder) {
   FakeHouse house;
   house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) { return 5; };
