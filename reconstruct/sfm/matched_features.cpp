@@ -13,7 +13,6 @@
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/set_lenses.h"
-#include "reconstruct/surroundings/likely_figure.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -44,25 +43,6 @@ int LeaveOutStatic(const std::vector<Features>& features, int longer_side_px,
                                       pair.features);
   });
   return std::accumulate(rejected.begin(), rejected.end(), 0);
-}
-
-/// Leaves out matches of features that move otherwise than the figure.
-void LeaveOutOthers(const FigureMotion& motion, std::vector<PairMatches>& matches) {
-  for (PairMatches& pair : matches)
-    std::erase_if(pair.features, [&](const auto& match) {
-      return motion.left_behind[pair.first][match.first] ||
-             motion.left_behind[pair.second][match.second];
-    });
-}
-
-std::vector<Eigen::VectorXf> LikelyOnFigure(const std::vector<Features>& features,
-                                            const ImageSet& set, const std::vector<Image8>& masks) {
-  std::vector<Eigen::VectorXf> likely(features.size());
-  ParallelFor(std::ssize(likely), [&](std::int64_t i) {
-    const CapturedImage& image = set.images[i];
-    likely[i] = LikelyOnFigure(features[i], image.width, image.height, masks[i]);
-  });
-  return likely;
 }
 
 /// The pairs whose matches fit one rigid scene, in the pairs' order.
@@ -105,11 +85,10 @@ int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& f
   return std::accumulate(gained.begin(), gained.end(), 0);
 }
 
-void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matches,
+void ReportMatches(StageContext& stage, std::size_t with_matches,
                    const std::vector<Verified>& verified) {
   std::size_t inliers = 0;
   for (const Verified& pair : verified) inliers += pair.inliers.features.size();
-  stage.Report("pairs_tried", static_cast<int>(pairs));
   stage.Report("pairs_matched", static_cast<int>(with_matches));
   stage.Report("pairs_verified", SizeOf(verified));
   stage.Report("verified_matches", static_cast<int>(inliers));
@@ -149,62 +128,87 @@ std::vector<std::string> NamesOf(const ImageSet& set) {
   return names;
 }
 
-MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                              const SfmOptions& options, const FeatureKind& kind,
-                              const std::vector<Image8>& masks, Stopwatch& watch) {
-  MatchedFeatures matched;
-  matched.whole = kind.whole;
+namespace {
+
+/// The lenses, in the database and in the result.
+MatchedFeatures WithLenses(const ImageSet& set, const SfmFiles& files) {
   SetLenses lenses = LensesOf(set);
-  const std::vector<std::string> names = NamesOf(set);
-  ColmapDatabase::Create(files.database, lenses.cameras, lenses.focal_known, names,
+  ColmapDatabase::Create(files.database, lenses.cameras, lenses.focal_known, NamesOf(set),
                          lenses.of_image);
+  MatchedFeatures matched;
   matched.camera = lenses.cameras.front();
   matched.focal_known = lenses.focal_known;
   matched.lenses = std::move(lenses.cameras);
   matched.lens_of_image = std::move(lenses.of_image);
-  ExtractFeatures(stage, set, files, options, kind);
-  watch.Lap(stage, "features");
-  matched.features = ReadAllFeatures(stage, files.database, names.size());
+  return matched;
+}
+
+int LongerSide(const std::vector<Camera>& lenses) {
+  int longer_side_px = 0;
+  for (const Camera& lens : lenses)
+    longer_side_px = std::max({longer_side_px, lens.width, lens.height});
+  return longer_side_px;
+}
+
+/// Matches of chosen pairs without those that stay in place.
+void MatchChosen(StageContext& stage, const SfmOptions& options, const FeatureKind& kind,
+                 Stopwatch& watch, MatchedFeatures& matched) {
   const std::vector<Features>& features = matched.features;
+  const int longer_side_px = LongerSide(matched.lenses);
   ReportProgress(stage.progress(), 0.4, "selecting pairs");
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
   ReportProgress(stage.progress(), 0.45, "matching");
-  int longer_side_px = 0;
-  for (const Camera& lens : matched.lenses)
-    longer_side_px = std::max({longer_side_px, lens.width, lens.height});
   matched.matches = MatchPairs(features, pairs, options, stage.progress());
   watch.Lap(stage, "matching");
-  if (kind.whole) {
-    matched.motion = FollowFigure(features, matched.matches, LikelyOnFigure(features, set, masks),
-                                  longer_side_px, FigureMotionOptions{}, stage.progress());
-    LeaveOutOthers(matched.motion, matched.matches);
-    watch.Lap(stage, "motions");
-  }
+  if (kind.whole)
+    matched.turning =
+        TurnsBeforeTripod(features, matched.matches, longer_side_px, {}, &matched.tripod_pairs);
   const int static_matches = LeaveOutStatic(features, longer_side_px, matched.matches);
   std::erase_if(matched.matches, [](const PairMatches& pair) { return pair.features.empty(); });
   stage.Report("static_matches_rejected", static_matches);
-  if (static_matches > 0 && !kind.whole)
+  if (static_matches > 0 && !matched.in_room)
     stage.Warn(std::to_string(static_matches) +
                " matches lie on a background that does not move while the object turns; they are "
                "left out (better masks would avoid them)");
+  stage.Report("pairs_tried", SizeOf(pairs));
+}
+
+}  // namespace
+
+MatchedFeatures MatchPhotographs(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                                 const SfmOptions& options, const FeatureKind& kind,
+                                 Stopwatch& watch) {
+  MatchedFeatures matched = WithLenses(set, files);
+  matched.in_room = kind.whole || kind.region;
+  ExtractFeatures(stage, set, files, options, kind);
+  watch.Lap(stage, "features");
+  matched.features = ReadAllFeatures(stage, files.database, set.images.size());
+  MatchChosen(stage, options, kind, watch, matched);
+  matched.upside_down.assign(set.images.size(), 0);
+  return matched;
+}
+
+void VerifyMatches(StageContext& stage, const SfmFiles& files, const SfmOptions& options,
+                   Stopwatch& watch, MatchedFeatures& matched) {
+  const auto few = [&](const PairMatches& pair) {
+    return SizeOf(pair.features) < options.min_inliers;
+  };
   ReportProgress(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = matched.matches;
-  std::erase_if(
-      enough, [&](const PairMatches& pair) { return SizeOf(pair.features) < options.min_inliers; });
+  std::erase_if(enough, few);
   std::vector<Verified> verified =
-      VerifyAll(stage, features, enough, longer_side_px, options, watch);
-  ReportMatches(stage, pairs.size(), enough.size(), verified);
+      VerifyAll(stage, matched.features, enough, LongerSide(matched.lenses), options, watch);
+  ReportMatches(stage, enough.size(), verified);
   for (Verified& pair : verified) matched.verified.push_back(std::move(pair.inliers));
-  if (kind.whole) {
-    // Guided matching looks at all features again.
-    LeaveOutOthers(matched.motion, matched.verified);
-    std::erase_if(matched.verified, [&](const PairMatches& pair) {
-      return SizeOf(pair.features) < options.min_inliers;
-    });
-  }
   ColmapDatabase(files.database).PutInliers(matched.verified);
-  matched.upside_down.assign(names.size(), 0);
+}
+
+MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                              const SfmOptions& options, const FeatureKind& kind,
+                              Stopwatch& watch) {
+  MatchedFeatures matched = MatchPhotographs(stage, set, files, options, kind, watch);
+  VerifyMatches(stage, files, options, watch, matched);
   return matched;
 }
 
