@@ -15,6 +15,7 @@
 #include "capture/pictures/overlap.h"
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
+#include "capture/said_figure.h"
 #include "capture/segmentation/masking.h"
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -80,18 +81,24 @@ void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptio
   });
 }
 
-/// Segments some photographs together.
-void Segment(PhotographImport& import, const std::vector<std::size_t>& members,
+/// Segments some photographs together. Where a person said what the figure is, that chooses.
+void Segment(StageContext& stage, PhotographImport& import, const std::vector<std::size_t>& members,
              const Image8& clean_plate, const MaskOptions& masking, Progress* progress) {
   std::vector<Image8> images;
   std::vector<BoardOdds> boards;
+  std::vector<char> said;
   for (const std::size_t i : members) {
     images.push_back(std::move(import.small[i]));
     boards.push_back(import.boards[i]);
+    said.push_back(!import.strokes[i].empty());
   }
-  std::vector<Image8> masks = SegmentSet(images, clean_plate, boards, masking, progress);
-  for (std::size_t k = 0; k < members.size(); ++k)
-    import.small_masks[members[k]] = std::move(masks[k]);
+  std::vector<Image8> masks = SegmentSet(images, clean_plate, boards, masking, progress, said);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::size_t i = members[k];
+    import.small_masks[i] = said[k] ? SaidMask(stage, import.photographs[i].name, images[k],
+                                               masks[k], import.strokes[i])
+                                    : std::move(masks[k]);
+  }
 }
 
 /// Takes those photographs out of `members` that a clean plate of this size does not fit; none if
@@ -124,7 +131,7 @@ void SegmentPlacement(StageContext& stage, PhotographImport& import, std::size_t
     others = TakeOutOthers(import, clean_plate, members);
     clean_plate = WorkingImage(clean_plate, masking.working_px);
   }
-  Segment(import, members, clean_plate, masking, progress);
+  Segment(stage, import, members, clean_plate, masking, progress);
   if (others.empty()) return;
   std::vector<std::string> names;
   for (const std::size_t i : others) names.push_back(import.photographs[i].name);
@@ -132,13 +139,17 @@ void SegmentPlacement(StageContext& stage, PhotographImport& import, std::size_t
       "the clean plate has another size than these photographs, which are masked without "
       "it: " +
       JoinNames(names));
-  Segment(import, others, {}, masking, progress);
+  Segment(stage, import, others, {}, masking, progress);
 }
 
 /// Segments the groups unless all masks are given: each placement has its own light and its own
 /// empty set.
 void SegmentAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
   import.small_masks.resize(import.files.size());
+  import.strokes = StrokesIn(stage, import, options.figure);
+  stage.Report("figure_strokes",
+               static_cast<int>(std::count_if(import.strokes.begin(), import.strokes.end(),
+                                              [](const ViewStrokes& of) { return !of.empty(); })));
   if (std::none_of(import.user_masks.begin(), import.user_masks.end(),
                    [](const fs::path& mask) { return mask.empty(); }))
     return;
@@ -388,7 +399,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "10",
+    .version = "11",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",

@@ -315,7 +315,10 @@ MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, cons
   masked.size = WrittenSize(import, i);
   masked.detail = WritePhotograph(import, i, to, quality);
   if (import.user_masks[i].empty()) {
-    masked.detail_mask = RefinedMask(masked.detail, import.small_masks[i]);
+    // What a person marked may have several parts.
+    const bool said = !import.strokes[i].empty();
+    masked.detail_mask =
+        (said ? RefinedRegions : RefinedMask)(masked.detail, import.small_masks[i], nullptr);
     if (eighths < 8)
       masked.mask =
           EnlargedMask(masked.detail_mask, eighths, masked.size.width, masked.size.height);

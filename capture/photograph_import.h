@@ -11,6 +11,7 @@
 #include "capture/board/board_detection.h"
 #include "capture/capture_options.h"
 #include "capture/photographs.h"
+#include "capture/room/stroke_masks.h"
 #include "capture/shoot/record/side_file.h"
 #include "core/image.h"
 #include "core/io/image_set.h"
@@ -39,6 +40,7 @@ struct PhotographImport {
   std::map<fs::path, shoot::SideFile> side_files;
   std::vector<Image8> small;  // working images
   std::vector<Image8> small_masks;
+  std::vector<ViewStrokes> strokes;  // of a person, in pixels of the working images
   std::vector<fs::path> user_masks;
   // for each photograph; empty if it shows no board
   std::vector<std::vector<BoardCorner>> board_corners;

@@ -72,7 +72,8 @@ void LeaveOutBoard(Image8& trimap, const BoardOdds& board) {
 std::vector<Image8> SegmentByCleanPlate(const std::vector<Image8>& images,
                                         const Image8& clean_plate,
                                         const std::vector<BoardOdds>& boards,
-                                        const MaskOptions& options) {
+                                        const MaskOptions& options,
+                                        const std::vector<char>& all_regions) {
   std::vector<Image8> masks(images.size());
   ParallelFor(std::ssize(images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
@@ -81,7 +82,9 @@ std::vector<Image8> SegmentByCleanPlate(const std::vector<Image8>& images,
     for (std::size_t p = 0; p < odds.data.size(); ++p)
       if (!boards[i].odds.empty() && boards[i].on_board.data[p])
         odds.data[p] = boards[i].odds.data[p];
-    masks[i] = CutRegion(images[i], odds, options.smoothness, options.odds_limit / 2);
+    const bool all = !all_regions.empty() && all_regions[i];
+    masks[i] =
+        (all ? CutRegions : CutRegion)(images[i], odds, options.smoothness, options.odds_limit / 2);
   });
   return masks;
 }
@@ -121,7 +124,7 @@ Image8 GuidedWhole(const Image8& image, const Image8& small_mask, int radius) {
 
 std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& clean_plate,
                                const std::vector<BoardOdds>& boards, const MaskOptions& options,
-                               Progress* progress) {
+                               Progress* progress, const std::vector<char>& all_regions) {
   cv::setNumThreads(1);  // the loops over images already use all cores
   if (images.empty()) throw InputError("capture: no photographs to mask");
   std::vector<BoardOdds> known = boards;
@@ -129,7 +132,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
   if (!clean_plate.empty()) {
     RequireCleanPlateFits(images, clean_plate);
     ReportProgress(progress, 0, "masks from the clean plate");
-    return SegmentByCleanPlate(images, clean_plate, known, options);
+    return SegmentByCleanPlate(images, clean_plate, known, options, all_regions);
   }
   // All rounds but the last work at half the size: they are only for learning.
   std::vector<Image8> small;
@@ -152,7 +155,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
     for (std::size_t i = 0; i < masks.size(); ++i) coarse.trimaps[i] = TrimapOf(masks[i]);
   }
   ReportProgress(progress, static_cast<double>(options.rounds - 1) / options.rounds, "masks");
-  Round fine{images, {}, {}, coarse.takes, nullptr, {}};
+  Round fine{images, {}, {}, coarse.takes, nullptr, {}, all_regions};
   for (std::size_t i = 0; i < images.size(); ++i) {
     fine.lab.push_back(LabOf(images[i]));
     fine.trimaps.push_back(Enlarged(coarse.trimaps[i], images[i].width, images[i].height));

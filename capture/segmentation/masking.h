@@ -27,13 +27,16 @@ namespace keypose::capture {
 /// @param clean_plate  RGB photograph of the empty set at the same size, or empty
 /// @param boards       odds from the calibration board for each image; empty, or one per image,
 /// empty where there is none
-/// @return one mask per image: 255 in the object, which is one region; all zero if nothing looks
-/// like an object
+/// @param all_regions  for each image whether all its regions are returned, not the best alone;
+/// empty: of none
+/// @return one mask per image: 255 in the object, which is one region unless all are asked for; all
+/// zero if nothing looks like an object
 /// @throws InputError  no images, or a clean plate of another size
 /// Same bits for any thread count.
 std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& clean_plate,
                                const std::vector<BoardOdds>& boards, const MaskOptions& options,
-                               Progress* progress = nullptr);
+                               Progress* progress = nullptr,
+                               const std::vector<char>& all_regions = {});
 
 /// A small mask at the size of `image`, with its border moved to the image's edges; with a
 /// backdrop, narrow holes in it are opened.

@@ -130,6 +130,12 @@ Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, dou
   return ImageOf(mask);
 }
 
+Image8 CutRegions(const Image8& image, const ImageF& odds, double smoothness, double sure) {
+  cv::Mat mask = GraphCut(MatOf(image), odds, smoothness);
+  FillHoles(mask, odds, sure);
+  return ImageOf(mask);
+}
+
 Image8 CutLabels(const Image8& image, const ImageF& odds, double smoothness) {
   return ImageOf(GraphCut(MatOf(image), odds, smoothness));
 }

@@ -17,6 +17,9 @@ namespace keypose::capture {
 /// 2004).
 Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, double sure);
 
+/// CutRegion with all regions, not the best alone.
+Image8 CutRegions(const Image8& image, const ImageF& odds, double smoothness, double sure);
+
 /// The labelling that CutRegion begins with: all regions, holes as they are.
 Image8 CutLabels(const Image8& image, const ImageF& odds, double smoothness);
 

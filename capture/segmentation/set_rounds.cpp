@@ -289,7 +289,9 @@ std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<Bo
     for (std::size_t p = 0; round.told && p < features.size(); ++p)
       odds.data[p] += round.odds_told[(*round.told)[i].data[p]];
     AddBoard(odds, boards[i], options.odds_limit);
-    masks[i] = CutRegion(round.images[i], odds, options.smoothness, SetRoundTuning::kHole);
+    const bool all = !round.all_regions.empty() && round.all_regions[i];
+    masks[i] = (all ? CutRegions : CutRegion)(round.images[i], odds, options.smoothness,
+                                              SetRoundTuning::kHole);
   });
   return masks;
 }

@@ -19,6 +19,8 @@ struct Round {
   /// additional information for each image's pixels, as kinds
   const std::vector<Image8>* told = nullptr;
   std::vector<float> odds_told;  ///< log odds of each of these kinds, added to the learned ones
+  /// for each image whether all its regions are kept, not the best alone; empty: of none
+  std::vector<char> all_regions = {};
 };
 
 /// A trimap or a mask at another size, values kept.
