@@ -136,7 +136,11 @@ void TellOfSizes(StageContext& stage, const PhotographImport& import, bool scan)
   constexpr std::size_t kFewest = 3;  // as reconstruct/sfm/set_lenses.h
   if (import.sizes.size() < 2) return;
   const std::string text = DifferentSizes(import.photographs, import.sizes);
-  if (!scan || import.sizes.back().photographs.size() >= kFewest)
+  if (!scan)
+    stage.Warn(text +
+               "; each takes the lens of the template's photographs of its size, else of its "
+               "shape: all must be of the template's cameras");
+  else if (import.sizes.back().photographs.size() >= kFewest)
     stage.Note("capture: " + text + "; each size is taken for a lens of its own");
   else
     stage.Warn(text +

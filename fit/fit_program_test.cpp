@@ -241,6 +241,16 @@ TEST_F(FitProgram, PhotographsOfAnotherSizeAreNamed) {
   EXPECT_THAT(Log(), HasSubstr("photograph all poses with one camera"));
 }
 
+TEST_F(FitProgram, PhotographsOfAShapeOfWhichTheTemplateHasSeveralLensesAreRefused) {
+  Scene rig = ReadColmapModel(Rig());
+  for (std::size_t v = 0; v < rig.views.size(); ++v)
+    rig.views[v].camera = rig.views[v].camera.Scaled(v % 2 == 0 ? 2 : 0.5);
+  fs::create_directories(folder / "two_lenses");
+  WriteColmapModel(folder / "two_lenses", rig);
+  EXPECT_EQ(Fit(folder / "limbs", folder / "two_lenses"), 3);
+  EXPECT_THAT(Log(), HasSubstr("the template's lenses of this shape are several"));
+}
+
 TEST_F(FitProgram, EmptyMasksAreAnError) {
   fs::copy(folder / "limbs", folder / "black", fs::copy_options::recursive);
   const ImageSet set = ReadImageSet(folder / "black");
