@@ -317,6 +317,20 @@ void ReportSizes(StageContext& stage, const PhotographImport& import) {
   stage.ReportJson("images_by_size", each.dump());
 }
 
+/// What the user gave beside the photographs, and their placements.
+void ReportGiven(StageContext& stage, const PhotographImport& import) {
+  stage.Report("user_masks",
+               static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
+                                              [](const auto& m) { return !m.empty(); })));
+  stage.Report("clean_plate", std::any_of(import.backgrounds.begin(), import.backgrounds.end(),
+                                          [](const fs::path& file) { return !file.empty(); }));
+  if (import.groups.size() > 1) {
+    nlohmann::json groups;
+    for (const PhotographGroup& group : import.groups) groups[group.name] = group.files.size();
+    stage.ReportJson("groups", groups.dump());
+  }
+}
+
 void ReportSet(StageContext& stage, const PhotographImport& import,
                const std::vector<Written>& all) {
   double sharpness = 0, exposure = 0, clipped = 0, fraction = 0;
@@ -343,16 +357,7 @@ void ReportSet(StageContext& stage, const PhotographImport& import,
   stage.Report("focal_spread", FocalSpread(import.photographs, import.sizes));
   stage.Report("turned", static_cast<int>(std::count(import.quarter_turns.begin(),
                                                      import.quarter_turns.end(), 1)));
-  stage.Report("user_masks",
-               static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
-                                              [](const auto& m) { return !m.empty(); })));
-  stage.Report("clean_plate", std::any_of(import.backgrounds.begin(), import.backgrounds.end(),
-                                          [](const fs::path& file) { return !file.empty(); }));
-  if (import.groups.size() > 1) {
-    nlohmann::json groups;
-    for (const PhotographGroup& group : import.groups) groups[group.name] = group.files.size();
-    stage.ReportJson("groups", groups.dump());
-  }
+  ReportGiven(stage, import);
   stage.Report("mean_sharpness", sharpness);
   stage.Report("mean_exposure", exposure);
   stage.Report("mean_clipped", clipped);
