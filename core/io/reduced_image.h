@@ -1,5 +1,6 @@
 // Reads large photographs at a fraction of their size. A JPEG is decoded at that size, in a third
-// of the time and a fraction of the memory; other formats are decoded whole and then averaged.
+// of the time and a fraction of the memory; masks (grey PNG files) are averaged row by row, other
+// pictures when they are decoded.
 #pragma once
 
 #include <filesystem>
@@ -23,5 +24,13 @@ Image8 Reduced(Image8 image, int eighths);
 /// @param channels  1 (luma) or 3 (RGB)
 /// @throws DiskError, InputError  as ReadImage
 Image8 ReadReduced(const std::filesystem::path& path, int channels, int eighths);
+
+/// ReadImage, with larger pictures reduced until their longer side has `longer_px`: each pixel is
+/// the mean of those nearer to its centre than its neighbours' centres are, weighed by how near. A
+/// place p of the picture is at p * the reduced size / the size, along each axis. A JPEG is decoded
+/// at the fewest eighths that are half as large again.
+/// @param longer_px  1 or more
+/// @throws DiskError, InputError  as ReadImage
+Image8 ReadReducedTo(const std::filesystem::path& path, int channels, int longer_px);
 
 }  // namespace keypose

@@ -1,17 +1,34 @@
 #include "core/io/sight_io.h"
 
-#include "core/io/image_io.h"
+#include <iterator>
+
+#include "core/io/reduced_image.h"
+#include "core/parallel.h"
 
 namespace keypose {
 
-Sight ReadSight(const ImageSet& set, const Scene& scene) {
+Sight ReadMaskedViews(const ImageSet& set, const Scene& scene) {
+  // Larger masks are made at about this size, and enlarged.
+  constexpr int kLonger_px = 2000;
   Sight sight;
+  std::vector<int> index;
   for (const View& view : scene.views) {
     const int i = set.Find(view.name);
     if (i < 0 || set.images[i].mask.empty() || !set.images[i].trusted) continue;
     sight.views.push_back(view);
-    sight.masks.push_back(ReadImage(set.MaskPath(i), 1));
+    index.push_back(i);
   }
+  sight.masks.resize(index.size());
+  ParallelFor(std::ssize(index), [&](std::int64_t k) {
+    const CapturedImage& image = set.images[index[k]];
+    sight.masks[k] =
+        ReadReduced(set.MaskPath(index[k]), 1, EighthsFor(image.width, image.height, kLonger_px));
+  });
+  return sight;
+}
+
+Sight ReadSight(const ImageSet& set, const Scene& scene) {
+  Sight sight = ReadMaskedViews(set, scene);
   sight.lines = LinesThroughHoles(sight.views, sight.masks);
   return sight;
 }

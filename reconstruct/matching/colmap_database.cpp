@@ -85,6 +85,19 @@ sqlite3* OpenFile(const fs::path& path, int flags) {
   return database;
 }
 
+/// @param values  x, y and an affine shape by rows, or x, y, scale and more
+void MoveFeature(const PicturePlace& place, bool affine, float* values) {
+  values[0] = static_cast<float>((values[0] + place.x0) * place.pixels_x);
+  values[1] = static_cast<float>((values[1] + place.y0) * place.pixels_y);
+  if (place.pixels_x == 1 && place.pixels_y == 1) return;
+  if (!affine) {
+    values[2] = static_cast<float>(values[2] * std::sqrt(place.pixels_x * place.pixels_y));
+    return;
+  }
+  for (int k = 2; k < 6; ++k)
+    values[k] = static_cast<float>(values[k] * (k < 4 ? place.pixels_x : place.pixels_y));
+}
+
 std::int64_t PairId(int first, int second) { return kMaxImages * (first + 1) + second + 1; }
 
 }  // namespace
@@ -142,6 +155,11 @@ void ColmapDatabase::SetFocals(const std::vector<Camera>& cameras) const {
   }
 }
 
+int ColmapDatabase::LongestSide() const {
+  Statement longest(database_.get(), "SELECT MAX(MAX(width, height)) FROM cameras");
+  return longest.Next() ? static_cast<int>(longest.Integer(0)) : 0;
+}
+
 Features ColmapDatabase::ReadFeatures(int image) const {
   Features features;
   Statement keypoints(database_.get(), "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
@@ -174,7 +192,7 @@ Features ColmapDatabase::ReadFeatures(int image) const {
 }
 
 void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::string& name,
-                                     int image, double x, double y) {
+                                     int image, const PicturePlace& place) {
   Statement keypoints(other.database_.get(),
                       "SELECT k.rows, k.cols, k.data FROM keypoints k JOIN images i USING "
                       "(image_id) WHERE i.name = ?");
@@ -186,16 +204,15 @@ void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::str
       "SELECT d.data FROM descriptors d JOIN images i USING (image_id) WHERE i.name = ?");
   descriptors.Bind(1, name);
   const auto values = static_cast<std::size_t>(rows * columns);
-  if (columns < 2 || keypoints.Bytes(2) != values * sizeof(float) || !descriptors.Next() ||
+  if ((columns != 6 && columns != 4) || keypoints.Bytes(2) != values * sizeof(float) ||
+      !descriptors.Next() ||
       descriptors.Bytes(0) != static_cast<std::size_t>(rows) * kDescriptorSize)
     throw ToolError("COLMAP wrote features of an unknown form for " + name +
                     "; version 3.8 is expected");
   std::vector<float> moved(values);
   if (values > 0) std::memcpy(moved.data(), keypoints.Blob(2), values * sizeof(float));
-  for (std::size_t i = 0; i < values; i += static_cast<std::size_t>(columns)) {
-    moved[i] = static_cast<float>(moved[i] + x);
-    moved[i + 1] = static_cast<float>(moved[i + 1] + y);
-  }
+  for (std::size_t i = 0; i < values; i += static_cast<std::size_t>(columns))
+    MoveFeature(place, columns == 6, &moved[i]);
   for (const bool is_keypoints : {true, false}) {
     Statement add(database_.get(), is_keypoints ? "INSERT INTO keypoints VALUES (?, ?, ?, ?)"
                                                 : "INSERT INTO descriptors VALUES (?, ?, ?, ?)");

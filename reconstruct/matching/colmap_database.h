@@ -40,6 +40,13 @@ struct PairGeometry {
                                                      ///< or homography second <- first, in pixels
 };
 
+/// Where the picture that features were found in lies in its photograph.
+struct PicturePlace {
+  double x0 = 0, y0 = 0;  ///< its corner [its px]
+  /// the photograph's pixels for each of its own
+  double pixels_x = 1, pixels_y = 1;
+};
+
 class ColmapDatabase {
  public:
   /// A new database with SIMPLE_RADIAL cameras and the images in the order given.
@@ -57,12 +64,14 @@ class ColmapDatabase {
 
   /// Sets other initial focal lengths of the cameras, in the order in which they were created.
   void SetFocals(const std::vector<Camera>& cameras) const;
+  /// The longest side of the cameras' pictures [px].
+  int LongestSide() const;
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
   /// Copies the features of the image of that name in another database to image i (0-based), moved
-  /// by (x, y) pixels.
-  void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x,
-                       double y);
+  /// to their places in the photograph.
+  void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image,
+                       const PicturePlace& place);
   /// The matched features of pairs that passed the geometric test, by pair id.
   std::vector<PairMatches> VerifiedMatches() const;
   /// Adds pairs with their inliers, or replaces those of existing pairs.

@@ -10,6 +10,8 @@
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/png_io.h"
+#include "core/io/reduced_image.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "reconstruct/matching/feature_crop.h"
@@ -34,38 +36,75 @@ std::string Text(double value) {
 std::string Text(int value) { return std::to_string(value); }
 std::string Text(bool value) { return value ? "1" : "0"; }
 
-/// A photograph for feature extraction: a file in a folder of its own, and the position of its
-/// first pixel in the photograph.
+/// A photograph for feature extraction: a file in a folder of its own, and its place in the
+/// photograph.
 struct Prepared {
   std::string file;
-  int x0 = 0, y0 = 0;
+  PicturePlace place;
 };
 
-Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, bool whole,
-                      int margin_px) {
-  const CapturedImage& image = set.images[i];
-  const std::string file = std::to_string(i) + ".png";
-  const Image8 photo = ReadImage(set.ImagePath(i), 1);
-  if (whole || image.mask.empty()) {
-    WriteImage(folder / "images" / file, photo);
-    return {file};
-  }
-  const Image8 mask = ReadImage(set.MaskPath(i), 1);
-  if (mask.width != photo.width || mask.height != photo.height)
-    throw InputError("sfm: mask " + image.mask + " is " + std::to_string(mask.width) + " x " +
-                     std::to_string(mask.height) + ", but " + image.name + " is " +
-                     std::to_string(photo.width) + " x " + std::to_string(photo.height) +
-                     "; run capture again");
-  const ObjectCrop crop = CropToObject(photo, mask, margin_px);
-  WriteImage(folder / "images" / file, crop.image);
-  WriteImage(folder / "masks" / (file + ".png"), crop.mask);
-  return {file, crop.x0, crop.y0};
+/// Binary PGM: grey pixels as they are. COLMAP reads it, and nothing is spent on packing.
+void WritePgm(const fs::path& path, const Image8& grey) {
+  std::string bytes =
+      "P5\n" + std::to_string(grey.width) + " " + std::to_string(grey.height) + "\n255\n";
+  bytes.append(grey.data.begin(), grey.data.end());
+  WriteFile(path, bytes);
 }
 
-/// The longer side to which photographs are reduced before features are found.
-int SizeFor(const SfmOptions& options, const FeatureKind& kind) {
-  if (!kind.whole || kind.fine) return options.max_image_size;
-  return std::min(options.whole_px, options.max_image_size);
+/// Where a whole photograph that was reduced to a picture of this size has its pixels.
+PicturePlace PlaceOf(const CapturedImage& image, const Image8& picture) {
+  return {0, 0, static_cast<double>(image.width) / picture.width,
+          static_cast<double>(image.height) / picture.height};
+}
+
+/// The whole photograph at `whole_px`; at its own size where that is at most `largest_px`, and
+/// COLMAP reduces it.
+Prepared PrepareWhole(const ImageSet& set, int i, const fs::path& folder, int whole_px,
+                      int largest_px) {
+  const CapturedImage& image = set.images[i];
+  const std::string file = std::to_string(i) + ".pgm";
+  const bool large = std::max(image.width, image.height) > largest_px;
+  const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, large ? whole_px : largest_px);
+  WritePgm(folder / "images" / file, photo);
+  return {file, PlaceOf(image, photo)};
+}
+
+void RequireSameSize(const ImageSet& set, int i) {
+  const CapturedImage& image = set.images[i];
+  const ImageInfo mask = ReadImageInfo(set.MaskPath(i));
+  if (mask.width == image.width && mask.height == image.height) return;
+  throw InputError("sfm: mask " + image.mask + " is " + std::to_string(mask.width) + " x " +
+                   std::to_string(mask.height) + ", but " + image.name + " is " +
+                   std::to_string(image.width) + " x " + std::to_string(image.height) +
+                   "; run capture again");
+}
+
+/// The photograph cropped to its mask; whole where there is none.
+Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
+                       const SfmOptions& options) {
+  const CapturedImage& image = set.images[i];
+  const std::string file = std::to_string(i) + ".pgm";
+  const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, options.max_image_size);
+  PicturePlace place = PlaceOf(image, photo);
+  if (image.mask.empty()) {
+    WritePgm(folder / "images" / file, photo);
+    return {file, place};
+  }
+  RequireSameSize(set, i);
+  const Image8 mask = ReadReducedTo(set.MaskPath(i), 1, options.max_image_size);
+  const double larger = std::max(place.pixels_x, place.pixels_y);
+  const auto margin = static_cast<int>(std::lround(options.mask_margin_px / larger));
+  const ObjectCrop crop = CropToObject(photo, mask, margin);
+  place.x0 = crop.x0;
+  place.y0 = crop.y0;
+  WritePgm(folder / "images" / file, crop.image);
+  WriteGreyMaskPng(folder / "masks" / (file + ".png"), crop.mask);
+  return {file, place};
+}
+
+/// The longer side to which whole photographs are reduced before features are found.
+int WholeSize(const SfmOptions& options, const FeatureKind& kind) {
+  return kind.fine ? options.max_image_size : std::min(options.whole_px, options.max_image_size);
 }
 
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
@@ -73,21 +112,14 @@ int SizeFor(const SfmOptions& options, const FeatureKind& kind) {
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
                                   const fs::path& folder, const SfmOptions& options,
                                   const FeatureKind& kind) {
+  // Other pictures have their sizes already.
+  const int limit = kind.whole ? WholeSize(options, kind) : 1 << 20;
   fs::create_directories(folder / "images");
   fs::create_directories(folder / "masks");
   std::vector<Prepared> prepared;
-  const int most_px = SizeFor(options, kind);
-  int limit = most_px;
-  for (int i = begin; i < end; ++i) {
-    prepared.push_back(PrepareImage(set, i, folder, kind.whole, options.mask_margin_px));
-    // Features are extracted at the scale that the whole photograph would have, so the size limit
-    // shrinks with the crop.
-    const CapturedImage& whole = set.images[i];
-    const ImageInfo crop = ReadImageInfo(folder / "images" / prepared.back().file);
-    const double scale =
-        std::min(1.0, most_px / static_cast<double>(std::max(whole.width, whole.height)));
-    if (scale < 1) limit = static_cast<int>(std::lround(scale * std::max(crop.width, crop.height)));
-  }
+  for (int i = begin; i < end; ++i)
+    prepared.push_back(kind.whole ? PrepareWhole(set, i, folder, limit, options.max_image_size)
+                                  : PrepareFigure(set, i, folder, options));
   Colmap(stage, {"feature_extractor",
                  "--database_path",
                  folder / "features.db",
@@ -121,11 +153,7 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                      const SfmOptions& options, const FeatureKind& kind) {
   const int images = SizeOf(set.images);
-  const int most_px = SizeFor(options, kind);
-  const bool shrunk = std::any_of(
-      set.images.begin(), set.images.end(),
-      [&](const CapturedImage& image) { return std::max(image.width, image.height) > most_px; });
-  const int per_part = shrunk ? 1 : 3;  // a part has one limit for all its images
+  constexpr int per_part = 3;
   const int parts = (images + per_part - 1) / per_part;
   const auto folder = [&](std::int64_t k) {
     return files.scratch / ("features" + std::to_string(k));
@@ -146,8 +174,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
       const ColmapDatabase part(folder(k) / "features.db");
       for (std::size_t i = 0; i < prepared[k].size(); ++i) {
         const Prepared& image = prepared[k][i];
-        database.AddFeaturesFrom(part, image.file, k * per_part + static_cast<int>(i), image.x0,
-                                 image.y0);
+        database.AddFeaturesFrom(part, image.file, k * per_part + static_cast<int>(i), image.place);
       }
     }
     fs::remove_all(folder(k));
@@ -189,6 +216,31 @@ ColmapModel ReadModel(const fs::path& folder) {
 
 }  // namespace
 
+namespace {
+
+/// COLMAP's largest errors, in pixels of ordinary photographs, for those of a database.
+std::vector<std::string> LargestErrors(const fs::path& database, const SfmOptions& options) {
+  const double pixels = options.PixelsOf(ColmapDatabase(database).LongestSide());
+  return {"--Mapper.init_max_error",
+          Text(4 * pixels),
+          "--Mapper.abs_pose_max_error",
+          Text(12 * pixels),
+          "--Mapper.filter_max_reproj_error",
+          Text(4 * pixels),
+          "--Mapper.tri_complete_max_reproj_error",
+          Text(4 * pixels),
+          "--Mapper.tri_merge_max_reproj_error",
+          Text(4 * pixels)};
+}
+
+std::vector<std::string> Joined(std::vector<std::string> first,
+                                const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+}  // namespace
+
 std::vector<ColmapModel> MapImages(StageContext& stage, const SfmFiles& files,
                                    const SfmOptions& options) {
   const fs::path folder = files.scratch / (files.database.stem().string() + "_models");
@@ -197,16 +249,18 @@ std::vector<ColmapModel> MapImages(StageContext& stage, const SfmFiles& files,
   try {
     Colmap(
         stage,
-        {"mapper", "--database_path", files.database, "--image_path", files.images, "--output_path",
-         folder, "--Mapper.num_threads", "1", "--Mapper.min_num_matches", Text(options.min_inliers),
-         "--Mapper.init_min_tri_angle", "8", "--Mapper.abs_pose_min_num_inliers", "15",
-         "--Mapper.filter_min_tri_angle", Text(options.min_triangulation_deg),
-         "--Mapper.tri_min_angle", Text(options.min_triangulation_deg),
-         // Its adjustments only have to limit drift: ours follow.
-         "--Mapper.ba_local_num_images", "5", "--Mapper.ba_local_max_num_iterations", "10",
-         "--Mapper.ba_local_max_refinements", "1", "--Mapper.ba_global_images_ratio", "1.5",
-         "--Mapper.ba_global_points_ratio", "1.5", "--Mapper.ba_global_max_num_iterations", "15",
-         "--Mapper.ba_global_max_refinements", "1"});
+        Joined({"mapper", "--database_path", files.database, "--image_path", files.images,
+                "--output_path", folder, "--Mapper.num_threads", "1", "--Mapper.min_num_matches",
+                Text(options.min_inliers), "--Mapper.init_min_tri_angle", "8",
+                "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.filter_min_tri_angle",
+                Text(options.min_triangulation_deg), "--Mapper.tri_min_angle",
+                Text(options.min_triangulation_deg),
+                // Its adjustments only have to limit drift: ours follow.
+                "--Mapper.ba_local_num_images", "5", "--Mapper.ba_local_max_num_iterations", "10",
+                "--Mapper.ba_local_max_refinements", "1", "--Mapper.ba_global_images_ratio", "1.5",
+                "--Mapper.ba_global_points_ratio", "1.5", "--Mapper.ba_global_max_num_iterations",
+                "15", "--Mapper.ba_global_max_refinements", "1"},
+               LargestErrors(files.database, options)));
   } catch (const ToolError& error) {
     // COLMAP fails when it finds no initial pair. The photographs cause that; the caller reports
     // it.
@@ -287,29 +341,30 @@ void WriteCameras(const fs::path& folder, const ImageSet& set, const std::vector
 void Triangulate(StageContext& stage, const SfmFiles& files, const fs::path& input,
                  const fs::path& output, const SfmOptions& options) {
   fs::create_directories(output);
-  Colmap(stage, {"point_triangulator",
-                 "--database_path",
-                 files.database,
-                 "--image_path",
-                 files.images,
-                 "--input_path",
-                 input,
-                 "--output_path",
-                 output,
-                 "--clear_points",
-                 "1",
-                 "--Mapper.min_num_matches",
-                 "6",
-                 "--Mapper.num_threads",
-                 "1",
-                 "--Mapper.ba_refine_focal_length",
-                 "0",
-                 "--Mapper.ba_refine_extra_params",
-                 "0",
-                 "--Mapper.filter_min_tri_angle",
-                 Text(options.min_triangulation_deg),
-                 "--Mapper.tri_min_angle",
-                 Text(options.min_triangulation_deg)});
+  Colmap(stage, Joined({"point_triangulator",
+                        "--database_path",
+                        files.database,
+                        "--image_path",
+                        files.images,
+                        "--input_path",
+                        input,
+                        "--output_path",
+                        output,
+                        "--clear_points",
+                        "1",
+                        "--Mapper.min_num_matches",
+                        "6",
+                        "--Mapper.num_threads",
+                        "1",
+                        "--Mapper.ba_refine_focal_length",
+                        "0",
+                        "--Mapper.ba_refine_extra_params",
+                        "0",
+                        "--Mapper.filter_min_tri_angle",
+                        Text(options.min_triangulation_deg),
+                        "--Mapper.tri_min_angle",
+                        Text(options.min_triangulation_deg)},
+                       LargestErrors(files.database, options)));
 }
 
 }  // namespace
@@ -336,9 +391,11 @@ ColmapModel TriangulateKnown(StageContext& stage, const ImageSet& set, const Sfm
   const fs::path more = files.scratch / (name + "_more");
   fs::create_directories(more);
   try {
-    Colmap(stage, {"image_registrator", "--database_path", files.database, "--input_path", model,
+    Colmap(stage,
+           Joined({"image_registrator", "--database_path", files.database, "--input_path", model,
                    "--output_path", more, "--Mapper.num_threads", "1",
-                   "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.fix_existing_images", "1"});
+                   "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.fix_existing_images", "1"},
+                  LargestErrors(files.database, options)));
   } catch (const ToolError& error) {
     stage.Note(std::string("sfm: image_registrator: ") + error.what());
     return ReadModel(model);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/reduced_image.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
@@ -37,12 +37,7 @@ struct FinalAdjustmentTuning {
   KEYPOSE_TUNED(double, kGuessedFocal, 0.15);
 };
 
-Image8 Shrunk(const Image8& image, double scale) {
-  if (scale >= 1 || image.empty()) return image;
-  return Resized(image, static_cast<int>(std::lround(scale * image.width)),
-                 static_cast<int>(std::lround(scale * image.height)));
-}
-
+/// @param max_size_px  photographs that are larger are reduced to this or a little more
 /// @param whole  also what is not in the masks
 std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<View>& views,
                                         int max_size_px, bool whole, const PatchOptions& options) {
@@ -50,11 +45,11 @@ std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<V
   ParallelFor(std::ssize(views), [&](std::int64_t v) {
     const int i = set.Find(views[v].name);
     const CapturedImage& captured = set.images[i];
-    const double scale =
-        std::min(1.0, max_size_px / static_cast<double>(std::max(captured.width, captured.height)));
-    const Image8 mask = whole || captured.mask.empty() ? Image8{} : ReadImage(set.MaskPath(i), 1);
-    images[v] = MakePatchImage(Shrunk(ReadImage(set.ImagePath(i), 1), scale), Shrunk(mask, scale),
-                               scale, options);
+    const int eighths = EighthsFor(captured.width, captured.height, max_size_px);
+    const Image8 mask =
+        whole || captured.mask.empty() ? Image8{} : ReadReduced(set.MaskPath(i), 1, eighths);
+    images[v] =
+        MakePatchImage(ReadReduced(set.ImagePath(i), 1, eighths), mask, eighths / 8.0, options);
   });
   return images;
 }
@@ -106,15 +101,17 @@ bool AllSeen(const Scene& scene, const std::vector<Observation>& observations) {
 }  // namespace
 
 void ColorPoints(const ImageSet& set, Scene& scene) {
+  constexpr int kColoured_px = 2000;  // larger photographs are reduced to this or a little more
   std::vector<std::vector<std::size_t>> of_view(scene.views.size());
   for (std::size_t p = 0; p < scene.points.size(); ++p)
     if (!scene.points[p].views.empty()) of_view[scene.points[p].views[0]].push_back(p);
   ParallelFor(std::ssize(scene.views), [&](std::int64_t v) {
     const View& view = scene.views[v];
     if (of_view[v].empty()) return;
-    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
+    const int eighths = EighthsFor(view.camera.width, view.camera.height, kColoured_px);
+    const Image8 image = ReadReduced(set.ImagePath(set.Find(view.name)), 3, eighths);
     for (const std::size_t p : of_view[v]) {
-      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
+      const Eigen::Vector2d pixel = eighths / 8.0 * view.Project(scene.points[p].position);
       const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
                 y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
       scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));

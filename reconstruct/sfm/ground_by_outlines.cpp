@@ -31,7 +31,7 @@ Eigen::Vector3d Quantile(const Scene& scene, double share) {
 
 std::optional<GroundContact> GroundOf(const ImageSet& set, const Scene& level) {
   if (level.points.empty()) return std::nullopt;
-  const Sight sight = ReadSight(set, level);
+  const Sight sight = ReadMaskedViews(set, level);
   const Eigen::Vector3d low = Quantile(level, OutlineGroundTuning::kOutliers),
                         high = Quantile(level, 1 - OutlineGroundTuning::kOutliers);
   const auto ground = FindGroundContact(sight.views, sight.masks, low, high);

@@ -1,6 +1,7 @@
 // Options of keypose-sfm.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,12 @@ struct SfmOptions {
     pairs.neighbors = neighbors;
     pairs.similar = similar;
     return pairs;
+  }
+
+  /// Errors of features are allowed in pixels of ordinary photographs. Places in larger ones, in
+  /// which features are found at `max_image_size`, err by as many times more.
+  double PixelsOf(int longer_side_px) const {
+    return std::max(1.0, longer_side_px / static_cast<double>(max_image_size));
   }
 
   /// The possible assignments of photographs to rings.
