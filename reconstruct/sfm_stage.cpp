@@ -203,18 +203,18 @@ void Run(StageContext& stage, const SfmOptions& options) {
   found.measurements.Report(stage);
   Scene scene = RefineByPatches(stage, set, found.model, matched, options);
   watch.Lap(stage, "patches");
-  if (matched.whole) {
+  if (matched.in_room) {
     scene = check.WithoutContradicted(scene, matched.features, matched.verified);
     RequirePlaced(set, scene, options);
   }
   const CameraEvidence evidence =
-      matched.whole ? check.EvaluateSurroundings(scene, matched.features, matched.verified)
+      matched.in_room ? check.EvaluateSurroundings(scene, matched.features, matched.verified)
                     : check.Evaluate(scene, matched.features, matched.verified);
   ReportEvidence(stage, evidence);
   watch.Lap(stage, "hull_check");
   RequireRight(stage, found, evidence, options);
   if (options.level && found.model.scale_source == "none")
-    scene = matched.whole ? LeveledInRoom(stage, set, scene) : Leveled(stage, set, scene);
+    scene = matched.in_room ? LeveledInRoom(stage, set, scene) : Leveled(stage, set, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   if (const fs::path picture = stage.Output("picture"); !picture.empty())

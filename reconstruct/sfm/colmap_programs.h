@@ -27,6 +27,8 @@ struct FeatureKind {
   /// of the whole photographs, reduced to `whole_px`, without adapting to slanted surfaces; fine
   /// ones are not reduced and adapt, which tells slanted mats. Else of the masks alone
   bool whole = false;
+  /// of the masks, which hold what moves with the figure in a room, not the figure alone
+  bool region = false;
 };
 
 /// Writes the SIFT features of all images into the database. The photographs are cropped to their

@@ -127,7 +127,7 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
   ReportProgress(stage.progress(), 0.93, "refining points by grey values");
   const PatchOptions patches;
   const std::vector<PatchImage> images =
-      ReadPatchImages(set, model.scene.views, options.max_image_size, matched.whole, patches);
+      ReadPatchImages(set, model.scene.views, options.max_image_size, matched.in_room, patches);
   PointSet current = SpreadPoints(model.scene, model.observations, options.adjusted_points);
   Bodies bodies = model.bodies;
   RingFitOptions fitting = FittingFor(model, matched.focal_known, options);

@@ -9,6 +9,7 @@
 #include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "reconstruct/matching/flat_pairs.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
@@ -32,15 +33,26 @@ std::vector<PairMatches> MatchPairs(const std::vector<Features>& features,
   return matches;
 }
 
+bool IsAmong(const std::vector<ImagePair>& pairs, const PairMatches& pair) {
+  return std::binary_search(pairs.begin(), pairs.end(), ImagePair(pair.first, pair.second));
+}
+
 /// Leaves out matches on a static background.
+/// @param tripod_pairs  sorted pairs that are known to be before one tripod
 /// @return number of those
 int LeaveOutStatic(const std::vector<Features>& features, int longer_side_px,
-                   std::vector<PairMatches>& matches) {
-  std::vector<int> rejected(matches.size(), 0);
-  ParallelFor(std::ssize(matches), [&](std::int64_t k) {
-    PairMatches& pair = matches[k];
-    rejected[k] = RejectStaticMatches(features[pair.first], features[pair.second], longer_side_px,
-                                      pair.features);
+                   const std::vector<ImagePair>& tripod_pairs, PairMatches& pair) {
+  const Features &first = features[pair.first], &second = features[pair.second];
+  if (IsAmong(tripod_pairs, pair))
+    return LeaveOutNearlyInPlace(first, second, longer_side_px, {}, pair);
+  return RejectStaticMatches(first, second, longer_side_px, pair.features);
+}
+
+int LeaveOutStatic(int longer_side_px, MatchedFeatures& matched) {
+  std::vector<int> rejected(matched.matches.size(), 0);
+  ParallelFor(std::ssize(matched.matches), [&](std::int64_t k) {
+    rejected[k] =
+        LeaveOutStatic(matched.features, longer_side_px, matched.tripod_pairs, matched.matches[k]);
   });
   return std::accumulate(rejected.begin(), rejected.end(), 0);
 }
@@ -66,7 +78,7 @@ std::vector<Verified> VerifyPairs(const std::vector<Features>& features,
 /// Matches verified pairs again along their epipolar lines, and keeps the result where it has more
 /// matches.
 /// @return number of additional inliers
-int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& features,
+int MatchAlongLines(std::vector<Verified>& pairs, const MatchedFeatures& matched,
                     int longer_side_px, const SfmOptions& options, Progress* progress) {
   std::vector<int> gained(pairs.size(), 0);
   MatchOptions matching;
@@ -74,13 +86,14 @@ int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& f
   ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
     Verified& pair = pairs[k];
-    const Features &first = features[pair.inliers.first], &second = features[pair.inliers.second];
-    auto found =
-        MatchGuided(first, second, pair.geometry, matching, VerificationOptions{}.max_error_px);
-    RejectStaticMatches(first, second, longer_side_px, found);
-    if (found.size() <= pair.inliers.features.size()) return;
-    gained[k] = static_cast<int>(found.size() - pair.inliers.features.size());
-    pair.inliers.features = std::move(found);
+    const auto& [first, second, inliers] = pair.inliers;
+    PairMatches found{first, second,
+                      MatchGuided(matched.features[first], matched.features[second], pair.geometry,
+                                  matching, VerificationOptions{}.max_error_px)};
+    LeaveOutStatic(matched.features, longer_side_px, matched.tripod_pairs, found);
+    if (found.features.size() <= inliers.size()) return;
+    gained[k] = static_cast<int>(found.features.size() - inliers.size());
+    pair.inliers.features = std::move(found.features);
   });
   return std::accumulate(gained.begin(), gained.end(), 0);
 }
@@ -107,15 +120,20 @@ std::vector<Features> ReadAllFeatures(StageContext& stage, const std::filesystem
 }
 
 /// Verifies matches, and adds those along epipolar lines if asked.
-std::vector<Verified> VerifyAll(StageContext& stage, const std::vector<Features>& features,
+std::vector<Verified> VerifyAll(StageContext& stage, const MatchedFeatures& matched,
                                 const std::vector<PairMatches>& enough, int longer_side_px,
                                 const SfmOptions& options, Stopwatch& watch) {
-  std::vector<Verified> verified = VerifyPairs(features, enough, options, stage.progress());
+  std::vector<Verified> verified = VerifyPairs(matched.features, enough, options, stage.progress());
+  // Before matching along epipolar lines: those of a flat pair collect wrong matches.
+  if (matched.in_room && matched.turning.empty())
+    stage.Report(
+        "flat_pairs_left_out",
+        LeaveOutFlatPairs(matched.features, {}, options.PixelsOf(longer_side_px), verified));
   watch.Lap(stage, "verification");
   if (!options.guided_matching) return verified;
   ReportProgress(stage.progress(), 0.65, "matching along epipolar lines");
   stage.Report("guided_gain",
-               MatchAlongLines(verified, features, longer_side_px, options, stage.progress()));
+               MatchAlongLines(verified, matched, longer_side_px, options, stage.progress()));
   watch.Lap(stage, "guided_matching");
   return verified;
 }
@@ -164,7 +182,7 @@ void MatchChosen(StageContext& stage, const SfmOptions& options, const FeatureKi
   if (kind.whole)
     matched.turning =
         TurnsBeforeTripod(features, matched.matches, longer_side_px, {}, &matched.tripod_pairs);
-  const int static_matches = LeaveOutStatic(features, longer_side_px, matched.matches);
+  const int static_matches = LeaveOutStatic(longer_side_px, matched);
   std::erase_if(matched.matches, [](const PairMatches& pair) { return pair.features.empty(); });
   stage.Report("static_matches_rejected", static_matches);
   if (static_matches > 0 && !matched.in_room)
@@ -178,8 +196,9 @@ void MatchChosen(StageContext& stage, const SfmOptions& options, const FeatureKi
 
 MatchedFeatures MatchPhotographs(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                                  const SfmOptions& options, const FeatureKind& kind,
-                                 Stopwatch& watch) {
+                                 Stopwatch& watch, std::vector<ImagePair> tripod_pairs) {
   MatchedFeatures matched = WithLenses(set, files);
+  matched.tripod_pairs = std::move(tripod_pairs);
   matched.in_room = kind.whole || kind.region;
   ExtractFeatures(stage, set, files, options, kind);
   watch.Lap(stage, "features");
@@ -198,16 +217,17 @@ void VerifyMatches(StageContext& stage, const SfmFiles& files, const SfmOptions&
   std::vector<PairMatches> enough = matched.matches;
   std::erase_if(enough, few);
   std::vector<Verified> verified =
-      VerifyAll(stage, matched.features, enough, LongerSide(matched.lenses), options, watch);
+      VerifyAll(stage, matched, enough, LongerSide(matched.lenses), options, watch);
   ReportMatches(stage, enough.size(), verified);
   for (Verified& pair : verified) matched.verified.push_back(std::move(pair.inliers));
   ColmapDatabase(files.database).PutInliers(matched.verified);
 }
 
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                              const SfmOptions& options, const FeatureKind& kind,
-                              Stopwatch& watch) {
-  MatchedFeatures matched = MatchPhotographs(stage, set, files, options, kind, watch);
+                              const SfmOptions& options, const FeatureKind& kind, Stopwatch& watch,
+                              std::vector<ImagePair> tripod_pairs) {
+  MatchedFeatures matched =
+      MatchPhotographs(stage, set, files, options, kind, watch, std::move(tripod_pairs));
   VerifyMatches(stage, files, options, watch, matched);
   return matched;
 }

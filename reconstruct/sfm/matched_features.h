@@ -7,7 +7,7 @@
 #include "core/stage/stage.h"
 #include "reconstruct/sfm/colmap_programs.h"
 #include "reconstruct/sfm/stopwatch.h"
-#include "reconstruct/surroundings/figure_motion.h"
+#include "reconstruct/surroundings/motion_segmentation.h"
 
 namespace keypose {
 struct ImageSet;
@@ -25,19 +25,27 @@ struct MatchedFeatures {
   std::vector<PairMatches> matches;   ///< raw, including pairs with few matches
   std::vector<PairMatches> verified;  ///< of pairs that pass the geometric test
   std::vector<char> upside_down;      ///< by image; see FindUpsideDown
-  bool whole = false;                 ///< of whole photographs, not of the masks alone
-  FigureMotion motion;                ///< of whole photographs; else empty
+  bool in_room = false;               ///< also of what the figure stands on, or of all
+  MotionVotes turning;                ///< of whole photographs: see TurnsBeforeTripod; else empty
+  /// pairs before one tripod: in these, what stays in place or nearly so has no matches
+  std::vector<ImagePair> tripod_pairs;
 };
 
 std::vector<std::string> NamesOf(const ImageSet& set);
 
-/// Features, matches and verified matches of the set; the verified ones are also written to a
-/// COLMAP database.
-/// Of whole photographs, features that move otherwise than the figure have no matches.
-/// @param masks  at any size, one for each image, empty where there is none: where the figure is
-/// likely; used for whole photographs only
+/// Features of the set, in a new database, and their raw matches.
+/// @param tripod_pairs  sorted; see MatchedFeatures. Of whole photographs they are found
+MatchedFeatures MatchPhotographs(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                                 const SfmOptions& options, const FeatureKind& kind,
+                                 Stopwatch& watch, std::vector<ImagePair> tripod_pairs = {});
+
+/// Finds the matches that pass the geometric test, and writes them to the database as well.
+void VerifyMatches(StageContext& stage, const SfmFiles& files, const SfmOptions& options,
+                   Stopwatch& watch, MatchedFeatures& matched);
+
+/// Both, one after the other.
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                              const SfmOptions& options, const FeatureKind& kind,
-                              const std::vector<Image8>& masks, Stopwatch& watch);
+                              const SfmOptions& options, const FeatureKind& kind, Stopwatch& watch,
+                              std::vector<ImagePair> tripod_pairs = {});
 
 }  // namespace keypose::reconstruct

@@ -8,6 +8,7 @@
 #include "core/io/image_set.h"
 #include "core/tuned.h"
 #include "reconstruct/bundle/track_selection.h"
+#include "reconstruct/sfm/room_strategy.h"
 #include "reconstruct/sfm/set_overlap.h"
 #include "reconstruct/sfm/surroundings.h"
 #include "reconstruct/sfm/turntable_strategies.h"
@@ -101,18 +102,18 @@ StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const S
                                          const MatchedFeatures& matched, const SetBoards& boards) {
   StrategyResult best = PlaceByFeatures(context, files, matched, boards);
   const auto is_found = [&](const StrategyResult& result) {
-    return matched.whole ? HasNearlyAll(context, result) : context.IsSettled(result);
+    return matched.in_room ? HasNearlyAll(context, result) : context.IsSettled(result);
   };
   if (is_found(best)) return best;
   std::vector<double> focals = FocalsToTry(matched);
   // Whole photographs determine the focal length: a start from far off is enough.
-  if (matched.whole && focals.size() > kFocalsOfWhole) focals.resize(kFocalsOfWhole);
+  if (matched.in_room && focals.size() > kFocalsOfWhole) focals.resize(kFocalsOfWhole);
   for (std::size_t k = 1; k < focals.size(); ++k) {
     ColmapDatabase(files.database).SetFocals(WithFocal(matched.lenses, focals[k]));
     StrategyResult result = PlaceByFeatures(context, files, matched, boards);
     if (result.views() > 0 && result.evidence.Score() > best.evidence.Score())
       best = std::move(result);
-    if (matched.whole && is_found(best)) break;
+    if (matched.in_room && is_found(best)) break;
   }
   if (focals.size() > 1) ColmapDatabase(files.database).SetFocals(matched.lenses);
   return best;
@@ -160,29 +161,6 @@ bool MayUseSurroundings(const StrategyContext& context) {
          });
 }
 
-/// The cameras by whole photographs; again with more features where that leaves photographs out.
-/// @param matched  set to the features of the result
-StrategyResult PlaceBySurroundings(const StrategyContext& context, const fs::path& scratch,
-                                   MatchedFeatures& matched) {
-  const auto& [stage, set, options, check, watch] = context;
-  StrategyResult best;
-  for (const bool fine : {false, true}) {
-    const SfmFiles files{scratch, set.folder, scratch / (fine ? "whole_fine.db" : "whole.db")};
-    MatchedFeatures found =
-        BuildDatabase(stage, set, files, options, {fine, true}, check.masks(), watch);
-    StrategyResult result = PlaceByFeaturesOfAnyFocal(context, files, found, {});
-    result.method = "surroundings";
-    watch.Lap(stage, "surroundings");
-    if (best.views() == 0 || IsBetter(result.evidence, best.evidence)) {
-      best = std::move(result);
-      matched = std::move(found);
-    }
-    if (HasNearlyAll(context, best)) break;
-  }
-  MeasureSurroundings(check, matched, best);
-  return best;
-}
-
 void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& result,
                        bool few_points, bool settled) {
   const char* doubt = few_points ? ", with few points" : settled ? "" : ", but without certainty";
@@ -200,7 +178,10 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   MatchedFeatures whole;
   if (MayUseSurroundings(context) &&
       (options.surroundings == "use" || HasSurroundings(context, scratch))) {
-    by_surroundings = PlaceBySurroundings(context, scratch, whole);
+    const auto place = [&](const SfmFiles& files, const MatchedFeatures& found) {
+      return PlaceByFeaturesOfAnyFocal(context, files, found, {});
+    };
+    by_surroundings = PlaceBySurroundings(context, scratch, place, whole);
     if (options.surroundings == "use" || IsEnough(context, by_surroundings)) {
       matched = std::move(whole);
       return by_surroundings;
@@ -209,7 +190,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   // The ring model works with few features, so it gets the fine ones at once.
   bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
   SfmFiles files = FilesOf(set, scratch, fine);
-  matched = BuildDatabase(stage, set, files, options, {fine, false}, {}, watch);
+  matched = BuildDatabase(stage, set, files, options, {.fine = fine}, watch);
   if (stage.Has("poses")) return PlaceByPoses(context, files, matched);
   const SetBoards boards = PlaceBoards(stage, set, matched, options);
   if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0)
@@ -222,7 +203,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
     NoteFinerFeatures(context, best, few_points, settled);
     fine = true;
     files = FilesOf(set, scratch, fine);
-    matched = BuildDatabase(stage, set, files, options, {fine, false}, {}, watch);
+    matched = BuildDatabase(stage, set, files, options, {.fine = fine}, watch);
     matched.upside_down = FindUpsideDown(stage, set, check, matched);
     StrategyResult finer = PlaceByMatches(context, files, matched, boards);
     if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);

@@ -83,7 +83,7 @@ bool HasSurroundings(const StrategyContext& context, const fs::path& scratch) {
   const SfmFiles files{scratch, set.folder, scratch / "probes.db"};
   ColmapDatabase::Create(files.database, lenses.cameras, lenses.focal_known, NamesOf(probes),
                          lenses.of_image);
-  ExtractFeatures(stage, probes, files, options, {false, true});
+  ExtractFeatures(stage, probes, files, options, {.whole = true});
   const ColmapDatabase database(files.database);
   std::vector<int> counts;
   for (std::size_t k = 0; k + 1 < probes.images.size(); k += 2) {
@@ -134,13 +134,11 @@ void MeasureSurroundings(const EvidenceCheck& check, const MatchedFeatures& matc
   Measurements& measurements = result.measurements;
   measurements.Add("matches_on_masks", on);
   measurements.Add("matches_around", around);
-  measurements.Add("pairs_in_two_motions", matched.motion.pairs_in_two);
-  measurements.Add("features_left_behind", matched.motion.features_left);
   measurements.Add("lenses", SizeOf(matched.lenses));
   const std::string what = on >= around ? "the figure and what stands still with it"
                                         : "what stands still with the figure, and the figure";
   measurements.Add("cameras_from",
-                   matched.motion.features_left > 0
+                   matched.turning.empty()
                        ? what + "; what moves otherwise (a wall behind, the table) was left out"
                        : what);
 }

@@ -1,0 +1,241 @@
+#include "reconstruct/sfm/room_strategy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/png_io.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+#include "core/tuned.h"
+#include "reconstruct/sfm/surroundings.h"
+#include "reconstruct/surroundings/likely_figure.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Chosen on generated rooms with a turning mat (seeds 12 to 14), the plush figure on a book and
+/// the pot on a mat.
+struct RoomStrategyTuning {
+  KEYPOSE_TUNED(int, kTripodPairs, 3);  ///< fewer may be photographs that were taken twice
+  /// features of a photograph that move otherwise, and the share of photographs with as many, for a
+  /// second motion to be looked for
+  KEYPOSE_TUNED(int, kOthers, 30);
+  KEYPOSE_TUNED(double, kShareWithOthers, 0.4);
+  KEYPOSE_TUNED(double, kShareOfOther, 0.5);  ///< of the photographs, that a second motion places
+  KEYPOSE_TUNED(double, kTurnsMore, 1.5);     ///< times the other's mean turn
+  KEYPOSE_TUNED(double, kLikelier, 1.2);      ///< times the other's likely figure
+  /// mean turn [radians] of cameras that hardly go round anything
+  KEYPOSE_TUNED(double, kHardlyTurns, 0.25);
+};
+
+double Degrees(double radians) { return 180 / 3.14159265358979 * radians; }
+
+struct Room {
+  const StrategyContext& context;
+  const fs::path& scratch;
+  const PlaceByFiles& place;
+
+  SfmFiles Files(const std::string& name) const {
+    return {scratch, context.set.folder, scratch / (name + ".db")};
+  }
+};
+
+/// A placement and what it was made of.
+struct Placed {
+  StrategyResult result;
+  MatchedFeatures matched;
+};
+
+std::vector<Camera> LensOfEach(const MatchedFeatures& matched) {
+  std::vector<Camera> lens;
+  for (const int l : matched.lens_of_image) lens.push_back(matched.lenses[l]);
+  return lens;
+}
+
+/// The set with regions in place of its masks; photographs without a region have none.
+ImageSet WithRegions(const Room& room, const std::vector<Image8>& regions,
+                     const std::string& name) {
+  ImageSet set = room.context.set;
+  const fs::path folder = room.scratch / name;
+  fs::create_directories(folder);
+  ParallelFor(std::ssize(set.images), [&](std::int64_t i) {
+    CapturedImage& image = set.images[i];
+    image.mask.clear();
+    const Image8& region = regions[i];
+    if (region.empty() || *std::max_element(region.data.begin(), region.data.end()) == 0) return;
+    Image8 mask = Resized(region, image.width, image.height);
+    for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
+    const fs::path file = fs::absolute(folder / (image.name + ".png"));
+    WriteGreyMaskPng(file, mask);
+    image.mask = file.string();
+  });
+  return set;
+}
+
+double MeanShare(const std::vector<Image8>& regions) {
+  double sum = 0;
+  for (const Image8& region : regions)
+    sum += region.empty()
+               ? 1
+               : static_cast<double>(std::count(region.data.begin(), region.data.end(), 255)) /
+                     static_cast<double>(region.data.size());
+  return regions.empty() ? 1 : sum / static_cast<double>(regions.size());
+}
+
+void NotePlaced(const Room& room, const std::string& name, const StrategyResult& result) {
+  const CameraEvidence& evidence = result.evidence;
+  room.context.stage.Note("sfm: features of '" + name + "' place " +
+                          std::to_string(result.views()) + " of " +
+                          std::to_string(room.context.set.images.size()) + ", which turn by " +
+                          std::to_string(std::lround(Degrees(MeanTurn(result.model.scene.views)))) +
+                          " degrees in the mean; " + std::to_string(evidence.pairs_agree) + " of " +
+                          std::to_string(evidence.pairs) + " pairs agree");
+}
+
+Placed Place(const Room& room, const ImageSet& set, const std::string& name,
+             const FeatureKind& kind, const std::vector<ImagePair>& tripod_pairs) {
+  const auto& [stage, all, options, check, watch] = room.context;
+  const SfmFiles files = room.Files(name);
+  Placed placed;
+  placed.matched = BuildDatabase(stage, set, files, options, kind, watch, tripod_pairs);
+  placed.result = room.place(files, placed.matched);
+  watch.Lap(stage, "surroundings");
+  NotePlaced(room, name, placed.result);
+  return placed;
+}
+
+void KeepBetter(Placed other, Placed& best) {
+  if (best.result.views() == 0 || IsBetter(other.result.evidence, best.result.evidence))
+    best = std::move(other);
+}
+
+/// By the regions; again with more features where those leave photographs out.
+Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const std::string& name,
+                    const std::vector<ImagePair>& tripod_pairs) {
+  const ImageSet set = WithRegions(room, regions, name);
+  Placed best = Place(room, set, name, {.region = true}, tripod_pairs);
+  if (!HasNearlyAll(room.context, best.result))
+    KeepBetter(Place(room, set, name + "_fine", {.fine = true, .region = true}, tripod_pairs),
+               best);
+  best.result.measurements.Add("region_share", MeanShare(regions));
+  return best;
+}
+
+std::vector<int> ViewOfImage(const ImageSet& set, const Scene& scene) {
+  std::vector<int> view_of_image(set.images.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of_image[i] = static_cast<int>(v);
+  return view_of_image;
+}
+
+/// Where the photographs show what does not fit the cameras; nothing where that is little.
+std::vector<Image8> RegionsOfOthers(const Room& room, const Placed& first) {
+  const StrategyContext& context = room.context;
+  const MatchedFeatures& matched = first.matched;
+  const MotionSegmentationOptions options;
+  const Scene& scene = first.result.model.scene;
+  const MotionVotes votes =
+      MovesOtherwise(matched.features, matched.matches, scene, ViewOfImage(context.set, scene),
+                     options, context.stage.progress());
+  const std::vector<Camera> lens = LensOfEach(matched);
+  std::vector<Image8> regions = MotionRegions(matched.features, votes, lens, options);
+  const std::vector<int> others = CountInRegions(matched.features, votes, lens, regions);
+  const auto with_others = std::count_if(
+      others.begin(), others.end(), [](int count) { return count >= RoomStrategyTuning::kOthers; });
+  context.stage.Report("photographs_with_other_motion", static_cast<int>(with_others));
+  if (static_cast<double>(with_others) <
+      RoomStrategyTuning::kShareWithOthers * static_cast<double>(others.size()))
+    regions.clear();
+  return regions;
+}
+
+/// How likely the verified matches are on the figure, in the mean.
+double LikelyFigure(const Room& room, const MatchedFeatures& matched) {
+  const ImageSet& set = room.context.set;
+  double sum = 0, count = 0;
+  std::vector<Eigen::VectorXf> likely;
+  for (std::size_t i = 0; i < set.images.size(); ++i)
+    likely.push_back(LikelyOnFigure(matched.features[i], set.images[i].width, set.images[i].height,
+                                    room.context.check.masks()[i]));
+  for (const PairMatches& pair : matched.verified)
+    for (const auto& [f, s] : pair.features) {
+      sum += std::min(likely[pair.first](f), likely[pair.second](s));
+      ++count;
+    }
+  return count > 0 ? sum / count : 0;
+}
+
+/// Whether the figure follows the second placement, not the first.
+bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
+  const std::size_t views = second.result.views();
+  if (views < 3 ||
+      static_cast<double>(views) <
+          RoomStrategyTuning::kShareOfOther * static_cast<double>(room.context.set.images.size()))
+    return false;
+  const double turn = MeanTurn(second.result.model.scene.views),
+               other = MeanTurn(first.result.model.scene.views);
+  if (turn > RoomStrategyTuning::kTurnsMore * other) return true;
+  if (other > RoomStrategyTuning::kTurnsMore * turn) return false;
+  return LikelyFigure(room, second.matched) >
+         RoomStrategyTuning::kLikelier * LikelyFigure(room, first.matched);
+}
+
+/// The whole photographs, and what moves otherwise in them if that is the figure.
+Placed PlaceWhole(const Room& room, const SfmFiles& files, MatchedFeatures matched) {
+  const auto& [stage, set, options, check, watch] = room.context;
+  Placed first;
+  VerifyMatches(stage, files, options, watch, matched);
+  first.result = room.place(files, matched);
+  first.matched = std::move(matched);
+  watch.Lap(stage, "surroundings");
+  NotePlaced(room, "whole", first.result);
+  if (first.result.views() >= 3) {
+    const std::vector<Image8> others = RegionsOfOthers(room, first);
+    if (!others.empty()) {
+      Placed second = PlaceRegions(room, others, "other", {});
+      if (IsOfFigure(room, second, first)) {
+        second.result.measurements.Add("left_out_turn_deg",
+                                       Degrees(MeanTurn(first.result.model.scene.views)));
+        return second;
+      }
+      if (MeanTurn(first.result.model.scene.views) < RoomStrategyTuning::kHardlyTurns) return {};
+    }
+  }
+  if (!HasNearlyAll(room.context, first.result))
+    KeepBetter(Place(room, set, "whole_fine", {.fine = true, .whole = true}, {}), first);
+  return first;
+}
+
+}  // namespace
+
+StrategyResult PlaceBySurroundings(const StrategyContext& context, const fs::path& scratch,
+                                   const PlaceByFiles& place, MatchedFeatures& matched) {
+  const auto& [stage, set, options, check, watch] = context;
+  const Room room{context, scratch, place};
+  const SfmFiles files = room.Files("whole");
+  MatchedFeatures whole = MatchPhotographs(stage, set, files, options, {.whole = true}, watch);
+  const std::vector<ImagePair> tripod_pairs = whole.tripod_pairs;
+  Placed placed;
+  if (SizeOf(tripod_pairs) >= RoomStrategyTuning::kTripodPairs)
+    placed = PlaceRegions(room, MotionRegions(whole.features, whole.turning, LensOfEach(whole), {}),
+                          "turning", tripod_pairs);
+  else
+    placed = PlaceWhole(room, files, std::move(whole));
+  StrategyResult result = std::move(placed.result);
+  matched = std::move(placed.matched);
+  if (result.views() == 0) return {};
+  result.method = "surroundings";
+  result.measurements.Add("pairs_before_tripod", SizeOf(tripod_pairs));
+  MeasureSurroundings(check, matched, result);
+  return result;
+}
+
+}  // namespace keypose::reconstruct
