@@ -54,24 +54,10 @@ TEST(FlatPairs, TheFigureIsOffTheMatsPlane) {
             kFigure * 3 / 4);
 }
 
-TEST(FlatPairs, AreLeftOutWhereOthersConnectThePhotographs) {
-  const auto features = Photographs(4);
-  std::vector<Verified> pairs;
-  for (int i = 0; i + 1 < 4; ++i) pairs.push_back({Pair(i, i + 1, 0, kMat + kFigure), {}});
-  pairs.push_back({Pair(0, 2, 0, kMat), {}});
-  pairs.push_back({Pair(0, 3, 0, kMat), {}});
-  EXPECT_EQ(LeaveOutFlatPairs(features, {}, 1, pairs), 2);
-  ASSERT_EQ(pairs.size(), 3U);
-  EXPECT_EQ(pairs[2].inliers.first, 2);
-}
-
-TEST(FlatPairs, AreKeptWhereTheyAreNeeded) {
-  const auto features = Photographs(4);
-  std::vector<Verified> pairs{{Pair(0, 1, 0, kMat + kFigure), {}},
-                              {Pair(1, 2, 0, kMat), {}},
-                              {Pair(2, 3, 0, kMat + kFigure), {}}};
-  EXPECT_EQ(LeaveOutFlatPairs(features, {}, 1, pairs), 0);
-  EXPECT_EQ(pairs.size(), 3U);
+TEST(FlatPairs, AreThoseOfTheMatAlone) {
+  const auto features = Photographs(3);
+  const std::vector<Verified> pairs{{Pair(0, 1, 0, kMat + kFigure), {}}, {Pair(0, 2, 0, kMat), {}}};
+  EXPECT_EQ(FlatPairs(features, {}, 1, pairs), (std::vector<char>{0, 1}));
 }
 
 }  // namespace

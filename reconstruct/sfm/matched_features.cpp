@@ -11,6 +11,7 @@
 #include "core/size_of.h"
 #include "reconstruct/matching/flat_pairs.h"
 #include "reconstruct/matching/guided_matching.h"
+#include "reconstruct/matching/rotation_cycles.h"
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/set_lenses.h"
@@ -119,16 +120,28 @@ std::vector<Features> ReadAllFeatures(StageContext& stage, const std::filesystem
   return features;
 }
 
+/// Leaves out pairs that match by what repeats itself. Before matching along epipolar lines, as
+/// those of such pairs collect wrong matches.
+void LeaveOutRepeated(StageContext& stage, const MatchedFeatures& matched, int longer_side_px,
+                      const SfmOptions& options, std::vector<Verified>& verified) {
+  const double pixels = options.PixelsOf(longer_side_px);
+  std::vector<Camera> lens;
+  for (const int l : matched.lens_of_image) lens.push_back(matched.lenses[l]);
+  const std::vector<char> flat = FlatPairs(matched.features, {}, pixels, verified);
+  stage.Report("flat_pairs", static_cast<int>(std::count(flat.begin(), flat.end(), 1)));
+  stage.Report(
+      "contradicted_pairs",
+      LeaveOutContradictedTurns(matched.features, lens, flat,
+                                pixels * VerificationOptions{}.max_error_px, {}, verified));
+}
+
 /// Verifies matches, and adds those along epipolar lines if asked.
 std::vector<Verified> VerifyAll(StageContext& stage, const MatchedFeatures& matched,
                                 const std::vector<PairMatches>& enough, int longer_side_px,
                                 const SfmOptions& options, Stopwatch& watch) {
   std::vector<Verified> verified = VerifyPairs(matched.features, enough, options, stage.progress());
-  // Before matching along epipolar lines: those of a flat pair collect wrong matches.
   if (matched.in_room && matched.turning.empty())
-    stage.Report(
-        "flat_pairs_left_out",
-        LeaveOutFlatPairs(matched.features, {}, options.PixelsOf(longer_side_px), verified));
+    LeaveOutRepeated(stage, matched, longer_side_px, options, verified);
   watch.Lap(stage, "verification");
   if (!options.guided_matching) return verified;
   ReportProgress(stage.progress(), 0.65, "matching along epipolar lines");
