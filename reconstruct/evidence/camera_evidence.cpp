@@ -138,9 +138,20 @@ double CameraEvidence::Score() const {
          (1 - CameraEvidenceTuning::kPairWeight + CameraEvidenceTuning::kPairWeight * agree);
 }
 
+namespace {
+
+/// Of the pairs that agree. Chains of photographs that hang on single pairs are easily wrong.
+int FewestPairsInRoom(int placed) {
+  const double of_each = CameraEvidenceTuning::kPairsOfEach * placed,
+               of_all = CameraEvidenceTuning::kShareOfAll * placed * (placed - 1) / 2;
+  return static_cast<int>(std::min(of_each, of_all));
+}
+
+}  // namespace
+
 bool IsPlausible(const CameraEvidence& evidence) {
   if (evidence.by_surroundings)
-    return evidence.placed > 0 &&
+    return evidence.placed > 0 && evidence.pairs_agree >= FewestPairsInRoom(evidence.placed) &&
            evidence.pairs_agree_share() >= CameraEvidenceTuning::kSurePairShare;
   return evidence.placed > 0 &&
          (!evidence.outlines || evidence.hull_iou >= CameraEvidenceTuning::kLeastHullOverlap);

@@ -48,6 +48,9 @@ struct CameraEvidenceTuning {
   KEYPOSE_TUNED(double, kSureHullOverlap, 0.89);
   /// least share of agreeing pairs for cameras to be sure
   KEYPOSE_TUNED(double, kSurePairShare, 0.7);
+  /// In a room: agreeing pairs for each photograph; in small sets this share of all pairs
+  KEYPOSE_TUNED(double, kPairsOfEach, 2.5);
+  KEYPOSE_TUNED(double, kShareOfAll, 0.5);
   /// On weak texture pairs are few; fewer than these are not conclusive.
   KEYPOSE_TUNED(int, kFewestPairs, 8);
   KEYPOSE_TUNED(double, kPairWeight, 0.3);  ///< of the agreeing pairs in the score; the rest is 1

@@ -248,7 +248,7 @@ struct Candidate {
   std::vector<Quaterniond> of_image;
   std::vector<char> counts;  ///< by pair: it has depth, or joins parts that no such pair does
   std::vector<PairRotation> counted;
-  double agreeing = 0;  ///< root of the matches of pairs that agree
+  int agreeing = 0;  ///< pairs
 };
 
 Candidate Try(int images, const std::vector<PairRotation>& pairs,
@@ -266,8 +266,7 @@ Candidate Try(int images, const std::vector<PairRotation>& pairs,
   }
   Average(candidate.counted, kRounds, candidate.of_image);
   for (const PairRotation& pair : candidate.counted)
-    if (Agrees(pair, candidate.of_image, options))
-      candidate.agreeing += std::sqrt(static_cast<double>(pair.matches));
+    candidate.agreeing += Agrees(pair, candidate.of_image, options);
   return candidate;
 }
 
@@ -288,7 +287,7 @@ std::vector<char> AgreeInRotation(int images, const std::vector<PairRotation>& p
   const std::vector<double> worth = Worth(pairs, CountLoops(images, pairs, options.loop_deg));
   std::mt19937 random(1);
   std::vector<char> best(pairs.size(), 0);
-  double most = -1;
+  int most = -1;
   std::vector<Quaterniond> rotations;
   std::vector<PairRotation> counted;
   for (int tree = 0; tree < options.trees; ++tree) {

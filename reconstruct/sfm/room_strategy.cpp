@@ -136,8 +136,31 @@ std::vector<int> ViewOfImage(const ImageSet& set, const Scene& scene) {
   return view_of_image;
 }
 
-/// Where the photographs show what does not fit the cameras; nothing where that is little.
-std::vector<Image8> RegionsOfOthers(const Room& room, const Placed& first) {
+/// What does not fit the cameras of a placement.
+struct Others {
+  std::vector<Image8> regions;  ///< empty where that is little
+  bool likelier = false;        ///< it is more likely the figure than what fits
+};
+
+/// Whether features with positive votes are more likely on the figure than those with negative
+/// ones, in the mean.
+bool AreLikelier(const Room& room, const std::vector<Features>& features,
+                 const MotionVotes& votes) {
+  const ImageSet& set = room.context.set;
+  double sum[2] = {0, 0}, count[2] = {0, 0};
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const Eigen::VectorXf likely = LikelyOnFigure(
+        features[i], set.images[i].width, set.images[i].height, room.context.check.masks()[i]);
+    for (std::size_t f = 0; f < votes[i].size(); ++f) {
+      if (votes[i][f] == 0) continue;
+      sum[votes[i][f] > 0] += static_cast<double>(likely(static_cast<Eigen::Index>(f)));
+      ++count[votes[i][f] > 0];
+    }
+  }
+  return count[1] > 0 && sum[1] * count[0] > sum[0] * count[1];
+}
+
+Others FindOthers(const Room& room, const Placed& first) {
   const StrategyContext& context = room.context;
   const MatchedFeatures& matched = first.matched;
   const MotionSegmentationOptions options;
@@ -146,15 +169,17 @@ std::vector<Image8> RegionsOfOthers(const Room& room, const Placed& first) {
       MovesOtherwise(matched.features, matched.matches, scene, ViewOfImage(context.set, scene),
                      options, context.stage.progress());
   const std::vector<Camera> lens = LensOfEach(matched);
-  std::vector<Image8> regions = MotionRegions(matched.features, votes, lens, options);
-  const std::vector<int> others = CountInRegions(matched.features, votes, lens, regions);
+  Others others{MotionRegions(matched.features, votes, lens, options), false};
+  const std::vector<int> counts = CountInRegions(matched.features, votes, lens, others.regions);
   const auto with_others = std::count_if(
-      others.begin(), others.end(), [](int count) { return count >= RoomStrategyTuning::kOthers; });
+      counts.begin(), counts.end(), [](int count) { return count >= RoomStrategyTuning::kOthers; });
   context.stage.Report("photographs_with_other_motion", static_cast<int>(with_others));
   if (static_cast<double>(with_others) <
-      RoomStrategyTuning::kShareWithOthers * static_cast<double>(others.size()))
-    regions.clear();
-  return regions;
+      RoomStrategyTuning::kShareWithOthers * static_cast<double>(counts.size()))
+    others.regions.clear();
+  else
+    others.likelier = AreLikelier(room, matched.features, votes);
+  return others;
 }
 
 /// How likely the verified matches are on the figure, in the mean.
@@ -176,7 +201,7 @@ double LikelyFigure(const Room& room, const MatchedFeatures& matched) {
 /// Whether the figure follows the second placement, not the first.
 bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
   const std::size_t views = second.result.views();
-  if (views < 3 ||
+  if (views < 3 || !IsSure(second.result.evidence) ||
       static_cast<double>(views) <
           RoomStrategyTuning::kShareOfOther * static_cast<double>(room.context.set.images.size()))
     return false;
@@ -198,15 +223,18 @@ Placed PlaceWhole(const Room& room, const SfmFiles& files, MatchedFeatures match
   watch.Lap(stage, "surroundings");
   NotePlaced(room, "whole", first.result);
   if (first.result.views() >= 3) {
-    const std::vector<Image8> others = RegionsOfOthers(room, first);
-    if (!others.empty()) {
-      Placed second = PlaceRegions(room, others, "other", {});
+    const Others others = FindOthers(room, first);
+    if (!others.regions.empty()) {
+      Placed second = PlaceRegions(room, others.regions, "other", {});
       if (IsOfFigure(room, second, first)) {
         second.result.measurements.Add("left_out_turn_deg",
                                        Degrees(MeanTurn(first.result.model.scene.views)));
         return second;
       }
-      if (MeanTurn(first.result.model.scene.views) < RoomStrategyTuning::kHardlyTurns) return {};
+      // The figure cannot be placed, and what can is not the figure.
+      if (others.likelier ||
+          MeanTurn(first.result.model.scene.views) < RoomStrategyTuning::kHardlyTurns)
+        return {};
     }
   }
   if (!HasNearlyAll(room.context, first.result))
