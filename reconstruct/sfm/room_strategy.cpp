@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/png_io.h"
@@ -32,8 +33,10 @@ struct RoomStrategyTuning {
   KEYPOSE_TUNED(double, kShareOfOther, 0.5);  ///< of the photographs, that a second motion places
   KEYPOSE_TUNED(double, kTurnsMore, 1.5);     ///< times the other's mean turn
   KEYPOSE_TUNED(double, kLikelier, 1.2);      ///< times the other's likely figure
-  /// mean turn [radians] of cameras that hardly go round anything
+  /// mean turn [radians] of cameras that hardly go round anything; of what turns with the figure
+  /// it is more, but where a mat matched itself
   KEYPOSE_TUNED(double, kHardlyTurns, 0.25);
+  KEYPOSE_TUNED(double, kTurns, 0.5);
 };
 
 double Degrees(double radians) { return 180 / 3.14159265358979 * radians; }
@@ -112,6 +115,10 @@ Placed Place(const Room& room, const ImageSet& set, const std::string& name,
   return placed;
 }
 
+bool Turns(const StrategyResult& result) {
+  return MeanTurn(result.model.scene.views) > RoomStrategyTuning::kTurns;
+}
+
 void KeepBetter(Placed other, Placed& best) {
   if (best.result.views() == 0 || IsBetter(other.result.evidence, best.result.evidence))
     best = std::move(other);
@@ -122,9 +129,13 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
                     const std::vector<ImagePair>& tripod_pairs) {
   const ImageSet set = WithRegions(room, regions, name);
   Placed best = Place(room, set, name, {.region = true}, tripod_pairs);
-  if (!HasNearlyAll(room.context, best.result))
-    KeepBetter(Place(room, set, name + "_fine", {.fine = true, .region = true}, tripod_pairs),
-               best);
+  if (!HasNearlyAll(room.context, best.result) || !Turns(best.result)) {
+    Placed fine = Place(room, set, name + "_fine", {.fine = true, .region = true}, tripod_pairs);
+    if (!Turns(best.result))
+      best = std::move(fine);
+    else
+      KeepBetter(std::move(fine), best);
+  }
   best.result.measurements.Add("region_share", MeanShare(regions));
   return best;
 }
@@ -141,6 +152,11 @@ struct Others {
   std::vector<Image8> regions;  ///< empty where that is little
   bool likelier = false;        ///< it is more likely the figure than what fits
 };
+
+/// How likely features are on the figure by where people aim; masks of a room are doubtful.
+Eigen::VectorXf NearMiddle(const Features& features, const CapturedImage& image) {
+  return LikelyOnFigure(features, image.width, image.height, {});
+}
 
 /// Whether features with positive votes are more likely on the figure than those with negative
 /// ones, in the mean.
@@ -188,8 +204,7 @@ double LikelyFigure(const Room& room, const MatchedFeatures& matched) {
   double sum = 0, count = 0;
   std::vector<Eigen::VectorXf> likely;
   for (std::size_t i = 0; i < set.images.size(); ++i)
-    likely.push_back(LikelyOnFigure(matched.features[i], set.images[i].width, set.images[i].height,
-                                    room.context.check.masks()[i]));
+    likely.push_back(NearMiddle(matched.features[i], set.images[i]));
   for (const PairMatches& pair : matched.verified)
     for (const auto& [f, s] : pair.features) {
       sum += std::min(likely[pair.first](f), likely[pair.second](s));
@@ -201,7 +216,7 @@ double LikelyFigure(const Room& room, const MatchedFeatures& matched) {
 /// Whether the figure follows the second placement, not the first.
 bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
   const std::size_t views = second.result.views();
-  if (views < 3 || !IsSure(second.result.evidence) ||
+  if (views < 3 || !IsSure(second.result.evidence) || !Turns(second.result) ||
       static_cast<double>(views) <
           RoomStrategyTuning::kShareOfOther * static_cast<double>(room.context.set.images.size()))
     return false;
@@ -231,10 +246,16 @@ Placed PlaceWhole(const Room& room, const SfmFiles& files, MatchedFeatures match
                                        Degrees(MeanTurn(first.result.model.scene.views)));
         return second;
       }
-      // The figure cannot be placed, and what can is not the figure.
+      // The figure cannot be placed, and what can is not the figure: masks may hold it as well.
       if (others.likelier ||
           MeanTurn(first.result.model.scene.views) < RoomStrategyTuning::kHardlyTurns)
-        return {};
+        throw InputError(
+            "sfm: the figure turns before a room that stands still, and what turns with it does "
+            "not join the photographs: " +
+            std::to_string(second.result.views()) + " of " + std::to_string(set.images.size()) +
+            " could be placed, without certainty. Photograph it with smaller turns, or put "
+            "something under it whose print does not repeat itself (a page of a newspaper), or "
+            "hang a plain cloth behind it");
     }
   }
   if (!HasNearlyAll(room.context, first.result))
