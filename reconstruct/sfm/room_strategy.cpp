@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
+#include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/surroundings.h"
 #include "reconstruct/surroundings/likely_figure.h"
 
@@ -37,6 +38,11 @@ struct RoomStrategyTuning {
   /// it is more, but where a mat matched itself
   KEYPOSE_TUNED(double, kHardlyTurns, 0.25);
   KEYPOSE_TUNED(double, kTurns, 0.5);
+  /// mean turn of cameras that go round what they look at: no other motion can turn clearly more
+  KEYPOSE_TUNED(double, kGoesRound, 0.9);
+  /// for each photograph, pairs that what moves otherwise ties, with so many matches
+  KEYPOSE_TUNED(double, kPairsOfOther, 1);
+  KEYPOSE_TUNED(int, kMatchesOfOther, 20);
 };
 
 double Degrees(double radians) { return 180 / 3.14159265358979 * radians; }
@@ -176,6 +182,23 @@ bool AreLikelier(const Room& room, const std::vector<Features>& features,
   return count[1] > 0 && sum[1] * count[0] > sum[0] * count[1];
 }
 
+/// Pairs of photographs that features with positive votes tie rigidly: wrong matches fit no cameras
+/// either.
+int TiedPairs(const MatchedFeatures& matched, const MotionVotes& votes) {
+  VerificationOptions options;
+  options.min_inliers = RoomStrategyTuning::kMatchesOfOther;
+  std::vector<char> tied(matched.matches.size(), 0);
+  ParallelFor(std::ssize(matched.matches), [&](std::int64_t k) {
+    PairMatches pair = matched.matches[k];
+    std::erase_if(pair.features, [&](const auto& match) {
+      return votes[pair.first][match.first] <= 0 || votes[pair.second][match.second] <= 0;
+    });
+    tied[k] = VerifyPair(matched.features[pair.first], matched.features[pair.second], pair, options)
+                  .has_value();
+  });
+  return static_cast<int>(std::count(tied.begin(), tied.end(), 1));
+}
+
 Others FindOthers(const Room& room, const Placed& first) {
   const StrategyContext& context = room.context;
   const MatchedFeatures& matched = first.matched;
@@ -189,9 +212,12 @@ Others FindOthers(const Room& room, const Placed& first) {
   const std::vector<int> counts = CountInRegions(matched.features, votes, lens, others.regions);
   const auto with_others = std::count_if(
       counts.begin(), counts.end(), [](int count) { return count >= RoomStrategyTuning::kOthers; });
+  const int tied = TiedPairs(matched, votes);
   context.stage.Report("photographs_with_other_motion", static_cast<int>(with_others));
-  if (static_cast<double>(with_others) <
-      RoomStrategyTuning::kShareWithOthers * static_cast<double>(counts.size()))
+  context.stage.Report("pairs_in_other_motion", tied);
+  const auto images = static_cast<double>(counts.size());
+  if (static_cast<double>(with_others) < RoomStrategyTuning::kShareWithOthers * images ||
+      tied < RoomStrategyTuning::kPairsOfOther * images)
     others.regions.clear();
   else
     others.likelier = AreLikelier(room, matched.features, votes);
@@ -237,7 +263,9 @@ Placed PlaceWhole(const Room& room, const SfmFiles& files, MatchedFeatures match
   first.matched = std::move(matched);
   watch.Lap(stage, "surroundings");
   NotePlaced(room, "whole", first.result);
-  if (first.result.views() >= 3) {
+  const bool goes_round = IsSure(first.result.evidence) &&
+                          MeanTurn(first.result.model.scene.views) > RoomStrategyTuning::kGoesRound;
+  if (first.result.views() >= 3 && !goes_round) {
     const Others others = FindOthers(room, first);
     if (!others.regions.empty()) {
       Placed second = PlaceRegions(room, others.regions, "other", {});
