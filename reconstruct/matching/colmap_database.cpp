@@ -86,6 +86,30 @@ sqlite3* OpenFile(const fs::path& path, int flags) {
 }
 
 /// @param values  x, y and an affine shape by rows, or x, y, scale and more
+bool IsAtEnd(const PicturePlace& place, bool affine, const float* values) {
+  const double scale = affine ? std::hypot(values[2], values[4]) : values[2];
+  return std::min(place.width - values[0], place.height - values[1]) < place.scales_to_end * scale;
+}
+
+/// Leaves out features by the picture's right and lower side, where that is asked for.
+void LeaveOutEnds(const PicturePlace& place, std::size_t columns, std::vector<float>& keypoints,
+                  std::vector<std::uint8_t>& descriptors) {
+  if (place.scales_to_end <= 0) return;
+  std::size_t kept = 0;
+  for (std::size_t f = 0; f * columns < keypoints.size(); ++f) {
+    if (IsAtEnd(place, columns == 6, &keypoints[f * columns])) continue;
+    std::copy_n(keypoints.begin() + static_cast<std::ptrdiff_t>(f * columns), columns,
+                keypoints.begin() + static_cast<std::ptrdiff_t>(kept * columns));
+    std::copy_n(descriptors.begin() + static_cast<std::ptrdiff_t>(f * kDescriptorSize),
+                kDescriptorSize,
+                descriptors.begin() + static_cast<std::ptrdiff_t>(kept * kDescriptorSize));
+    ++kept;
+  }
+  keypoints.resize(kept * columns);
+  descriptors.resize(kept * kDescriptorSize);
+}
+
+/// @param values  as above
 void MoveFeature(const PicturePlace& place, bool affine, float* values) {
   values[0] = static_cast<float>((values[0] + place.x0) * place.pixels_x);
   values[1] = static_cast<float>((values[1] + place.y0) * place.pixels_y);
@@ -211,18 +235,22 @@ void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::str
                     "; version 3.8 is expected");
   std::vector<float> moved(values);
   if (values > 0) std::memcpy(moved.data(), keypoints.Blob(2), values * sizeof(float));
-  for (std::size_t i = 0; i < values; i += static_cast<std::size_t>(columns))
+  std::vector<std::uint8_t> described(static_cast<std::size_t>(rows) * kDescriptorSize);
+  if (rows > 0) std::memcpy(described.data(), descriptors.Blob(0), described.size());
+  LeaveOutEnds(place, static_cast<std::size_t>(columns), moved, described);
+  for (std::size_t i = 0; i < moved.size(); i += static_cast<std::size_t>(columns))
     MoveFeature(place, columns == 6, &moved[i]);
+  const auto kept = static_cast<std::int64_t>(described.size() / kDescriptorSize);
   for (const bool is_keypoints : {true, false}) {
     Statement add(database_.get(), is_keypoints ? "INSERT INTO keypoints VALUES (?, ?, ?, ?)"
                                                 : "INSERT INTO descriptors VALUES (?, ?, ?, ?)");
     add.Bind(1, image + 1);
-    add.Bind(2, rows);
+    add.Bind(2, kept);
     add.Bind(3, is_keypoints ? columns : kDescriptorSize);
     if (is_keypoints)
-      add.BindBlob(4, moved.data(), values * sizeof(float));
+      add.BindBlob(4, moved.data(), moved.size() * sizeof(float));
     else
-      add.BindBlob(4, descriptors.Blob(0), descriptors.Bytes(0));
+      add.BindBlob(4, described.data(), described.size());
     add.RunOnce();
   }
 }

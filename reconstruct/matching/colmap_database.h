@@ -45,6 +45,10 @@ struct PicturePlace {
   double x0 = 0, y0 = 0;  ///< its corner [its px]
   /// the photograph's pixels for each of its own
   double pixels_x = 1, pixels_y = 1;
+  int width = 0, height = 0;  ///< of the picture [its px]; needed for the next
+  /// features that are fewer of their scales from the right or lower side are left out: COLMAP 3.8
+  /// leaves descriptors there unset unless it adapts features to slanted surfaces
+  double scales_to_end = 0;
 };
 
 class ColmapDatabase {

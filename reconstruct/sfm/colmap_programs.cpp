@@ -59,14 +59,22 @@ PicturePlace PlaceOf(const CapturedImage& image, const Image8& picture) {
 
 /// The whole photograph at `whole_px`; at its own size where that is at most `largest_px`, and
 /// COLMAP reduces it.
+/// @param adapted  features adapt to slanted surfaces
 Prepared PrepareWhole(const ImageSet& set, int i, const fs::path& folder, int whole_px,
-                      int largest_px) {
+                      int largest_px, bool adapted) {
   const CapturedImage& image = set.images[i];
   const std::string file = std::to_string(i) + ".pgm";
   const bool large = std::max(image.width, image.height) > largest_px;
   const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, large ? whole_px : largest_px);
   WritePgm(folder / "images" / file, photo);
-  return {file, PlaceOf(image, photo)};
+  PicturePlace place = PlaceOf(image, photo);
+  if (adapted) return {file, place};
+  place.width = photo.width;
+  place.height = photo.height;
+  // The last row of the feature's octave, and what halving cut off, in scales of its lowest layer.
+  constexpr double kOctaveEnd = 2;
+  place.scales_to_end = kOctaveEnd;
+  return {file, place};
 }
 
 void RequireSameSize(const ImageSet& set, int i) {
@@ -107,6 +115,10 @@ int WholeSize(const SfmOptions& options, const FeatureKind& kind) {
   return kind.fine ? options.max_image_size : std::min(options.whole_px, options.max_image_size);
 }
 
+bool Adapts(const SfmOptions& options, const FeatureKind& kind) {
+  return options.affine_shape && (kind.fine || !kind.whole);
+}
+
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
 /// @return the images' names there
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
@@ -118,7 +130,8 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
   fs::create_directories(folder / "masks");
   std::vector<Prepared> prepared;
   for (int i = begin; i < end; ++i)
-    prepared.push_back(kind.whole ? PrepareWhole(set, i, folder, limit, options.max_image_size)
+    prepared.push_back(kind.whole ? PrepareWhole(set, i, folder, limit, options.max_image_size,
+                                                 Adapts(options, kind))
                                   : PrepareFigure(set, i, folder, options));
   Colmap(stage, {"feature_extractor",
                  "--database_path",
@@ -142,7 +155,7 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
                  "--SiftExtraction.first_octave",
                  kind.fine && !kind.whole ? "-1" : "0",
                  "--SiftExtraction.estimate_affine_shape",
-                 Text(options.affine_shape && (kind.fine || !kind.whole)),
+                 Text(Adapts(options, kind)),
                  "--SiftExtraction.domain_size_pooling",
                  Text(options.domain_size_pooling)});
   return prepared;
