@@ -210,6 +210,13 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
   if (!around.shows_room && !said) return false;
   ReportProgress(stage.progress(), 0.1, "what is the figure");
   const ToldFigure told = Ask(stage, figures, space, masks);
+  if (told.network_errs && told.fitting.empty())
+    throw InputError(
+        "masks: the network takes what you said is not the figure for a part of it, so that your "
+        "strokes alone tell what it is: mark the figure, and what is not, in three or more "
+        "photographs from different sides (keypose figure --pose POSE --at PHOTO:X,Y --not "
+        "PHOTO:X,Y-X,Y, or the studio's page Poses); " +
+        std::to_string(SizeOf(told.asked)) + " so far");
   const double left = Mean(LeftByOthers(figures.views, masks, space));
   const double overlap = Overlap(told, masks);
   stage.Report("masks_left_by_others", left);

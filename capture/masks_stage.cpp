@@ -233,7 +233,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "15",
+    .version = "16",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

@@ -206,13 +206,23 @@ ToldFigure AskAboutFigure(const std::vector<Image8>& images, const std::vector<V
     if (!strokes[static_cast<std::size_t>(i)].empty()) marked.push_back(i);
   const int ask = SizeOf(views) <= options.few ? SizeOf(views) : options.ask + SizeOf(marked);
   told.asked = salience ? ViewsToAsk(views, middle, ask, marked) : marked;
+  // Marked ones first: where they show that the network errs, it is not asked about others.
+  std::stable_partition(told.asked.begin(), told.asked.end(), [&](int i) {
+    return std::find(marked.begin(), marked.end(), i) != marked.end();
+  });
+  bool& errs = told.network_errs;
   std::vector<Image8> masks(images.size());
   std::vector<int> usable;
   for (std::size_t k = 0; k < told.asked.size(); ++k) {
+    if (errs && k >= marked.size()) {
+      told.asked.resize(k);
+      break;
+    }
     ReportProgress(progress, static_cast<double>(k) / static_cast<double>(told.asked.size()),
                    "what is the figure");
     const auto i = static_cast<std::size_t>(told.asked[k]);
     const Image8 seen = salience ? AskUpright(salience, images[i], turns[i]) : Image8{};
+    if (i < strokes.size()) errs = errs || TakesBothForOne(seen, strokes[i]);
     ToldView& view = told.views[i];
     view = Tell(images[i], seen, i < strokes.size() ? strokes[i] : ViewStrokes{});
     if (!IsUsable(view.mask)) continue;

@@ -32,6 +32,9 @@ struct ToldFigure {
   std::vector<ToldView> views;  ///< by view
   std::vector<int> asked;       ///< views that the network saw, or that have strokes
   std::vector<int> fitting;     ///< of these, those whose masks fit each other; none: unclear
+  /// a person's strokes show that the network takes other things for the figure: only photographs
+  /// with strokes count
+  bool network_errs = false;
 };
 
 /// Asks the network about some photographs, and takes up what a person said.

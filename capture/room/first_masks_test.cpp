@@ -137,5 +137,17 @@ TEST(MaskOfStrokes, WithoutANetworkColoursTell) {
   EXPECT_TRUE(MaskOfStrokes(two.picture, {}, {{}, {{110, 60}}}).empty());
 }
 
+// Where what the network saw is one part over both strokes, it errs; where they are two, it does
+// not.
+TEST(TakesBothForOne, OnlyWhereOnePartHoldsBothStrokes) {
+  const TwoThings two;
+  const ViewStrokes strokes{{{50, 60}}, {{110, 60}}};
+  EXPECT_FALSE(TakesBothForOne(two.salience, strokes));
+  const Image8 all(two.salience.width, two.salience.height, 1, 255);
+  EXPECT_TRUE(TakesBothForOne(all, strokes));
+  EXPECT_FALSE(TakesBothForOne(all, {{{50, 60}}, {}}));
+  EXPECT_FALSE(TakesBothForOne({}, strokes));
+}
+
 }  // namespace
 }  // namespace keypose::capture

@@ -74,4 +74,13 @@ Image8 MaskOfStrokes(const Image8& rgb, const Image8& salience, const ViewStroke
   return ByColours(rgb, figure, other);
 }
 
+bool TakesBothForOne(const Image8& salience, const ViewStrokes& strokes) {
+  if (salience.empty() || strokes.figure.empty() || strokes.other.empty()) return false;
+  const cv::Mat1b likely = MatOf(salience) > kSalient;
+  const auto part = [&](const auto& of) {
+    return PartsUnder(likely, Marked(of, salience.width, salience.height, 1));
+  };
+  return cv::countNonZero(part(strokes.figure) & part(strokes.other)) > 0;
+}
+
 }  // namespace keypose::capture

@@ -21,4 +21,9 @@ struct ViewStrokes {
 /// @return empty where only other things are marked and the network saw nothing
 Image8 MaskOfStrokes(const Image8& rgb, const Image8& salience, const ViewStrokes& strokes);
 
+/// Whether what the network saw under a person's strokes holds as well what the person said is not
+/// the figure: the network takes both for one thing, in other photographs too.
+/// @param salience  of the photograph; may be empty
+bool TakesBothForOne(const Image8& salience, const ViewStrokes& strokes);
+
 }  // namespace keypose::capture
