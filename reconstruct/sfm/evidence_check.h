@@ -37,9 +37,10 @@ class EvidenceCheck {
   /// Masks of all images at about 500 px; empty where there is none.
   const std::vector<Image8>& masks() const { return masks_; }
 
- private:
+  /// For each image of the set the index of its view, or -1.
   std::vector<int> ViewOfImage(const Scene& scene) const;
 
+ private:
   const ImageSet& set_;
   std::vector<Image8> masks_;
 };

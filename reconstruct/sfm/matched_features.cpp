@@ -125,13 +125,11 @@ std::vector<Features> ReadAllFeatures(StageContext& stage, const std::filesystem
 void LeaveOutRepeated(StageContext& stage, const MatchedFeatures& matched, int longer_side_px,
                       const SfmOptions& options, std::vector<Verified>& verified) {
   const double pixels = options.PixelsOf(longer_side_px);
-  std::vector<Camera> lens;
-  for (const int l : matched.lens_of_image) lens.push_back(matched.lenses[l]);
   const std::vector<char> flat = FlatPairs(matched.features, {}, pixels, verified);
   stage.Report("flat_pairs", static_cast<int>(std::count(flat.begin(), flat.end(), 1)));
   stage.Report(
       "contradicted_pairs",
-      LeaveOutContradictedTurns(matched.features, lens, flat,
+      LeaveOutContradictedTurns(matched.features, LensOfEach(matched), flat,
                                 pixels * VerificationOptions{}.max_error_px, {}, verified));
 }
 
@@ -157,6 +155,12 @@ std::vector<std::string> NamesOf(const ImageSet& set) {
   std::vector<std::string> names;
   for (const CapturedImage& image : set.images) names.push_back(image.name);
   return names;
+}
+
+std::vector<Camera> LensOfEach(const MatchedFeatures& matched) {
+  std::vector<Camera> lens;
+  for (const int l : matched.lens_of_image) lens.push_back(matched.lenses[l]);
+  return lens;
 }
 
 namespace {

@@ -32,6 +32,8 @@ struct MatchedFeatures {
 };
 
 std::vector<std::string> NamesOf(const ImageSet& set);
+/// The lens of each photograph.
+std::vector<Camera> LensOfEach(const MatchedFeatures& matched);
 
 /// Features of the set, in a new database, and their raw matches.
 /// @param tripod_pairs  sorted; see MatchedFeatures. Of whole photographs they are found

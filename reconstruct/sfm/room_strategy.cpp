@@ -63,12 +63,6 @@ struct Placed {
   MatchedFeatures matched;
 };
 
-std::vector<Camera> LensOfEach(const MatchedFeatures& matched) {
-  std::vector<Camera> lens;
-  for (const int l : matched.lens_of_image) lens.push_back(matched.lenses[l]);
-  return lens;
-}
-
 /// The set with regions in place of its masks; photographs without a region have none.
 ImageSet WithRegions(const Room& room, const std::vector<Image8>& regions,
                      const std::string& name) {
@@ -82,7 +76,7 @@ ImageSet WithRegions(const Room& room, const std::vector<Image8>& regions,
     if (region.empty() || *std::max_element(region.data.begin(), region.data.end()) == 0) return;
     Image8 mask = Resized(region, image.width, image.height);
     for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
-    const fs::path file = fs::absolute(folder / (image.name + ".png"));
+    const fs::path file = fs::absolute(folder / (std::to_string(i) + ".png"));
     WriteGreyMaskPng(file, mask);
     image.mask = file.string();
   });
@@ -146,13 +140,6 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
   return best;
 }
 
-std::vector<int> ViewOfImage(const ImageSet& set, const Scene& scene) {
-  std::vector<int> view_of_image(set.images.size(), -1);
-  for (std::size_t v = 0; v < scene.views.size(); ++v)
-    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of_image[i] = static_cast<int>(v);
-  return view_of_image;
-}
-
 /// What does not fit the cameras of a placement.
 struct Others {
   std::vector<Image8> regions;  ///< empty where that is little
@@ -171,8 +158,7 @@ bool AreLikelier(const Room& room, const std::vector<Features>& features,
   const ImageSet& set = room.context.set;
   double sum[2] = {0, 0}, count[2] = {0, 0};
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    const Eigen::VectorXf likely = LikelyOnFigure(
-        features[i], set.images[i].width, set.images[i].height, room.context.check.masks()[i]);
+    const Eigen::VectorXf likely = NearMiddle(features[i], set.images[i]);
     for (std::size_t f = 0; f < votes[i].size(); ++f) {
       if (votes[i][f] == 0) continue;
       sum[votes[i][f] > 0] += static_cast<double>(likely(static_cast<Eigen::Index>(f)));
@@ -205,7 +191,7 @@ Others FindOthers(const Room& room, const Placed& first) {
   const MotionSegmentationOptions options;
   const Scene& scene = first.result.model.scene;
   const MotionVotes votes =
-      MovesOtherwise(matched.features, matched.matches, scene, ViewOfImage(context.set, scene),
+      MovesOtherwise(matched.features, matched.matches, scene, context.check.ViewOfImage(scene),
                      options, context.stage.progress());
   const std::vector<Camera> lens = LensOfEach(matched);
   Others others{MotionRegions(matched.features, votes, lens, options), false};
@@ -299,18 +285,20 @@ StrategyResult PlaceBySurroundings(const StrategyContext& context, const fs::pat
   const Room room{context, scratch, place};
   const SfmFiles files = room.Files("whole");
   MatchedFeatures whole = MatchPhotographs(stage, set, files, options, {.whole = true}, watch);
-  const std::vector<ImagePair> tripod_pairs = whole.tripod_pairs;
+  std::vector<ImagePair> tripods = whole.tripod_pairs;
+  if (SizeOf(tripods) < RoomStrategyTuning::kTripodPairs) tripods.clear();
   Placed placed;
-  if (SizeOf(tripod_pairs) >= RoomStrategyTuning::kTripodPairs)
+  if (!tripods.empty())
     placed = PlaceRegions(room, MotionRegions(whole.features, whole.turning, LensOfEach(whole), {}),
-                          "turning", tripod_pairs);
+                          "turning", tripods);
   else
     placed = PlaceWhole(room, files, std::move(whole));
   StrategyResult result = std::move(placed.result);
   matched = std::move(placed.matched);
-  if (result.views() == 0) return {};
+  // What turned before a tripod and seems hardly to turn is a mat that matched itself.
+  if (result.views() == 0 || (!tripods.empty() && !Turns(result))) return {};
   result.method = "surroundings";
-  result.measurements.Add("pairs_before_tripod", SizeOf(tripod_pairs));
+  result.measurements.Add("pairs_before_tripod", SizeOf(tripods));
   MeasureSurroundings(check, matched, result);
   return result;
 }
