@@ -14,9 +14,9 @@
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/dense.h"
 #include "reconstruct/stereo/dense_colmap.h"
-#include "reconstruct/stereo/patch_match_cost.h"
 #include "views/hull/visual_hull.h"
 #include "views/load/prepared_views.h"
+#include "views/stereo/patch_match_cost.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -107,7 +107,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
       throw InputError(
           "dense: COLMAP found no points on the object; look at the masks and at the model");
   } else {
-    stage.Report("kernel", BestPatchCostKernel().name);
+    stage.Report("kernel", stereo::BestPatchCostKernel().name);
     DenseResult result = ReconstructDense(views, scene, options, stage.progress());
     ReportMatching(stage, views, result);
     cloud = std::move(result.cloud);

@@ -14,10 +14,10 @@
 #include "reconstruct/stereo/fusion.h"
 #include "reconstruct/stereo/gap_fill.h"
 #include "reconstruct/stereo/hull_fill.h"
-#include "reconstruct/stereo/patch_match.h"
 #include "views/hull/depth_bounds.h"
 #include "views/hull/view_selection.h"
 #include "views/hull/visual_hull.h"
+#include "views/stereo/patch_match.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -132,16 +132,16 @@ HullOfViews CarveHull(const std::vector<PreparedView>& views, int resolution) {
   return carved;
 }
 
-PatchMatchResult Match(const std::vector<PreparedView>& views, const Scene& scene,
-                       const std::vector<std::vector<int>>& sources,
-                       const std::vector<DepthBounds>& bounds, const DenseOptions& options,
-                       Progress* progress, DenseResult& result) {
-  PatchMatchOptions matching;
+stereo::PatchMatchResult Match(const std::vector<PreparedView>& views, const Scene& scene,
+                               const std::vector<std::vector<int>>& sources,
+                               const std::vector<DepthBounds>& bounds, const DenseOptions& options,
+                               Progress* progress, DenseResult& result) {
+  stereo::PatchMatchOptions matching;
   matching.geometric_passes = options.geometric_passes;
   matching.narrow_texture = options.narrow_texture;
   const double cpu_before = CpuSeconds();
-  PatchMatchResult matched =
-      EstimatePlanes(views, sources, bounds, Seeds(views, scene), matching, progress);
+  stereo::PatchMatchResult matched =
+      stereo::EstimatePlanes(views, sources, bounds, Seeds(views, scene), matching, progress);
   result.matching_cpu_seconds = CpuSeconds() - cpu_before;
   result.evaluations = matched.evaluations;
   return matched;
@@ -203,7 +203,8 @@ DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene
   std::vector<std::vector<int>> sources =
       SelectSourceViews(views, carved.bounds, scene, options.sources);
   RequireSources(views, &sources, &result);
-  PatchMatchResult matched = Match(views, scene, sources, carved.bounds, options, progress, result);
+  stereo::PatchMatchResult matched =
+      Match(views, scene, sources, carved.bounds, options, progress, result);
   ReportProgress(progress, 0.9, "fusion");
   FusionResult fused = FuseDepthMaps(views, sources, std::move(matched.maps), FusionFor(options));
   result.completeness = std::move(fused.completeness);

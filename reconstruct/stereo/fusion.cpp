@@ -44,15 +44,15 @@ struct FusedPoint {
 };
 
 struct Group {
-  std::array<Member, kMaxSources + 1> members;
+  std::array<Member, stereo::kMaxSources + 1> members;
   int count = 0;
 };
 
 // On fur, or out of focus, no depth is accurate. Then half of the matched pixels are used in any
 // case.
-float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options) {
+float ErrorLimit(const std::vector<stereo::PlaneMap>& maps, const FusionOptions& options) {
   std::vector<float> errors;
-  for (const PlaneMap& map : maps) {
+  for (const stereo::PlaneMap& map : maps) {
     map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
       if (pixel % 16 == 0 && map.Cost(place) <= options.largest_cost)
         errors.push_back(map.ExpectedError(place));
@@ -67,7 +67,7 @@ float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options
 class Fuser {
  public:
   Fuser(const std::vector<PreparedView>& views, const std::vector<std::vector<int>>& sources,
-        std::vector<PlaneMap> maps, const FusionOptions& options)
+        std::vector<stereo::PlaneMap> maps, const FusionOptions& options)
       : views_(views),
         sources_(sources),
         maps_(std::move(maps)),
@@ -110,7 +110,7 @@ class Fuser {
 
  private:
   // `place` is the plane's index in the map.
-  bool Usable(const PlaneMap& map, std::size_t place) const {
+  bool Usable(const stereo::PlaneMap& map, std::size_t place) const {
     return map.Cost(place) <= options_.largest_cost && map.ExpectedError(place) <= error_limit_;
   }
   Eigen::Vector3d World(int view, std::size_t pixel) const {
@@ -128,7 +128,8 @@ class Fuser {
   }
 
   // In the camera's frame, of any length, towards the camera.
-  Eigen::Vector3d PlainNormal(int view, double x, double y, const PlaneHypothesis& plane) const {
+  Eigen::Vector3d PlainNormal(int view, double x, double y,
+                              const stereo::PlaneHypothesis& plane) const {
     const Pinhole& camera = views_[view].camera();
     const double gx = plane.gx, gy = plane.gy;
     return -Eigen::Vector3d(camera.fx * gx, camera.fy * gy,
@@ -140,15 +141,15 @@ class Fuser {
   Group Agreeing(int view, std::size_t pixel, int enough) const {
     Group group;
     group.members[group.count++] = {view, pixel};
-    const PlaneMap& own = maps_[view];
-    const PlaneHypothesis own_plane = own.Plane(own.Find(pixel));
+    const stereo::PlaneMap& own = maps_[view];
+    const stereo::PlaneHypothesis own_plane = own.Plane(own.Find(pixel));
     const double x = static_cast<double>(pixel % own.width),
                  y = static_cast<double>(pixel / own.width), w = own_plane.inverse_depth;
     const Eigen::Vector3d normal = PlainNormal(view, x, y, own_plane);
     const double least_dot2 = least_cosine_ * least_cosine_ * normal.squaredNorm();
     for (std::size_t k = 0; k < sources_[view].size(); ++k) {
       const int s = sources_[view][k];
-      const PlaneMap& map = maps_[s];
+      const stereo::PlaneMap& map = maps_[s];
       if (map.empty()) continue;
       const ViewMapping& passage = passages_[view][k];
       const Eigen::Vector3d there = passage.there * Eigen::Vector3d(x, y, 1) +
@@ -159,8 +160,8 @@ class Fuser {
       const int ox = static_cast<int>(px + 0.5), oy = static_cast<int>(py + 0.5);
       const std::size_t other = static_cast<std::size_t>(oy) * map.width + ox;
       const std::size_t place = map.Find(other);
-      if (place == PlaneMap::kNone || !Usable(map, place)) continue;
-      const PlaneHypothesis plane = map.Plane(place);
+      if (place == stereo::PlaneMap::kNone || !Usable(map, place)) continue;
+      const stereo::PlaneHypothesis plane = map.Plane(place);
       if (std::abs(w - there.z() * plane.inverse_depth) > options_.depth_tolerance * w) continue;
       const Eigen::Vector3d back =
           passage.back * Eigen::Vector3d(ox, oy, 1) + passage.back_depth * plane.inverse_depth;
@@ -177,7 +178,7 @@ class Fuser {
   }
 
   void Confirm(int view) {
-    const PlaneMap& map = maps_[view];
+    const stereo::PlaneMap& map = maps_[view];
     state_[view].assign(static_cast<std::size_t>(map.width) * map.height, 0);
     map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
       if (Usable(map, place) &&
@@ -189,7 +190,7 @@ class Fuser {
   void Emit(int view) {
     for (std::size_t pixel = 0; pixel < state_[view].size(); ++pixel) {
       if (state_[view][pixel] != kConfirmed) continue;
-      const Group group = Agreeing(view, pixel, kMaxSources + 1);
+      const Group group = Agreeing(view, pixel, stereo::kMaxSources + 1);
       int used = 0;
       for (int k = 1; k < group.count; ++k)
         used += (state_[group.members[k].view][group.members[k].pixel] & kUsed) != 0;
@@ -247,7 +248,7 @@ class Fuser {
 
   const std::vector<PreparedView>& views_;
   const std::vector<std::vector<int>>& sources_;
-  std::vector<PlaneMap> maps_;
+  std::vector<stereo::PlaneMap> maps_;
   const FusionOptions& options_;
   const float error_limit_;
   const double least_cosine_;
@@ -261,9 +262,9 @@ class Fuser {
 }  // namespace
 
 FusionResult FuseDepthMaps(const std::vector<PreparedView>& views,
-                           const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
-                           const FusionOptions& options) {
-  for (PlaneMap& map : maps)
+                           const std::vector<std::vector<int>>& sources,
+                           std::vector<stereo::PlaneMap> maps, const FusionOptions& options) {
+  for (stereo::PlaneMap& map : maps)
     if (!map.packed()) map.Pack();
   return Fuser(views, sources, std::move(maps), options).Run();
 }

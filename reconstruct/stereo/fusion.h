@@ -6,8 +6,8 @@
 
 #include "core/mesh.h"
 #include "reconstruct/stereo/gap_fill.h"
-#include "reconstruct/stereo/patch_match_sweep.h"
 #include "views/prepared/prepared_view.h"
+#include "views/stereo/patch_match_sweep.h"
 
 namespace keypose::reconstruct {
 
@@ -41,7 +41,7 @@ struct FusionResult {
 /// @param maps  packed or not; freed as soon as they are read
 /// Source: Merrell et al., ICCV 2007, in the form of Schoenberger et al., ECCV 2016.
 FusionResult FuseDepthMaps(const std::vector<PreparedView>& views,
-                           const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
-                           const FusionOptions& options);
+                           const std::vector<std::vector<int>>& sources,
+                           std::vector<stereo::PlaneMap> maps, const FusionOptions& options);
 
 }  // namespace keypose::reconstruct

@@ -33,12 +33,12 @@ std::vector<PreparedView> ViewsOfThePlane(int count) {
 }
 
 // The exact map of the plane z = height.
-PlaneMap MapOf(const PreparedView& view, double height) {
+stereo::PlaneMap MapOf(const PreparedView& view, double height) {
   const Pinhole& camera = view.camera();
   const Eigen::Vector3d normal = view.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
   const double offset = normal.dot(
       view.camera_from_world * Eigen::Vector3d(0, 0, height));  // normal . x = offset in the camera
-  PlaneMap map(camera, 8);
+  stereo::PlaneMap map(camera, 8);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * camera.width + x;
@@ -52,14 +52,14 @@ PlaneMap MapOf(const PreparedView& view, double height) {
 
 TEST(PlaneMap, UnpacksToWhatWasPacked) {
   for (const int source_count : {8, 12}) {
-    PlaneMap map(ViewsOfThePlane(1)[0].camera(), source_count);
+    stereo::PlaneMap map(ViewsOfThePlane(1)[0].camera(), source_count);
     for (std::size_t i = 0; i < map.size(); i += 3) {
       map.SetPlane(i, {0.2f + 1e-5f * static_cast<float>(i), 1e-4f, -2e-4f});
       map.SetCost(i, 0.001f * static_cast<float>(i % 900)),
           map.SetMatch(i, {0.002f * static_cast<float>(i % 500), 0.01f});
       map.SetSources(i, static_cast<std::uint16_t>(source_count > 8 ? i % 4096 : i % 256));
     }
-    const PlaneMap before = map;
+    const stereo::PlaneMap before = map;
     map.Pack();
     std::size_t planes = 0;
     map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
@@ -68,8 +68,8 @@ TEST(PlaneMap, UnpacksToWhatWasPacked) {
       ++planes;
     });
     EXPECT_EQ(planes, (before.size() + 2) / 3);
-    EXPECT_EQ(map.Find(1), PlaneMap::kNone);
-    EXPECT_EQ(before.Find(1), PlaneMap::kNone);
+    EXPECT_EQ(map.Find(1), stereo::PlaneMap::kNone);
+    EXPECT_EQ(before.Find(1), stereo::PlaneMap::kNone);
     EXPECT_EQ(before.Find(3), 3u);
     map.Unpack();
     ASSERT_EQ(map.size(), before.size());
@@ -85,16 +85,16 @@ TEST(PlaneMap, UnpacksToWhatWasPacked) {
 }
 
 TEST(PlaneMap, WithoutAnyPlanePacksAndUnpacksToNone) {
-  PlaneMap map(ViewsOfThePlane(1)[0].camera(), 8);
+  stereo::PlaneMap map(ViewsOfThePlane(1)[0].camera(), 8);
   map.Pack(), map.Unpack();
   ASSERT_EQ(map.size(), static_cast<std::size_t>(kSize) * kSize);
   EXPECT_EQ(map.InverseDepth(kSize), 0);
-  EXPECT_EQ(map.PackedCost(kSize), PlaneMap::kNoCost);
+  EXPECT_EQ(map.PackedCost(kSize), stereo::PlaneMap::kNoCost);
 }
 
 TEST(FuseDepthMaps, ExactMapsOfAPlaneGiveThePlane) {
   const std::vector<PreparedView> views = ViewsOfThePlane(4);
-  std::vector<PlaneMap> maps;
+  std::vector<stereo::PlaneMap> maps;
   for (const PreparedView& view : views) maps.push_back(MapOf(view, 0));
   const FusionResult fused = FuseDepthMaps(views, AllOthers(4), maps, {});
   ASSERT_GT(fused.cloud.points.rows(), kSize * kSize / 2);
@@ -108,7 +108,7 @@ TEST(FuseDepthMaps, ExactMapsOfAPlaneGiveThePlane) {
 
 TEST(FuseDepthMaps, MapThatNoOtherConfirmsAddsNothing) {
   const std::vector<PreparedView> views = ViewsOfThePlane(4);
-  std::vector<PlaneMap> maps;
+  std::vector<stereo::PlaneMap> maps;
   for (int i = 0; i < 4; ++i) maps.push_back(MapOf(views[i], i == 2 ? 0.15 : 0));
   const FusionResult fused = FuseDepthMaps(views, AllOthers(4), maps, {});
   EXPECT_EQ(std::count(fused.confirmed[2].begin(), fused.confirmed[2].end(), 1), 0);
@@ -118,7 +118,7 @@ TEST(FuseDepthMaps, MapThatNoOtherConfirmsAddsNothing) {
 
 TEST(FuseDepthMaps, DepthsThatAreExpectedToErrGiveNothing) {
   const std::vector<PreparedView> views = ViewsOfThePlane(4);
-  std::vector<PlaneMap> maps;
+  std::vector<stereo::PlaneMap> maps;
   for (const PreparedView& view : views) {
     maps.push_back(MapOf(view, 0));
     for (std::size_t i = 0; i < maps.back().size(); ++i)
@@ -139,7 +139,7 @@ TEST(FuseDepthMaps, DepthsThatAreExpectedToErrGiveNothing) {
 
 TEST(FuseDepthMaps, TooFewViewsOrTooPoorMatchesGiveNothing) {
   const std::vector<PreparedView> views = ViewsOfThePlane(4);
-  std::vector<PlaneMap> maps;
+  std::vector<stereo::PlaneMap> maps;
   for (const PreparedView& view : views) maps.push_back(MapOf(view, 0));
   FusionOptions options;
   options.least_views = 5;

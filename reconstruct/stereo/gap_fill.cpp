@@ -9,7 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/tuned.h"
-#include "reconstruct/stereo/patch_match_sweep.h"
+#include "views/stereo/patch_match_sweep.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -32,8 +32,8 @@ constexpr float kGap = 0, kNothing = -1;
 
 double MiddleOf(int cell) { return cell * kCellPixels + kMiddle; }
 
-float CellDepth(const PreparedView& view, const PlaneMap& map, const std::vector<char>& confirmed,
-                int cx, int cy) {
+float CellDepth(const PreparedView& view, const stereo::PlaneMap& map,
+                const std::vector<char>& confirmed, int cx, int cy) {
   const GreyMask& grey = view.levels[0].grey;
   double sum = 0;
   int count = 0, masked = 0;
@@ -42,7 +42,7 @@ float CellDepth(const PreparedView& view, const PlaneMap& map, const std::vector
       const std::size_t pixel = static_cast<std::size_t>(y) * map.width + x;
       masked += InMask(grey.data[pixel]);
       if (!confirmed[pixel]) continue;
-      const PlaneHypothesis plane = map.Plane(map.Find(pixel));
+      const stereo::PlaneHypothesis plane = map.Plane(map.Find(pixel));
       sum += plane.inverse_depth + plane.gx * (MiddleOf(cx) - x) + plane.gy * (MiddleOf(cy) - y);
       ++count;
     }
@@ -67,8 +67,8 @@ class Bridge {
   }
 
   // The plane at the cell's middle; inverse depth 0 if the fit is not reliable.
-  PlaneHypothesis At(const SurfaceCells& cells, const Pinhole& camera, int cx, int cy,
-                     const GapFillOptions& options) const {
+  stereo::PlaneHypothesis At(const SurfaceCells& cells, const Pinhole& camera, int cx, int cy,
+                             const GapFillOptions& options) const {
     float reference = 0;
     unsigned sectors = 0;
     for (const Spot& spot : spots_) {
@@ -130,13 +130,13 @@ class Bridge {
 };
 
 struct BridgedView {
-  std::vector<PlaneHypothesis> planes;  // of gaps; inverse depth 0: none
+  std::vector<stereo::PlaneHypothesis> planes;  // of gaps; inverse depth 0: none
   std::vector<char> used;
 };
 
 BridgedView BridgeView(const SurfaceCells& cells, const Pinhole& camera, const Bridge& bridge,
                        const GapFillOptions& options) {
-  BridgedView out{std::vector<PlaneHypothesis>(cells.inverse_depth.size()),
+  BridgedView out{std::vector<stereo::PlaneHypothesis>(cells.inverse_depth.size()),
                   std::vector<char>(cells.inverse_depth.size(), 0)};
   for (int y = 0; y < cells.height; ++y)
     for (int x = 0; x < cells.width; ++x)
@@ -184,7 +184,7 @@ class Filler {
     const Eigen::Matrix3d world_from_camera =
         views_[view].camera_from_world.rotation.conjugate().toRotationMatrix();
     for (std::size_t i = 0; i < bridged_[view].planes.size(); ++i) {
-      const PlaneHypothesis& plane = bridged_[view].planes[i];
+      const stereo::PlaneHypothesis& plane = bridged_[view].planes[i];
       if (!(plane.inverse_depth > 0) || bridged_[view].used[i]) continue;
       const double x = MiddleOf(static_cast<int>(i % cells.width)),
                    y = MiddleOf(static_cast<int>(i / cells.width));
@@ -227,7 +227,7 @@ class Filler {
     if (!InMask(*views_[view].levels[0].grey.at(px, py))) return Opinion::kContradicts;
     const int cx = px / kCellPixels, cy = py / kCellPixels;
     *cell = static_cast<std::size_t>(cy) * cells.width + cx;
-    const PlaneHypothesis& plane = bridged_[view].planes[*cell];
+    const stereo::PlaneHypothesis& plane = bridged_[view].planes[*cell];
     double w = cells.inverse_depth[*cell];
     if (plane.inverse_depth > 0)
       w = plane.inverse_depth + plane.gx * (p.x() - MiddleOf(cx)) +
@@ -251,7 +251,7 @@ class Filler {
 
 }  // namespace
 
-SurfaceCells CellsOf(const PreparedView& view, const PlaneMap& map,
+SurfaceCells CellsOf(const PreparedView& view, const stereo::PlaneMap& map,
                      const std::vector<char>& confirmed) {
   SurfaceCells cells{map.width / kCellPixels, map.height / kCellPixels, {}};
   cells.inverse_depth.reserve(static_cast<std::size_t>(cells.width) * cells.height);

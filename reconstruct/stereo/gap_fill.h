@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/mesh.h"
-#include "reconstruct/stereo/plane_map.h"
 #include "views/prepared/prepared_view.h"
+#include "views/stereo/plane_map.h"
 
 namespace keypose::reconstruct {
 
@@ -23,7 +23,7 @@ struct SurfaceCells {
 };
 
 /// @param confirmed  1 for each pixel of level 0 whose depth other views confirmed
-SurfaceCells CellsOf(const PreparedView& view, const PlaneMap& map,
+SurfaceCells CellsOf(const PreparedView& view, const stereo::PlaneMap& map,
                      const std::vector<char>& confirmed);
 
 struct GapFillOptions {

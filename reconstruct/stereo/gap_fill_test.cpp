@@ -149,7 +149,7 @@ TEST(CellsOf, TakeConfirmedPixelsAndTellGapsFromTheRim) {
   std::vector<PreparedView> views = Views(1);
   GreyMask& grey = views[0].levels[0].grey;
   for (int x = 0; x < 4; ++x) *grey.at(x, 0) &= static_cast<std::uint16_t>(~1u);
-  PlaneMap map(views[0].camera(), 2);
+  stereo::PlaneMap map(views[0].camera(), 2);
   std::vector<char> confirmed(map.size(), 0);
   for (int y = 4; y < 8; ++y)
     for (int x = 4; x < 6; ++x) {

@@ -5,10 +5,12 @@
 #include <cstring>
 #include <vector>
 
-#include "reconstruct/stereo/patch_match_warp.h"
+#include "views/stereo/patch_match_warp.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+using stereo::kLanes, stereo::Lanes;
 
 constexpr int kReach = 10;  // pixels
 // errors of adjacent depths are correlated: every second depth has the same information
@@ -57,7 +59,7 @@ Lanes Load(const float* from) {
 
 class Corrector {
  public:
-  Corrector(const Pinhole& camera, const WindowBiasOptions& options, PlaneMap* map)
+  Corrector(const Pinhole& camera, const WindowBiasOptions& options, stereo::PlaneMap* map)
       : options_(options),
         map_(*map),
         stride_(map->width + kPadding),
@@ -84,7 +86,7 @@ class Corrector {
       }
     }
     ForEachGood([&](std::size_t pixel, std::size_t place) {
-      PlaneHypothesis plane = map_.Plane(place);
+      stereo::PlaneHypothesis plane = map_.Plane(place);
       plane.inverse_depth += corrections[Padded(pixel)];
       map_.SetPlane(place, plane);
     });
@@ -96,7 +98,7 @@ class Corrector {
     const std::size_t count = static_cast<std::size_t>(map_.width) * map_.height;
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
       const std::size_t place = map_.Find(pixel);
-      if (place != PlaneMap::kNone && map_.Cost(place) <= options_.largest_cost &&
+      if (place != stereo::PlaneMap::kNone && map_.Cost(place) <= options_.largest_cost &&
           map_.ExpectedError(place) <= options_.largest_error)
         body(pixel, place);
     }
@@ -108,7 +110,7 @@ class Corrector {
   // Correction of inverse depth, for adjacent pixels; 0 where it is not determined.
   Lanes Correction(const float* at) const {
     const Lanes here = Load(at), none{};
-    const LaneInts present = here > 0.0f;
+    const stereo::LaneInts present = here > 0.0f;
     if (!(present[0] | present[1] | present[2] | present[3])) return none;
     const Lanes unit = (present ? here : Lanes{} + 1.0f) / focal_;  // one pixel of depth
     const Lanes edge = kEdge * unit;
@@ -117,7 +119,7 @@ class Corrector {
       const Lanes a = Load(at + four.at[0]), b = Load(at + four.at[1]), c = Load(at + four.at[2]),
                   d = Load(at + four.at[3]);
       const Lanes first = 0.5f * (a + b) - here, second = 0.5f * (c + d) - here;
-      const LaneInts good = present & (a > 0.0f) & (b > 0.0f) & (c > 0.0f) & (d > 0.0f) &
+      const stereo::LaneInts good = present & (a > 0.0f) & (b > 0.0f) & (c > 0.0f) & (d > 0.0f) &
                             (first < edge) & (first > -edge) & (second < edge) & (second > -edge);
       const Lanes weight = good ? Lanes{} + four.weight : none,
                   z = weight * (0.5f * (first + second));
@@ -134,7 +136,7 @@ class Corrector {
   }
 
   const WindowBiasOptions& options_;
-  PlaneMap& map_;
+  stereo::PlaneMap& map_;
   const std::ptrdiff_t stride_;
   const float focal_;
   const std::vector<Four> fours_;
@@ -144,7 +146,8 @@ class Corrector {
 
 }  // namespace
 
-void CorrectWindowBias(const Pinhole& camera, const WindowBiasOptions& options, PlaneMap* map) {
+void CorrectWindowBias(const Pinhole& camera, const WindowBiasOptions& options,
+                       stereo::PlaneMap* map) {
   if (options.variance <= 0 || map->empty()) return;
   Corrector(camera, options, map).Run();
 }

@@ -2,8 +2,8 @@
 // fills creases and flattens bumps.
 #pragma once
 
-#include "reconstruct/stereo/plane_map.h"
 #include "views/prepared/prepared_view.h"
+#include "views/stereo/plane_map.h"
 
 namespace keypose::reconstruct {
 
@@ -25,6 +25,7 @@ struct WindowBiasOptions {
 /// Cost: about 0.05 CPU seconds per megapixel that has planes.
 /// Source: first term of the inverse of a blur (Van Cittert); Kanade & Okutomi, PAMI 1994, avoid
 /// the same bias by adaptive windows.
-void CorrectWindowBias(const Pinhole& camera, const WindowBiasOptions& options, PlaneMap* map);
+void CorrectWindowBias(const Pinhole& camera, const WindowBiasOptions& options,
+                       stereo::PlaneMap* map);
 
 }  // namespace keypose::reconstruct

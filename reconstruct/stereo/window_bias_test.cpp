@@ -18,8 +18,8 @@ double Bent(double x, double y, double kx, double ky) {
 }
 
 template <class Depth>
-PlaneMap MapOf(const Depth& inverse_depth) {
-  PlaneMap map(kCamera, 8);
+stereo::PlaneMap MapOf(const Depth& inverse_depth) {
+  stereo::PlaneMap map(kCamera, 8);
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * kSize + x;
@@ -30,7 +30,7 @@ PlaneMap MapOf(const Depth& inverse_depth) {
 }
 
 // Difference between a map's pixel and an inverse depth, in pixels of depth.
-double Off(const PlaneMap& map, int x, int y, double inverse_depth) {
+double Off(const stereo::PlaneMap& map, int x, int y, double inverse_depth) {
   return (map.InverseDepth(static_cast<std::size_t>(y) * kSize + x) - inverse_depth) * kCamera.fx /
          0.5;
 }
@@ -41,7 +41,7 @@ TEST(WindowBias, MeansOverWindowsOfACurvedSurfaceBecomeItsDepths) {
     const double kx = bend.x(), ky = bend.y();
     // of the window's samples, above their mean
     const double mean_above = 0.5 * kVariance * (kx + ky);
-    PlaneMap map =
+    stereo::PlaneMap map =
         MapOf([&](int x, int y) { return Bent(x, y, kx, ky) + mean_above * 0.5 / kCamera.fx; });
     CorrectWindowBias(kCamera, {.variance = kVariance}, &map);
     for (int y = 12; y < kSize - 12; y += 3)
@@ -51,8 +51,8 @@ TEST(WindowBias, MeansOverWindowsOfACurvedSurfaceBecomeItsDepths) {
 }
 
 TEST(WindowBias, PackedMapsBecomeTheSame) {
-  PlaneMap map = MapOf([](int x, int y) { return x > 50 ? 0 : Bent(x, y, 0.03, 0.02); }),
-           packed = map;
+  stereo::PlaneMap map = MapOf([](int x, int y) { return x > 50 ? 0 : Bent(x, y, 0.03, 0.02); }),
+                   packed = map;
   packed.Pack();
   CorrectWindowBias(kCamera, {.variance = kVariance}, &map),
       CorrectWindowBias(kCamera, {.variance = kVariance}, &packed);
@@ -64,14 +64,14 @@ TEST(WindowBias, PackedMapsBecomeTheSame) {
 TEST(WindowBias, SlantsStepsRimsAndDoubtfulPixelsStayAsTheyAre) {
   // A step of 20 pixels of depth at x = 32, between two slanted planes.
   auto step = [](int x, int y) { return Bent(x, y, 0, 0) + (x < 32 ? 0 : 20 * 0.5 / kCamera.fx); };
-  PlaneMap map = MapOf(step);
+  stereo::PlaneMap map = MapOf(step);
   CorrectWindowBias(kCamera, {.variance = kVariance}, &map);
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x)
       ASSERT_NEAR(Off(map, x, y, step(x, y)), 0, 2e-3) << x << ' ' << y;
   // Curved: at the map's border, and among pixels with bad matches, the curvature is unknown.
-  const PlaneMap bent = MapOf([](int x, int y) { return Bent(x, y, 0.03, 0.03); });
-  PlaneMap doubtful = bent;
+  const stereo::PlaneMap bent = MapOf([](int x, int y) { return Bent(x, y, 0.03, 0.03); });
+  stereo::PlaneMap doubtful = bent;
   for (std::size_t i = 0; i < doubtful.size(); ++i)
     if (i % 3) doubtful.SetExpectedError(i, 4);
   map = bent;
@@ -84,10 +84,10 @@ TEST(WindowBias, SlantsStepsRimsAndDoubtfulPixelsStayAsTheyAre) {
 }
 
 TEST(WindowBias, ABumpSmallerThanTheWindowMovesByAtMostTwoPixelsAndNoVarianceChangesNothing) {
-  const PlaneMap before = MapOf([](int x, int y) {
+  const stereo::PlaneMap before = MapOf([](int x, int y) {
     return 0.5 + 0.001 * 30 * std::exp(-((x - 32) * (x - 32) + (y - 32) * (y - 32)) / 18.0);
   });
-  PlaneMap map = before;
+  stereo::PlaneMap map = before;
   CorrectWindowBias(kCamera, {.variance = 0}, &map);
   for (std::size_t i = 0; i < map.size(); ++i)
     ASSERT_EQ(map.InverseDepth(i), before.InverseDepth(i));

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "reconstruct/stereo/patch_match_cost.h"
+#include "views/stereo/patch_match_cost.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 #if defined(__x86_64__)
 namespace {
@@ -263,4 +263,4 @@ std::vector<PatchCostKernel> SimdPatchCostKernels() {
 std::vector<PatchCostKernel> SimdPatchCostKernels() { return {}; }
 #endif
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

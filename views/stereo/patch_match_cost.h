@@ -8,7 +8,7 @@
 
 #include "views/prepared/prepared_view.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// Window: 11 x 11 with step 2 and without its corners, so that its 32 samples fill four AVX2 or
 /// two AVX-512 registers. The narrow window has the same samples with step 1: 6 x 6 pixels, whose
@@ -100,4 +100,4 @@ float CostOfSums(const PatchSums& sums, float noise_variance);
 /// The kernels for x86-64 that this processor supports; none elsewhere.
 std::vector<PatchCostKernel> SimdPatchCostKernels();
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

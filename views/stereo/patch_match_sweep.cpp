@@ -1,4 +1,4 @@
-#include "reconstruct/stereo/patch_match_sweep.h"
+#include "views/stereo/patch_match_sweep.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 
 #include "core/size_of.h"
 #include "core/tuned.h"
-#include "reconstruct/stereo/patch_match_areas.h"
-#include "reconstruct/stereo/patch_match_lanes.h"
-#include "reconstruct/stereo/patch_match_random.h"
+#include "views/stereo/patch_match_areas.h"
+#include "views/stereo/patch_match_lanes.h"
+#include "views/stereo/patch_match_random.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 
 // No record of the data: kCostCap, kGeometricWeight and kGeometricCap are starting values, and none
@@ -497,4 +497,4 @@ std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, Pla
   return Sweeper(inputs, settings, map).Run();
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

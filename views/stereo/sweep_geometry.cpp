@@ -1,9 +1,9 @@
 // Planes, visited pixels and displacements of patch_match_sweep.h.
 #include <algorithm>
 
-#include "reconstruct/stereo/patch_match_sweep.h"
+#include "views/stereo/patch_match_sweep.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
                             const PlaneHypothesis& plane) {
@@ -45,4 +45,4 @@ double PixelsPerInverseDepth(const SweepInputs& inputs) {
   return std::max(1e-9, sum / static_cast<double>(inputs.sources.size()));
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "reconstruct/stereo/patch_match.h"
+#include "views/stereo/patch_match.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 
 constexpr int kSize = 72;
@@ -144,4 +144,4 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
 }
 
 }  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

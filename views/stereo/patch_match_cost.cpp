@@ -1,4 +1,4 @@
-#include "reconstruct/stereo/patch_match_cost.h"
+#include "views/stereo/patch_match_cost.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 
 constexpr int kTableShift = 5;  // a quarter of a grey level
@@ -204,4 +204,4 @@ const PatchCostKernel& BestPatchCostKernel() {
   return kernel;
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

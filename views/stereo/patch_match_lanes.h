@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstruct/stereo/patch_match_cost.h"
-#include "reconstruct/stereo/patch_match_warp.h"
-#include "reconstruct/stereo/plane_map.h"
+#include "views/stereo/patch_match_cost.h"
+#include "views/stereo/patch_match_warp.h"
+#include "views/stereo/plane_map.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// Up to four of the sources, in the layout for matching them together.
 struct SourceLanes {
@@ -46,4 +46,4 @@ inline __attribute__((always_inline)) float PriorAt(const DepthImage& coarse, in
          0.0625f * near(coarse.At(qx, qy));
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

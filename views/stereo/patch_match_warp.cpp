@@ -1,8 +1,8 @@
-#include "reconstruct/stereo/patch_match_warp.h"
+#include "views/stereo/patch_match_warp.h"
 
 #include <cstring>
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 constexpr float kFarOutside = -1e6f;
 constexpr float kSteepest =
@@ -49,4 +49,4 @@ WarpLanes WarpsOf(const TransferLanes& t, const PixelLanes& pixel, const PlaneHy
   return out;
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/progress.h"
-#include "reconstruct/stereo/patch_match_sweep.h"
 #include "views/hull/depth_bounds.h"
+#include "views/stereo/patch_match_sweep.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 struct PatchMatchOptions {
   int coarse_passes = 4;     ///< at the coarsest level, with all sources
@@ -45,4 +45,4 @@ PatchMatchResult EstimatePlanes(const std::vector<PreparedView>& views,
                                 const std::vector<std::vector<Eigen::Vector3d>>& seeds,
                                 const PatchMatchOptions& options, Progress* progress = nullptr);
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -4,12 +4,12 @@
 #include <random>
 
 #include "core/parallel.h"
-#include "reconstruct/stereo/patch_match.h"
-#include "reconstruct/stereo/patch_match_cost.h"
-#include "reconstruct/stereo/patch_match_sweep.h"
-#include "reconstruct/stereo/patch_match_warp.h"
+#include "views/stereo/patch_match.h"
+#include "views/stereo/patch_match_cost.h"
+#include "views/stereo/patch_match_sweep.h"
+#include "views/stereo/patch_match_warp.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 
 GreyMask NoiseImage(int width, int height, unsigned seed) {
@@ -287,4 +287,4 @@ TEST(PlaneHypothesis, NormalIsThatOfThePlaneAndFacesTheCamera) {
 }
 
 }  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -1,4 +1,4 @@
-#include "reconstruct/stereo/patch_match.h"
+#include "views/stereo/patch_match.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "core/parallel.h"
 #include "core/size_of.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 namespace {
 
 std::uint64_t Mixed(std::uint64_t z) {
@@ -318,4 +318,4 @@ PatchMatchResult EstimatePlanes(const std::vector<PreparedView>& views,
   return Estimator(views, sources, bounds, seeds, options, progress).Run();
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -9,11 +9,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "reconstruct/stereo/patch_match_cost.h"
-#include "reconstruct/stereo/plane_map.h"
 #include "views/prepared/prepared_view.h"
+#include "views/stereo/patch_match_cost.h"
+#include "views/stereo/plane_map.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// Source pixel ~ a (x, y, 1) + b * inverse depth: K_s R K_r^-1 and K_s t.
 struct Transfer {
@@ -57,4 +57,4 @@ inline PixelLanes AtPixel(const TransferLanes& t, float px, float py) {
 WarpLanes WarpsOf(const TransferLanes& transfers, const PixelLanes& pixel,
                   const PlaneHypothesis& plane, float scale = 1);
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

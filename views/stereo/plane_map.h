@@ -12,7 +12,7 @@
 
 #include "views/prepared/prepared_view.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// A pixel's plane. Inverse depth is linear over the picture: 1/z(x + dx, y + dy) = inverse_depth +
 /// dx gx + dy gy.
@@ -206,4 +206,4 @@ class DepthImage {
   std::vector<std::uint16_t> data_;
 };
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// A generator whose numbers depend on the seed alone: small and fast.
 class Random {
@@ -27,4 +27,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

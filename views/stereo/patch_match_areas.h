@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 struct Offset {
   int dx, dy;
@@ -49,4 +49,4 @@ Area Turned(const std::array<Offset, n>& up, int quarter, int width) {
   return area;
 }
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo

@@ -6,13 +6,13 @@
 #include <limits>
 #include <vector>
 
-#include "reconstruct/stereo/patch_match_cost.h"
-#include "reconstruct/stereo/patch_match_warp.h"
-#include "reconstruct/stereo/plane_map.h"
 #include "views/hull/depth_bounds.h"
 #include "views/prepared/prepared_view.h"
+#include "views/stereo/patch_match_cost.h"
+#include "views/stereo/patch_match_warp.h"
+#include "views/stereo/plane_map.h"
 
-namespace keypose::reconstruct {
+namespace keypose::stereo {
 
 /// Unit normal towards the camera, in the camera's frame.
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
@@ -66,4 +66,4 @@ bool Visited(const SweepInputs& inputs, int x, int y);
 /// pixel takes two multiplications.
 std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map);
 
-}  // namespace keypose::reconstruct
+}  // namespace keypose::stereo
