@@ -12,6 +12,7 @@
 #include "core/io/files.h"
 #include "pipeline/figure_setting.h"
 #include "studio/project/changes.h"
+#include "studio/project/failure_pictures.h"
 #include "studio/project/originals.h"
 #include "studio/project/photographs.h"
 
@@ -113,7 +114,7 @@ std::string AskedBy(const StepPlan& planned) {
   const auto asks = [](const std::string& text) { return text.find(kAsks) != text.npos; };
   const auto& last = planned.last;
   if (last && last->failed && last->failed_fingerprint == planned.fingerprint)
-    return asks(last->error) ? Words(last->error) : "";
+    return asks(last->error) ? WithoutPicturePaths(Words(last->error)) : "";
   if (planned.state != StepPlan::State::kDone) return "";
   const json report = ReportOf(planned);
   for (const json& warning : report.value("warnings", json::array()))
@@ -133,6 +134,19 @@ std::string AskedFor(Snapshot& snapshot, const std::string& pose) {
   return "";
 }
 
+/// What the steps of a pose took for the figure when they last refused it: as FailurePicturesJson.
+/// It stays while a person says what the figure is, until such a step succeeds.
+json RefusedOf(Snapshot& snapshot, const std::string& pose) {
+  json refused = json::array();
+  const auto& steps = snapshot.graph().steps;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto& last = snapshot.plan()[static_cast<int>(i)].last;
+    if (steps[i].pose != pose || !last || last->error.find(kAsks) == std::string::npos) continue;
+    for (const json& picture : FailurePicturesJson(snapshot, steps[i])) refused.push_back(picture);
+  }
+  return refused;
+}
+
 /// The picture of all masks among what is published of a step.
 std::string SheetOf(Snapshot& snapshot, const Step& step) {
   for (const pipeline::NamedResult& result : step.results)
@@ -150,6 +164,7 @@ json AnswerOf(Snapshot& snapshot, const Step& step, const std::vector<FigureStro
           {"problem", ""},
           {"unclear", AskedFor(snapshot, step.pose)},
           {"sheet", SheetOf(snapshot, step)},
+          {"refused", RefusedOf(snapshot, step.pose)},
           {"strokes", list}};
 }
 
@@ -161,6 +176,7 @@ json FigureJson(Snapshot& snapshot, const std::string& pose) {
                {"step", ""},
                {"unclear", ""},
                {"sheet", ""},
+               {"refused", json::array()},
                {"strokes", json::array()}};
   try {
     const Step& step = pipeline::FigureStep(snapshot.graph(), pose);

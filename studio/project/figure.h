@@ -15,6 +15,8 @@ namespace keypose::studio {
 /// - unclear   what a step of the pose says when its photographs do not tell what the figure is; or
 /// ""
 /// - sheet     the picture of all masks that the step made last, below out/; or ""
+/// - refused   {step, picture, version}: what was taken for the figure when a step last refused it
+///             (failure_pictures.h)
 /// - strokes   {text, picture, figure, points, gone}; `picture` as the page calls it; `points` as
 ///             shares of its width and height, as the page shows it; `gone`: there is no such
 ///             photograph any more

@@ -11,6 +11,7 @@
 #include "pipeline/collect_ending.h"
 #include "pipeline/commands.h"
 #include "pipeline/real_disk.h"
+#include "studio/project/failure_pictures.h"
 #include "studio/project/originals.h"
 #include "studio/project/picks.h"
 
@@ -108,6 +109,7 @@ json StepJson(Snapshot& snapshot, int i) {
           {"reasons", planned.reasons},
           {"waits_for", waits ? snapshot.plan().WaitsFor(i) : std::vector<std::string>{}},
           {"error", planned.last && planned.last->failed ? planned.last->error : ""},
+          {"pictures", FailurePicturesJson(snapshot, step)},
           {"exit_code", planned.last && planned.last->failed ? planned.last->exit_code : 0},
           {"options", step.options},
           {"set", set}};

@@ -157,11 +157,12 @@ if [ "$1" = --describe ]; then
 fi
 while [ $# -gt 1 ]; do
   case "$1" in
-    --images) cp -r "$here/made" "$2" ;;
+    --images) cp -r "$here/made" "$2"; made=$2 ;;
     --report) cp "$here/report.json" "$2" ;;
   esac
   shift 2
 done
+if [ -e "$here/failed.jpg" ]; then cp "$here/failed.jpg" "$made.failed.jpg"; fi
 if [ -e "$here/fault" ]; then
   cat "$here/fault" >&2
   exit 3
@@ -227,6 +228,9 @@ class FigureAfterCapture : public FigureRoutes {
     whole.update(report);
     WriteFile(folder_ / "tools/report.json", whole.dump());
   }
+  Answer Failed(const std::string& step, const std::string& picture) {
+    return routes_->Handle({"GET", "/api/failed", {{"step", step}, {"picture", picture}}, ""});
+  }
   int Run() {
     const fs::path log = folder_ / "log";
     const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
@@ -268,6 +272,42 @@ TEST_F(FigureAfterCapture, AClickIsAskedForWhenAStepSaysSo) {
   ASSERT_EQ(Put({Stroke("a.png", {{0.5, 0.5}})}).status, 200);
   routes_ = std::make_unique<Routes>(folder_);
   EXPECT_EQ(Get().at("unclear"), "");
+}
+
+TEST_F(FigureAfterCapture, WhatWasTakenForTheFigureIsShownUntilItIsTold) {
+  WriteImage(folder_ / "tools/failed.jpg", Image8(64, 48, 3, 90));
+  WriteFile(folder_ / "tools/fault",
+            "keypose capture: error: it cannot be told what the figure is; click it with `keypose "
+            "figure`; what was taken for the figure: /somewhere/images.failed.jpg\n");
+  ASSERT_NE(Run(), 0);
+  EXPECT_EQ(Get().at("unclear"),
+            "it cannot be told what the figure is; click it with `keypose figure`");
+  const json refused = Get().at("refused");
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].at("step"), "capture/rest");
+  EXPECT_EQ(refused[0].at("picture"), "images.failed.jpg");
+  const auto steps = json::parse(routes_->Handle({"GET", "/api/steps", {}, ""}).bytes).at("steps");
+  EXPECT_EQ(steps[0].at("pictures"), refused);
+  EXPECT_EQ(ReadImage(Failed("capture/rest", "images.failed.jpg").file, 3).width, 64);
+  // One stroke may not be enough: it stays to be looked at while there are more.
+  ASSERT_EQ(Put({Stroke("a.png", {{0.5, 0.5}})}).status, 200);
+  EXPECT_EQ(Get().at("refused"), refused);
+  fs::remove(folder_ / "tools/fault");
+  ASSERT_EQ(Run(), 0);
+  EXPECT_EQ(Get().at("refused"), json::array());
+  EXPECT_EQ(Failed("capture/rest", "images.failed.jpg").status, 404);
+}
+
+TEST_F(FigureAfterCapture, OnlyPicturesThatAStepLeftAreSent) {
+  WriteImage(folder_ / "tools/failed.jpg", Image8(64, 48, 3, 90));
+  WriteFile(folder_ / "tools/fault", "keypose capture: error: no\n");
+  ASSERT_NE(Run(), 0);
+  EXPECT_EQ(Get().at("refused"), json::array());  // it did not ask for a click
+  for (const char* name :
+       {"log.txt", "../log.txt", "../../../pipeline.yaml", "", "none.failed.jpg"})
+    EXPECT_EQ(Failed("capture/rest", name).status, 404) << name;
+  EXPECT_EQ(Failed("capture/none", "images.failed.jpg").status, 400);
+  EXPECT_EQ(Failed("../capture", "images.failed.jpg").status, 400);
 }
 
 }  // namespace

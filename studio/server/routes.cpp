@@ -15,6 +15,7 @@
 #include "pipeline/real_disk.h"
 #include "pipeline/real_process.h"
 #include "studio/project/changes.h"
+#include "studio/project/failure_pictures.h"
 #include "studio/project/overview.h"
 #include "studio/project/photographs.h"
 #include "studio/project/timeline.h"
@@ -236,6 +237,13 @@ void Routes::AddRuns() {
   Add("GET", "/api/log", [this](const Question& question) {
     const std::string step = question.Need("step");
     return TextAnswer(With([&](Snapshot& now) { return LogText(now, step); }));
+  });
+  Add("GET", "/api/failed", [this](const Question& question) {
+    const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
+    const fs::path file = With([&](Snapshot& now) {
+      return FailurePictureFile(now, question.Need("step"), question.Need("picture"));
+    });
+    return PictureAnswer(PictureFile(PictureFolder(), file, width));
   });
   Add("POST", "/api/run", [this](const Question& question) {
     const json body = question.Json();

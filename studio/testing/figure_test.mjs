@@ -53,7 +53,8 @@ while [ $# -gt 1 ]; do
   shift 2
 done
 if [ -z "$figure" ]; then
-  echo "keypose capture: error: two things stand on the table; click on the one that you mean, or say 'keypose figure --pose rest --at PHOTO:X,Y'" >&2
+  cp "$here/made/contact_sheet.jpg" "$to.failed.jpg"
+  echo "keypose capture: error: two things stand on the table; click on the one that you mean, or say 'keypose figure --pose rest --at PHOTO:X,Y'; what was taken for the figure: $to.failed.jpg" >&2
   exit 3
 fi
 cp -r "$here/made" "$to"
@@ -184,6 +185,17 @@ async function begin() {
   await page.getByRole('link', { name: 'Poses', exact: true }).click();
 }
 
+/** What was taken for the figure: small beside the error, large by a click. */
+async function opensTheRefused(place) {
+  const small = place.getByRole('button', { name: 'What was taken for the figure' });
+  const loaded = (one) => one.evaluate((img) => img.complete && img.naturalWidth > 0);
+  await until('it is shown small', () => loaded(small.locator('img')));
+  await small.click();
+  const large = page.getByRole('dialog', { name: 'What was taken for the figure' });
+  await until('it is shown large', () => loaded(large.locator('img')));
+  await large.getByRole('button', { name: 'Close' }).click();
+}
+
 async function isAskedFor() {
   await tab('Figure').click();
   await page.getByText('Nothing yet.').waitFor();
@@ -192,11 +204,20 @@ async function isAskedFor() {
   await asked.getByText(/^Two things stand on the table/).waitFor();
   await page.getByRole('link', { name: 'Show it' }).waitFor();
   check(await button('Make the masks').isDisabled(), 'the masks could be made without a click');
+  check(!(await asked.textContent()).includes('failed.jpg'), 'the page names a file');
+  await opensTheRefused(asked);
   await record(page, 'figure_asked', options.pictures);
   await tab(/Photographs/).click();
   const notice = page.getByRole('region', { name: 'What is the figure?' });
   await notice.getByText('Two things stand on the table').waitFor();
+  await opensTheRefused(notice);
   await record(page, 'figure_notice', options.pictures);
+  await page.getByRole('link', { name: 'Run', exact: true }).click();
+  await opensTheRefused(page.locator('.run-failure'));
+  await record(page, 'figure_refused_run', options.pictures);
+  await page.getByRole('link', { name: 'Show what it is' }).click();
+  await page.getByText('Nothing yet.').waitFor();
+  await tab(/Photographs/).click();
   await notice.getByRole('button', { name: 'Show it' }).click();
   await sheet().waitFor();
   // What was asked for by hand and failed is told at the bottom as well.
@@ -278,7 +299,7 @@ async function theMasksAreMade() {
   await page.locator('.figure-veil').waitFor();
   await button('All masks in one picture').click();
   await until('the picture of all masks is shown', () =>
-    page.locator('.figure-sheet img').evaluate((one) => one.naturalWidth > 0),
+    page.locator('.sheet-dialog[open] img').evaluate((one) => one.naturalWidth > 0),
   );
   await button('Close').click();
   await record(page, 'figure', options.pictures);

@@ -56,6 +56,14 @@ export interface Project {
   empty: boolean
 }
 
+/** A picture that a step left when it failed. */
+export interface FailurePicture {
+  step: string
+  picture: string
+  /** another failure has another one */
+  version: string
+}
+
 export interface Step {
   id: string
   step: string
@@ -68,6 +76,8 @@ export interface Step {
   waits_for: string[]
   error: string
   exit_code: number
+  /** that it left when it failed, to show why */
+  pictures: FailurePicture[]
   /** as used, text by option */
   options: Record<string, string>
   /** the options that pipeline.yaml sets, by name, with their line */
@@ -170,6 +180,8 @@ export interface Figure {
   unclear: string
   /** the picture of all masks, below out/; or '' */
   sheet: string
+  /** pictures of what was taken for the figure when a step last refused it */
+  refused: FailurePicture[]
   strokes: FigureStroke[]
 }
 
@@ -363,6 +375,8 @@ export const api = {
   steps: () => get<Steps>('/api/steps'),
   stages: () => get<Stage[]>('/api/stages'),
   explain: (step: string) => get<{ text: string }>(`/api/explain?${q({ step })}`),
+  failedUrl: (picture: FailurePicture, width = 0) =>
+    `/api/failed?${q({ ...picture, width: String(width) })}`,
   log: async (step: string) => (await ask(`/api/log?${q({ step })}`)).text(),
   run: (selection: { until?: string[]; from?: string[]; only?: string[]; force?: string[] }) =>
     send<{ started: boolean }>('POST', '/api/run', selection),

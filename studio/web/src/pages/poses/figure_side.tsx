@@ -1,8 +1,9 @@
 // Beside the photograph in which the figure is shown: what a click says, what was said, what next.
-import { useRef, useState } from 'preact/hooks'
+import { useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import type { Pose, Step } from '../../api'
+import type { Figure, Pose, Step } from '../../api'
+import { FailureSheet, Sheet } from '../../sheet'
 import { useStudio } from '../../state'
 import { sentence } from '../../words'
 import { askingFor, shapeOf } from './figure_model'
@@ -50,6 +51,7 @@ export function FigureSide(props: {
             </p>
           </>
         )}
+        {figure && <Refused figure={figure} />}
         {figure?.problem && <p class="bad">{sentence(figure.problem)}</p>}
       </section>
       {figure?.step !== '' && (
@@ -73,6 +75,17 @@ export function FigureSide(props: {
       <SaidList {...props} />
       {figure && figure.step !== '' && <Making desk={desk} />}
     </aside>
+  )
+}
+
+/** What was taken for the figure when a step last refused it. */
+export function Refused({ figure }: { figure: Figure }) {
+  return (
+    <>
+      {figure.refused.map((one) => (
+        <FailureSheet key={one.step + one.picture} picture={one} figure={true} />
+      ))}
+    </>
   )
 }
 
@@ -131,27 +144,6 @@ function SaidList(props: {
   )
 }
 
-/** The picture that the step makes of all masks. */
-function Sheet({ src }: { src: string }) {
-  const dialog = useRef<HTMLDialogElement>(null)
-  return (
-    <>
-      <button class="quiet small" onClick={() => dialog.current!.showModal()}>
-        All masks in one picture
-      </button>
-      <dialog ref={dialog} class="figure-sheet" aria-label="All masks in one picture">
-        <form method="dialog" class="row spread">
-          <h2>What was taken for the figure</h2>
-          <button>Close</button>
-        </form>
-        <div class="scrolls">
-          <img src={src} alt="Every photograph; bright is what was taken for the figure" />
-        </div>
-      </dialog>
-    </>
-  )
-}
-
 /** In one line: how far the masks are. */
 function stateOf({ figure, strokes }: FigureDesk, step: Step | undefined): string {
   const nothing = strokes.clicks.length === 0
@@ -201,7 +193,13 @@ function Making({ desk }: { desk: FigureDesk }) {
         {running ? 'A run is at work …' : 'Make the masks'}
       </button>
       {figure.sheet && (
-        <Sheet src={api.resultUrl(figure.sheet, String(step?.seconds ?? ''))} />
+        <Sheet
+          src={api.resultUrl(figure.sheet, String(step?.seconds ?? ''))}
+          title="What was taken for the figure"
+          alt="Every photograph; bright is what was taken for the figure"
+        >
+          All masks in one picture
+        </Sheet>
       )}
     </section>
   )

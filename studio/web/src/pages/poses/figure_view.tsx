@@ -8,7 +8,7 @@ import { useStudio } from '../../state'
 import { FrameView } from '../../view/frame_view'
 import { sentence } from '../../words'
 import { askingFor, firstShown, noteOf, pixelsOf, strokeOf } from './figure_model'
-import { FigureSide } from './figure_side'
+import { FigureSide, Refused } from './figure_side'
 import { Strip } from './strip'
 import type { FigureDesk } from './use_figure'
 
@@ -199,6 +199,7 @@ export function FigureNotice({ desk, open }: { desk: FigureDesk; open: () => voi
           <b>What is the figure?</b> {askingFor(strokes.clicks)}
         </p>
         <p class="small soft">{sentence(figure.unclear)}</p>
+        <Refused figure={figure} />
         <div class="row">
           <button class="main" onClick={open}>
             Show it

@@ -6,7 +6,7 @@ import { addressOf } from './route'
 import { isFromMesh } from './tabs'
 
 /** A step that fails with these words needs to be told what the figure is. */
-const kAsksForFigure = 'keypose figure'
+export const kAsksForFigure = 'keypose figure'
 
 export function PoseSide({ current, choose }: { current: Pose; choose: (name: string) => void }) {
   const { project } = useStudio()

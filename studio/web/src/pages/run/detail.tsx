@@ -4,9 +4,12 @@ import type { RefObject } from 'preact'
 
 import { api, ApiError } from '../../api'
 import type { Stage, Step } from '../../api'
+import { FailureSheet } from '../../sheet'
 import { useStudio } from '../../state'
 import { Bar } from '../../bar'
 import { percent } from '../../words'
+import { kAsksForFigure } from '../poses/pose_side'
+import { addressOf } from '../poses/route'
 import { Icon } from './icons'
 import { Log } from './log'
 import { OptionForm } from './option_form'
@@ -140,10 +143,19 @@ function Head({ step, heading }: { step: Step; heading: RefObject<HTMLHeadingEle
 
 function Failure({ step }: { step: Step }) {
   if (step.state !== 'failed') return null
+  const asksForFigure = step.error.includes(kAsksForFigure)
   return (
     <div class="run-failure">
       <b>It failed with exit code {step.exit_code}.</b>
       {step.error && <p>{step.error}</p>}
+      {step.pictures.map((one) => (
+        <FailureSheet key={one.picture} picture={one} figure={asksForFigure} />
+      ))}
+      {asksForFigure && step.pose && (
+        <p>
+          <a href={addressOf({ pose: step.pose, tab: 'figure', item: '' })}>Show what it is ›</a>
+        </p>
+      )}
     </div>
   )
 }
