@@ -222,7 +222,7 @@ fs::path PictureOf(const Step& step) {
 
 void PrintNext(const Session& session, const Step& step, const StepPlan& planned,
                const std::string& folder) {
-  const int after = StepsAfter(session.graph(), step);
+  const int after = SizeOf(StepsThatFollow(session.graph(), step));
   const std::string followers =
       after > 0 ? fmt::format(", and the {} that follow{} if its result changes", after,
                               after == 1 ? "s" : "")

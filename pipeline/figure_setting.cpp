@@ -128,16 +128,19 @@ std::vector<FigureStroke> WithStrokes(std::vector<FigureStroke> strokes,
   return strokes;
 }
 
-int StepsAfter(const Graph& graph, const Step& step) {
+std::vector<const Step*> StepsThatFollow(const Graph& graph, const Step& step) {
   std::vector<char> after(graph.steps.size(), 0);
   const auto start = static_cast<std::size_t>(&step - graph.steps.data());
+  std::vector<const Step*> following;
   // Each step stands after all that it needs.
-  for (std::size_t i = start + 1; i < graph.steps.size(); ++i)
+  for (std::size_t i = start + 1; i < graph.steps.size(); ++i) {
     after[i] = std::any_of(graph.steps[i].needs.begin(), graph.steps[i].needs.end(), [&](int need) {
       const auto k = static_cast<std::size_t>(need);
       return k == start || after[k];
     });
-  return static_cast<int>(std::count(after.begin(), after.end(), 1));
+    if (after[i]) following.push_back(&graph.steps[i]);
+  }
+  return following;
 }
 
 }  // namespace keypose::pipeline

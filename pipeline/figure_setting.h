@@ -43,7 +43,7 @@ void RequireWithin(const FigureStroke& stroke, PictureSize size);
 std::vector<FigureStroke> WithStrokes(std::vector<FigureStroke> strokes,
                                       const std::vector<FigureStroke>& more);
 
-/// How many steps come after a step, directly or through others.
-int StepsAfter(const Graph& graph, const Step& step);
+/// The steps that come after a step, directly or through others.
+std::vector<const Step*> StepsThatFollow(const Graph& graph, const Step& step);
 
 }  // namespace keypose::pipeline

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 const std::set<std::string> kStageRooms{"capture",     "reconstruct", "cleanup", "texture",
                                         "register",    "fit",         "motion",  "armature",
-                                        "interpolate", "composite",   "export",    "report"};
+                                        "interpolate", "composite",   "export",  "report"};
 const std::set<std::string> kLibraryRooms{"views", "deform"};
 const std::vector<std::string> kHeavy{"CGAL/", "pcl/", "ceres/", "tetgen", "opencv2/", "embree"};
 
@@ -124,6 +124,8 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
   const bool reads_files = from == "synth" || from == "pipeline" || from == "studio";
   if (to == "core/io" && reads_files) return "";
   if (to == "pipeline" && from == "studio") return "";
+  // The page shows films, which need a decoder.
+  if (kLibraryRooms.count(to) && from == "studio") return ArrowReason(rooms, file, included);
   return from + " may not include " + to;
 }
 

@@ -9,7 +9,7 @@
 
 #include "core/io/files.h"
 #include "pipeline/builder.h"
-#include "studio/project/photographs.h"
+#include "studio/project/not_found.h"
 
 namespace keypose::studio {
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -13,8 +12,7 @@
 #include "pipeline/figure_setting.h"
 #include "studio/project/changes.h"
 #include "studio/project/failure_pictures.h"
-#include "studio/project/originals.h"
-#include "studio/project/photographs.h"
+#include "studio/project/figure_pictures.h"
 
 namespace keypose::studio {
 
@@ -27,73 +25,6 @@ namespace {
 
 /// By these words of a message the page knows that a click is asked for.
 constexpr const char* kAsks = "keypose figure";
-
-/// The photographs of a pose under the page's names, and the sizes of their pictures.
-class ShownPhotographs {
- public:
-  ShownPhotographs(Snapshot& snapshot, const std::string& pose)
-      : snapshot_(snapshot), pose_(pose), originals_(snapshot, pose) {
-    for (const json& one : PhotographsJson(snapshot, pose)) names_.push_back(one.at("name"));
-  }
-
-  json JsonOf(const FigureStroke& stroke) const {
-    json one = {{"text", FigureText(stroke)},
-                {"picture", stroke.picture},
-                {"figure", stroke.figure},
-                {"points", json::array()},
-                {"gone", true}};
-    const int i = IndexOfPicture(stroke, names_);
-    const std::string name = i < 0 ? "" : names_[static_cast<std::size_t>(i)];
-    if (i < 0 || originals_.FileOf(name).empty()) return one;
-    const auto [photograph, shown] = SizesOf(name);
-    one["picture"] = name;
-    one["gone"] = false;
-    for (const Eigen::Vector2d& point : stroke.points) {
-      const Eigen::Vector2d at = InCaptured(point, photograph, shown);
-      one["points"].push_back({at.x() / shown.width, at.y() / shown.height});
-    }
-    return one;
-  }
-
-  /// @throws UsageError  no such photograph, or a place outside of it
-  FigureStroke StrokeOf(const json& one) const {
-    const std::string name = one.at("picture");
-    const fs::path file = originals_.FileOf(name);
-    if (file.empty())
-      throw UsageError(fmt::format("pose '{}' has no photograph '{}'", pose_, name));
-    FigureStroke stroke;
-    stroke.picture = file.lexically_relative(snapshot_.PhotoFolder(pose_)).generic_string();
-    stroke.figure = one.at("figure");
-    const auto [photograph, shown] = SizesOf(name);
-    for (const json& point : one.at("points")) {
-      const double x = point.at(0), y = point.at(1);
-      if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1))
-        throw UsageError(fmt::format("the place {}, {} lies outside of {}", x, y, name));
-      const Eigen::Vector2d at =
-          InPhotograph({x * shown.width, y * shown.height}, shown, photograph);
-      // A tenth of a pixel: more nobody can mean.
-      stroke.points.emplace_back(std::round(10 * at.x()) / 10, std::round(10 * at.y()) / 10);
-    }
-    if (stroke.points.empty()) throw UsageError("a stroke has no points");
-    return stroke;
-  }
-
- private:
-  struct Sizes {
-    PictureSize photograph, shown;
-  };
-  Sizes SizesOf(const std::string& name) const {
-    const ImageInfo info = OriginalInfo(originals_.FileOf(name));
-    const PictureSize photograph{info.width, info.height};
-    const auto [width, height] = PhotographSize(snapshot_, pose_, name);
-    return {photograph, width > 0 ? PictureSize{width, height} : photograph};
-  }
-
-  Snapshot& snapshot_;
-  std::string pose_;
-  Originals originals_;
-  std::vector<std::string> names_;
-};
 
 json ReportOf(const StepPlan& planned) {
   const fs::path file = planned.artifact ? planned.artifact->folder / "report.json" : fs::path();
@@ -156,15 +87,18 @@ std::string SheetOf(Snapshot& snapshot, const Step& step) {
 }
 
 json AnswerOf(Snapshot& snapshot, const Step& step, const std::vector<FigureStroke>& strokes) {
-  const ShownPhotographs photographs(snapshot, step.pose);
-  json list = json::array();
-  for (const FigureStroke& stroke : strokes) list.push_back(photographs.JsonOf(stroke));
+  const auto pictures = PicturesOfFigure(snapshot, step.pose);
+  json list = json::array(), follow = json::array();
+  for (const FigureStroke& stroke : strokes) list.push_back(pictures->JsonOf(stroke));
+  for (const Step* after : pipeline::StepsThatFollow(snapshot.graph(), step))
+    follow.push_back(after->id);
   return {{"revision", RevisionOf(snapshot.project() / "pipeline.yaml")},
           {"step", step.id},
           {"problem", ""},
           {"unclear", AskedFor(snapshot, step.pose)},
           {"sheet", SheetOf(snapshot, step)},
           {"refused", RefusedOf(snapshot, step.pose)},
+          {"follow", follow},
           {"strokes", list}};
 }
 
@@ -177,6 +111,7 @@ json FigureJson(Snapshot& snapshot, const std::string& pose) {
                {"unclear", ""},
                {"sheet", ""},
                {"refused", json::array()},
+               {"follow", json::array()},
                {"strokes", json::array()}};
   try {
     const Step& step = pipeline::FigureStep(snapshot.graph(), pose);
@@ -190,13 +125,13 @@ json FigureJson(Snapshot& snapshot, const std::string& pose) {
 
 json SaveFigure(Snapshot& snapshot, const std::string& pose, const json& body) {
   const Step& step = pipeline::FigureStep(snapshot.graph(), pose);
-  const ShownPhotographs photographs(snapshot, pose);
+  const auto pictures = PicturesOfFigure(snapshot, pose);
   std::vector<FigureStroke> strokes;
   for (const json& one : body.at("strokes")) {
     if (one.contains("text"))
       strokes = pipeline::WithStrokes(std::move(strokes), ParseFigureStrokes(one.at("text")));
     else
-      strokes = pipeline::WithStrokes(std::move(strokes), {photographs.StrokeOf(one)});
+      strokes = pipeline::WithStrokes(std::move(strokes), {pictures->StrokeOf(one)});
   }
   const std::string text = ReadFile(snapshot.project() / "pipeline.yaml");
   const std::string edited = pipeline::WithFigure(snapshot.file(), text, step, strokes);

@@ -1,5 +1,6 @@
-// What a person said the figure of a pose is: clicks and strokes in its photographs, as the page
-// shows them. `keypose figure` writes the same.
+// What a person said the figure of a pose is, or the actor of a performance's shot: clicks and
+// strokes in photographs or in frames of films, as the page shows them. `keypose figure` writes the
+// same.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -17,17 +18,19 @@ namespace keypose::studio {
 /// - sheet     the picture of all masks that the step made last, below out/; or ""
 /// - refused   {step, picture, version}: what was taken for the figure when a step last refused it
 ///             (failure_pictures.h)
-/// - strokes   {text, picture, figure, points, gone}; `picture` as the page calls it; `points` as
-///             shares of its width and height, as the page shows it; `gone`: there is no such
-///             photograph any more
-/// @throws UsageError  no such pose
+/// - follow    ids of the steps that come after it, and run again if its result changes
+/// - strokes   {text, picture, figure, points, gone}; `picture` as the page calls it, of a shot
+///             CAMERA/FRAME; `points` as shares of its width and height, as the page shows it;
+///             `gone`: there is no such photograph any more
+/// @param pose  or shot @throws UsageError  no such pose
 nlohmann::json FigureJson(Snapshot& snapshot, const std::string& pose);
 
 /// Writes what is said to pipeline.yaml.
 /// @param body  {revision, strokes}: of those that stay only their `text`, of new ones picture,
 ///              figure and points
 /// @return as FigureJson, of what is said now
-/// @throws UsageError  no such pose or photograph, a place outside of it, no step that can be told
+/// @throws UsageError  no such pose, photograph or frame, a place outside of it, no step that can
+/// be told
 /// @throws ChangedMeanwhile
 nlohmann::json SaveFigure(Snapshot& snapshot, const std::string& pose, const nlohmann::json& body);
 

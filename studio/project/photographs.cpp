@@ -1,10 +1,8 @@
 #include "studio/project/photographs.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -17,8 +15,8 @@
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
 #include "core/io/raw_io.h"
-#include "core/sha256.h"
 #include "pipeline/real_disk.h"
+#include "studio/project/kept_picture.h"
 #include "studio/project/originals.h"
 #include "studio/project/own_masks.h"
 
@@ -54,25 +52,6 @@ json PhotographJson(const CapturedImage& image) {
 
 [[noreturn]] void NoPhotograph(const std::string& pose, const std::string& name) {
   throw NotFound(fmt::format("pose '{}' has no photograph '{}'", pose, name));
-}
-
-/// A picture made from a file, kept under the file's stamp and the picture's name.
-template <class Make>
-fs::path Kept(const fs::path& folder, const fs::path& source, const std::string& what,
-              const char* extension, const Make& make) {
-  const auto stat = pipeline::RealDisk().Stat(source);
-  if (!stat) throw NotFound(source.filename().string() + " is gone");
-  const std::string key =
-      Sha256Of(fmt::format("{} {} {} {}", source.string(), stat->size, stat->mtime_ns, what));
-  const fs::path file = folder / (key.substr(0, 32) + extension);
-  if (fs::exists(file)) return file;
-  fs::create_directories(folder);
-  // Two requests for one picture may come at once: each writes a file of its own.
-  static std::atomic<int> number = 0;
-  const fs::path writing = folder / fmt::format("writing_{}_{}{}", getpid(), number++, extension);
-  make(writing);
-  fs::rename(writing, file);
-  return file;
 }
 
 /// Capture gives RAW and HEIC files another extension.
@@ -141,7 +120,7 @@ fs::path PictureFile(const fs::path& folder, const fs::path& photograph, int wid
   const std::string format = raw ? "raw" : ReadImageInfo(photograph).format;
   if (width <= 0 && (format == "jpeg" || format == "png")) return photograph;
   const int most = std::min(width, kLargestThumbnail);
-  return Kept(folder, photograph, std::to_string(most), ".jpg", [&](const fs::path& file) {
+  return KeptPicture(folder, photograph, std::to_string(most), ".jpg", [&](const fs::path& file) {
     Image8 image = raw ? ReadRaw(photograph) : ReadImage(photograph, 3);
     const double share = most > 0 && most < image.width ? 1.0 * most / image.width : 1;
     if (share < 1)
@@ -154,16 +133,17 @@ fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, in
   const ImageInfo info = ReadImageInfo(mask);
   if (info.format == "png" && (width == 0 || (info.width == width && info.height == height)))
     return mask;
-  return Kept(folder, mask, fmt::format("mask {} {}", width, height), ".png",
-              [&](const fs::path& file) {
-                Image8 image = ReadImage(mask, 1);
-                // Capture turns portraits among landscapes; masks lie as their photographs did.
-                if (width > 0 && (image.width > image.height) != (width > height))
-                  image = QuarterTurned(image);
-                if (width > 0) image = Resized(image, width, height);
-                for (auto& value : image.data) value = value >= 128 ? 255 : 0;
-                WriteImage(file, image);
-              });
+  return KeptPicture(folder, mask, fmt::format("mask {} {}", width, height), ".png",
+                     [&](const fs::path& file) {
+                       Image8 image = ReadImage(mask, 1);
+                       // Capture turns portraits among landscapes; masks lie as their photographs
+                       // did.
+                       if (width > 0 && (image.width > image.height) != (width > height))
+                         image = QuarterTurned(image);
+                       if (width > 0) image = Resized(image, width, height);
+                       for (auto& value : image.data) value = value >= 128 ? 255 : 0;
+                       WriteImage(file, image);
+                     });
 }
 
 fs::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name,

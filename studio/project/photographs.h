@@ -3,11 +3,11 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "studio/project/not_found.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
@@ -28,11 +28,6 @@ std::filesystem::path PhotographSource(Snapshot& snapshot, const std::string& po
 /// @param folder  where pictures are kept
 std::filesystem::path PictureFile(const std::filesystem::path& folder,
                                   const std::filesystem::path& photograph, int width);
-
-/// Nothing of that name is there (yet).
-struct NotFound : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// The mask that a person has made of this photograph, else the computed one.
 /// @param stage  "capture", or "masks" for those that agree with all views

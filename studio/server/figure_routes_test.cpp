@@ -65,6 +65,9 @@ TEST_F(FigureRoutes, ClicksAreKeptInPixelsOfThePhotographs) {
   EXPECT_EQ(before.at("problem"), "");
   EXPECT_EQ(before.at("unclear"), "");
   EXPECT_TRUE(before.at("strokes").empty());
+  const std::vector<std::string> follow = before.at("follow");
+  EXPECT_THAT(follow, testing::Contains("mesh/rest"));
+  EXPECT_THAT(follow, Not(testing::Contains("sfm/rest")));
   const Answer saved =
       Put({Stroke("a.png", {{0.5, 0.25}}), Stroke("b.png", {{0, 0}, {1, 1}}, false)});
   ASSERT_EQ(saved.status, 200) << saved.bytes;

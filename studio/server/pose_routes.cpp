@@ -8,6 +8,7 @@
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
 #include "studio/project/figure.h"
+#include "studio/project/films.h"
 #include "studio/project/own_masks.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
@@ -19,7 +20,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kMostCloudPoints = 1'000'000, kMostTextures = 1'000'000, kWidestTexture = 100'000;
+constexpr int kMostCloudPoints = 1'000'000, kMostTextures = 1'000'000, kMostFilmed = 1'000'000'000,
+              kWidestTexture = 100'000;
 
 }  // namespace
 
@@ -97,6 +99,27 @@ void Routes::AddFigure() {
   Add("PUT", "/api/figure", [this](const Question& question) {
     return JsonAnswer(With(
         [&](Snapshot& now) { return SaveFigure(now, question.Need("pose"), question.Json()); }));
+  });
+}
+
+void Routes::AddFilms() {
+  Add("GET", "/api/films", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) { return FilmsJson(now, question.Need("shot")); }));
+  });
+  // Decoding takes its time: other requests need not wait for it.
+  Add("GET", "/api/films/frame", [this](const Question& question) {
+    const int frame = WholeNumber(question.Need("frame"), 0, kMostFilmed);
+    const int width = WholeNumber(question.Get("width", "0"), 0, kWidestTexture);
+    const FrameSource film = With(
+        [&](Snapshot& now) { return FilmOf(now, question.Need("shot"), question.Need("camera")); });
+    return PictureAnswer(FramePicture(PictureFolder(), film, frame, width));
+  });
+  Add("GET", "/api/films/mask", [this](const Question& question) {
+    const int frame = WholeNumber(question.Need("frame"), 0, kMostFilmed);
+    const FrameSource masks = With([&](Snapshot& now) {
+      return MasksOf(now, question.Need("shot"), question.Need("camera"));
+    });
+    return PictureAnswer(FrameMask(PictureFolder(), masks, frame));
   });
 }
 

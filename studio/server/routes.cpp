@@ -59,6 +59,7 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddMeshes();
   AddTextures();
   AddFrames();
+  AddFilms();
   AddLandmarks();
   AddTimeline();
   AddResults();

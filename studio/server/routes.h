@@ -36,6 +36,7 @@ class Routes {
   void AddPhotographs();
   void AddMasks();
   void AddFigure();
+  void AddFilms();
   void AddMeshes();
   void AddTextures();
   void AddFrames();

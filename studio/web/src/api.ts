@@ -157,10 +157,14 @@ export interface Pick {
   face: number
   barycentric: [number, number, number]
 }
-/** What a person said the figure is, or is not: a click or a line in a photograph. */
+/**
+ * What a person said the figure is, or is not: a click or a line in a photograph, or in a frame of a
+ * shot's films.
+ */
 export interface FigureStroke {
   /** as pipeline.yaml has it; '' until it is saved */
   text: string
+  /** of a shot CAMERA/FRAME */
   picture: string
   /** false: what lies there is not the figure */
   figure: boolean
@@ -182,7 +186,17 @@ export interface Figure {
   sheet: string
   /** pictures of what was taken for the figure when a step last refused it */
   refused: FailurePicture[]
+  /** ids of the steps that run again after it if its result changes */
+  follow: string[]
   strokes: FigureStroke[]
+}
+
+/** The films of a performance's shot. */
+export interface Films {
+  /** why there are none to show, or '' */
+  problem: string
+  /** masked: each frame has a mask */
+  cameras: { name: string; frames: number; width: number; height: number; masked: boolean }[]
 }
 
 /** A place in a photograph of a pose from few photographs. */
@@ -492,6 +506,12 @@ export const api = {
     const asked = { shot, frame: String(frame), width: String(width), version }
     return (await ask(`/api/frames/texture?${q(asked)}`)).blob()
   },
+  films: (shot: string) => get<Films>(`/api/films?${q({ shot })}`),
+  /** A frame of a film. width 0: full size */
+  filmUrl: (shot: string, camera: string, frame: number, width = 0) =>
+    `/api/films/frame?${q({ shot, camera, frame: String(frame), width: String(width) })}`,
+  filmMaskUrl: (shot: string, camera: string, frame: number, version: string) =>
+    `/api/films/mask?${q({ shot, camera, frame: String(frame), version })}`,
   ownTextureUrl: (shot: string, version: number) =>
     `/api/frames/texture?${q({ shot, version: String(version) })}`,
   results: () => get<{ path: string; label: string; bytes: number }[]>('/api/results'),

@@ -6,6 +6,7 @@ import { api } from './api'
 import type { Project } from './api'
 import { ArmaturePage } from './pages/armature'
 import { ExportPage } from './pages/export'
+import { FilmsPage } from './pages/films'
 import { LandmarksPage } from './pages/landmarks'
 import { MotionPage } from './pages/motion'
 import { NewProjectPage } from './pages/new_project'
@@ -102,6 +103,7 @@ function RunState() {
 
 /** A performance has no photographs of poses, no landmarks and no keys to show, but its motion. */
 const kPerformancePages: typeof kPages = [
+  { path: 'films', name: 'Films', page: FilmsPage },
   { path: 'motion', name: 'Motion', page: MotionPage },
   ...kPages.filter((one) => one.path === 'run' || one.path === 'export'),
 ]

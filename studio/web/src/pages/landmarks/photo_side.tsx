@@ -148,13 +148,12 @@ export function PhotoSide(props: {
         <Hints picking={picking} fit={fit} image={name} size={size} />
       </FrameView>
       <Strip
-        pose={picking.pose}
+        src={(one) => api.photoUrl(picking.pose, one, 320, true)}
         label={`Photographs of ${picking.pose}`}
         names={fit.photographs.map((one) => one.name)}
         current={name}
         choose={props.show}
         note={note}
-        captured
       />
     </div>
   )

@@ -70,10 +70,10 @@ export function firstShown(strokes: readonly FigureStroke[], photographs: Photog
 }
 
 /** What to do where a step asks what the figure is. */
-export const askingFor = (strokes: readonly FigureStroke[]): string =>
+export const askingFor = (strokes: readonly FigureStroke[], noun = 'photograph'): string =>
   strokes.length === 0
-    ? 'The photographs alone do not tell. Click on it in one of them; the others follow.'
-    : 'What was said does not settle it yet. Click once more, in another photograph.'
+    ? `The ${noun}s alone do not tell. Click on it in one of them; the others follow.`
+    : `What was said does not settle it yet. Click once more, in another ${noun}.`
 
 /** "a click", "a line" */
 export const shapeOf = (stroke: FigureStroke): string =>

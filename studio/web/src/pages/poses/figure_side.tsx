@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import type { Figure, Pose, Step } from '../../api'
+import type { Figure, Step } from '../../api'
 import { FailureSheet, Sheet } from '../../sheet'
 import { useStudio } from '../../state'
 import { sentence } from '../../words'
@@ -10,8 +10,23 @@ import { askingFor, shapeOf } from './figure_model'
 import type { FigureTool } from './figure_view'
 import type { FigureDesk } from './use_figure'
 
+/** The words of the page: for photographs of a pose, and for films. */
+export interface FigureWords {
+  figure: string
+  /** a picture in which it is shown */
+  picture: string
+  help: string
+}
+const kPhotographs: FigureWords = {
+  figure: 'the figure',
+  picture: 'photograph',
+  help:
+    'Needed only where the masks took something else for it. A click in one photograph, or a line ' +
+    'over it, is enough: the others follow.',
+}
+
 export function FigureSide(props: {
-  pose: Pose
+  words?: FigureWords
   desk: FigureDesk
   tool: FigureTool
   change: (tool: FigureTool) => void
@@ -20,8 +35,9 @@ export function FigureSide(props: {
   choose: (name: string) => void
 }) {
   const { desk, tool, change } = props
+  const words = props.words ?? kPhotographs
   const { figure } = desk
-  const mode = (is: boolean, words: string, key: string) => (
+  const mode = (is: boolean, text: string, key: string) => (
     <button
       class={`figure-mode ${is ? 'is' : 'not'}`}
       aria-pressed={tool.figure === is}
@@ -29,7 +45,7 @@ export function FigureSide(props: {
       onClick={() => change({ ...tool, figure: is })}
     >
       <i aria-hidden="true">{is ? '+' : '−'}</i>
-      <span>{words}</span>
+      <span>{text}</span>
       <kbd>{key}</kbd>
     </button>
   )
@@ -38,17 +54,14 @@ export function FigureSide(props: {
       <section class="stack">
         {figure?.unclear ? (
           <>
-            <h2>What is the figure?</h2>
-            <p>{askingFor(desk.strokes.clicks)}</p>
+            <h2>What is {words.figure}?</h2>
+            <p>{askingFor(desk.strokes.clicks, words.picture)}</p>
             <p class="small soft">{sentence(figure.unclear)}</p>
           </>
         ) : (
           <>
-            <h2>Show the figure</h2>
-            <p class="soft">
-              Needed only where the masks took something else for it. A click in one photograph, or
-              a line over it, is enough: the others follow.
-            </p>
+            <h2>Show {words.figure}</h2>
+            <p class="soft">{words.help}</p>
           </>
         )}
         {figure && <Refused figure={figure} />}
@@ -57,7 +70,7 @@ export function FigureSide(props: {
       {figure?.step !== '' && (
         <section class="stack" aria-label="What a click says">
           <div class="stack figure-modes" role="group" aria-label="What a click says">
-            {mode(true, 'This is the figure', 'F')}
+            {mode(true, `This is ${words.figure}`, 'F')}
             {mode(false, 'This is not', 'N')}
           </div>
           <label class="figure-look small">
@@ -72,8 +85,9 @@ export function FigureSide(props: {
           </label>
         </section>
       )}
-      <SaidList {...props} />
+      <SaidList {...props} noun={words.picture} />
       {figure && figure.step !== '' && <Making desk={desk} />}
+      {props.words && figure && <Remarks step={figure.step} />}
     </aside>
   )
 }
@@ -91,6 +105,7 @@ export function Refused({ figure }: { figure: Figure }) {
 
 function SaidList(props: {
   desk: FigureDesk
+  noun: string
   name: string
   choose: (name: string) => void
 }) {
@@ -121,7 +136,7 @@ function SaidList(props: {
               class="quiet where"
               disabled={stroke.gone}
               aria-current={stroke.picture === props.name ? 'true' : undefined}
-              title={stroke.gone ? 'This photograph is not there any more' : stroke.picture}
+              title={stroke.gone ? `This ${props.noun} is not there any more` : stroke.picture}
               onClick={() => props.choose(stroke.picture)}
             >
               <i aria-label={stroke.figure ? 'the figure:' : 'not the figure:'}>
@@ -144,6 +159,26 @@ function SaidList(props: {
   )
 }
 
+/** What the step that makes the masks told a person to look at. */
+function Remarks({ step }: { step: string }) {
+  const { steps } = useStudio()
+  const made = steps.steps.find((one) => one.id === step)
+  const told = steps.warnings.filter(
+    (one) => made && one.steps.includes(made.step) && one.poses.includes(made.pose),
+  )
+  if (told.length === 0) return null
+  return (
+    <section class="stack" aria-labelledby="figure-remarks">
+      <h3 id="figure-remarks">To look at</h3>
+      <ul class="figure-remarks small soft">
+        {told.map((one) => (
+          <li key={one.text}>{sentence(one.text)}</li>
+        ))}
+      </ul>
+    </section>
+  )
+}
+
 /** In one line: how far the masks are. */
 function stateOf({ figure, strokes }: FigureDesk, step: Step | undefined): string {
   const nothing = strokes.clicks.length === 0
@@ -153,7 +188,16 @@ function stateOf({ figure, strokes }: FigureDesk, step: Step | undefined): strin
     return nothing ? 'The masks are made.' : 'The masks are made with what you said.'
   if (step?.state === 'failed' && !figure!.unclear)
     return `${step.id} failed. ${sentence(step.error)}`
-  return 'The masks are made again at the next run.'
+  const again = step?.state === 'never' ? '' : 'again '
+  return `The masks are made ${again}at the next run.`
+}
+
+/** What else runs again: of many steps of several poses only how many. */
+function Follow({ steps }: { steps: string[] }) {
+  if (steps.length === 0) return null
+  const kMost = 8
+  const words = steps.length > kMost ? `the ${steps.length} steps that need them` : steps.join(', ')
+  return <p class="small soft">Where they change, these run again after them: {words}.</p>
 }
 
 /** What happens with it: saved, the masks made again, looked at before the long steps. */
@@ -184,6 +228,7 @@ function Making({ desk }: { desk: FigureDesk }) {
       <p class="small" role="status">
         {stateOf(desk, step)}
       </p>
+      {!done && <Follow steps={figure.follow} />}
       <button
         class={done ? '' : 'main'}
         disabled={done || first || asked || held !== '' || strokes.failed !== ''}

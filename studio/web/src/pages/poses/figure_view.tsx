@@ -21,6 +21,28 @@ export interface FigureTool {
   masks: boolean
 }
 
+export function useFigureKeys(
+  tool: FigureTool,
+  setTool: (tool: FigureTool) => void,
+  { strokes }: FigureDesk,
+): void {
+  useKeys({
+    f: () => setTool({ ...tool, figure: true }),
+    n: () => setTool({ ...tool, figure: false }),
+    m: () => setTool({ ...tool, masks: !tool.masks }),
+    'ctrl+z': () => void strokes.undo(),
+    'ctrl+shift+z': () => void strokes.redo(),
+    'ctrl+y': () => void strokes.redo(),
+  })
+}
+
+/** Adds what was said, where a step can be told. */
+export function said({ figure, strokes }: FigureDesk, stroke: FigureStroke): void {
+  if (figure?.step === '') return
+  const what = stroke.figure ? 'the figure' : 'not the figure'
+  strokes.change(what, [...strokes.clicks, stroke])
+}
+
 export function FigureView(props: {
   pose: Pose
   photographs: Photograph[]
@@ -40,19 +62,13 @@ export function FigureView(props: {
     const next = names[names.indexOf(name) + by]
     if (next) choose(next)
   }
+  useFigureKeys(tool, setTool, desk)
   useKeys({
-    f: () => setTool({ ...tool, figure: true }),
-    n: () => setTool({ ...tool, figure: false }),
-    m: () => setTool({ ...tool, masks: !tool.masks }),
-    'ctrl+z': () => void strokes.undo(),
-    'ctrl+shift+z': () => void strokes.redo(),
-    'ctrl+y': () => void strokes.redo(),
     PageUp: () => go(-1),
     PageDown: () => go(1),
     ',': () => go(-1),
     '.': () => go(1),
   })
-  const told = desk.figure?.step !== ''
   return (
     <div class="figure-bench">
       <div class="figure-main">
@@ -64,17 +80,11 @@ export function FigureView(props: {
             tool={tool}
             strokes={strokes.clicks}
             results={props.results}
-            add={(stroke) =>
-              told &&
-              strokes.change(stroke.figure ? 'the figure' : 'not the figure', [
-                ...strokes.clicks,
-                stroke,
-              ])
-            }
+            add={(stroke) => said(desk, stroke)}
           />
         )}
         <Strip
-          pose={pose.name}
+          src={(one) => api.photoUrl(pose.name, one, 320)}
           label={`Photographs of ${pose.name}`}
           names={names}
           current={name}
@@ -82,7 +92,7 @@ export function FigureView(props: {
           note={(one) => noteOf(strokes.clicks, one)}
         />
       </div>
-      <FigureSide pose={pose} desk={desk} tool={tool} change={setTool} choose={choose} {...{ name }} />
+      <FigureSide desk={desk} tool={tool} change={setTool} choose={choose} {...{ name }} />
     </div>
   )
 }
@@ -116,36 +126,59 @@ function FigureSheet(props: {
   const { name } = photograph
   const src = api.photoUrl(pose.name, name, 0, false, photograph.photograph)
   const { width, height, probe } = useSize(photograph, src)
+  if (probe || width === 0) return <div class="view empty">Opens {name} … {probe}</div>
+  const masked = photograph.captured || photograph.mask_given
+  return (
+    <StrokeSheet
+      picture={name}
+      {...{ src, width, height, tool }}
+      mask={masked ? api.maskUrl(pose.name, name, 'masks', props.results) : ''}
+      label={`${pose.name}: ${name}`}
+      kind="Photograph"
+      strokes={props.strokes}
+      add={props.add}
+    />
+  )
+}
+
+/** A picture with what was said in it, and its mask; clicks and lines say more. */
+export function StrokeSheet(props: {
+  picture: string
+  src: string
+  /** '': there is none */
+  mask: string
+  width: number
+  height: number
+  label: string
+  /** of picture, for people who do not see it */
+  kind: string
+  tool: FigureTool
+  strokes: readonly FigureStroke[]
+  add: (stroke: FigureStroke) => void
+}) {
+  const { picture, width, height, tool } = props
   const [drawn, setDrawn] = useState<Pixel[]>([])
-  const here = props.strokes.filter((one) => one.picture === name && !one.gone)
+  const here = props.strokes.filter((one) => one.picture === picture && !one.gone)
   const say = (line: Pixel[]) => {
     setDrawn([])
-    if (line.length > 0) props.add(strokeOf(name, line, width, height, tool.figure))
+    if (line.length > 0) props.add(strokeOf(picture, line, width, height, tool.figure))
   }
-  if (probe || width === 0) return <div class="view empty">Opens {name} … {probe}</div>
   const wide = Math.max(width, height) / 260
-  const masked = tool.masks && (photograph.captured || photograph.mask_given)
   return (
     <FrameView
-      src={src}
+      src={props.src}
       width={width}
       height={height}
-      label={`${pose.name}: ${name}`}
-      help="Photograph: the pointer clicks or draws, Space clicks in the middle, the wheel looks closer, Shift and drag move it"
-      caption={name}
+      label={props.label}
+      help={`${props.kind}: the pointer clicks or draws, Space clicks in the middle, the wheel looks closer, Shift and drag move it`}
+      caption={picture}
       marks={[]}
       onPick={(pixel) => say([pixel])}
       onChoose={() => undefined}
       onMove={() => undefined}
       onLine={(line, done) => (done ? say(line) : setDrawn([...line]))}
     >
-      {masked && (
-        <Veil
-          src={api.maskUrl(pose.name, name, 'masks', props.results)}
-          width={width}
-          height={height}
-        />
-      )}
+      {tool.masks && props.mask && <Veil src={props.mask} width={width} height={height} />}
       {here.map((stroke, i) => (
         <Said key={i} points={pixelsOf(stroke, width, height)} figure={stroke.figure} wide={wide} />
       ))}

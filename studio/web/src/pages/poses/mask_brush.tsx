@@ -155,7 +155,7 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
         )}
         {!model && !painting.error && <p class="empty">Opens {name} …</p>}
         <Strip
-          pose={pose.name}
+          src={(one) => api.photoUrl(pose.name, one, 320)}
           label="Photographs of this pose"
           names={props.judged.map((other) => other.photograph.name)}
           current={name}

@@ -1,17 +1,15 @@
-// The photographs of a pose in one row, to go from one to the next.
+// Photographs of a pose, or cameras of a shot, in one row, to go from one to the next.
 import { useEffect, useRef } from 'preact/hooks'
 
-import { api } from '../../api'
 import { nextByKey } from './keys'
 
 export function Strip(props: {
-  pose: string
+  /** the small picture of a name */
+  src: (name: string) => string
   label: string
   names: string[]
   current: string
   choose: (name: string) => void
-  /** as captured, even where there are newer ones */
-  captured?: boolean
   /** a short word on a photograph, over its picture */
   note?: (name: string) => string
 }) {
@@ -38,7 +36,7 @@ export function Strip(props: {
               title={name}
               onClick={() => props.choose(name)}
             >
-              <img src={api.photoUrl(props.pose, name, 320, props.captured)} alt="" loading="lazy" />
+              <img src={props.src(name)} alt="" loading="lazy" />
               <span>{name}</span>
               {props.note?.(name) && <em>{props.note(name)}</em>}
             </button>

@@ -52,7 +52,7 @@ export function Wipe(props: {
       </div>
       {camera && <Pair pose={pose} results={results} camera={camera} behind={behind} />}
       <Strip
-        pose={pose.name}
+        src={(one) => api.photoUrl(pose.name, one, 320)}
         label="Cameras"
         names={cameras.map((one) => one.name)}
         current={camera?.name ?? ''}

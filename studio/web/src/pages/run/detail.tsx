@@ -142,7 +142,9 @@ function Head({ step, heading }: { step: Step; heading: RefObject<HTMLHeadingEle
 }
 
 function Failure({ step }: { step: Step }) {
+  const { project } = useStudio()
   if (step.state !== 'failed') return null
+  const films = project.kind === 'performance'
   const asksForFigure = step.error.includes(kAsksForFigure)
   return (
     <div class="run-failure">
@@ -153,7 +155,7 @@ function Failure({ step }: { step: Step }) {
       ))}
       {asksForFigure && step.pose && (
         <p>
-          <a href={addressOf({ pose: step.pose, tab: 'figure', item: '' })}>Show what it is ›</a>
+          <a href={films ? '#/films' : addressOf({ pose: step.pose, tab: 'figure', item: '' })}>Show what it is ›</a>
         </p>
       )}
     </div>
