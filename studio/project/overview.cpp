@@ -134,6 +134,14 @@ json EmptyProjectJson(const fs::path& folder) {
 json BrokenProjectJson(const fs::path& folder, const std::string& problem) {
   json project = NameAndFolder(folder);
   project["problem"] = problem;
+  // A performance whose cameras are not calibrated yet has a page that does it.
+  try {
+    const auto file =
+        pipeline::ParsePipelineFile(ReadFile(folder / "pipeline.yaml"), "pipeline.yaml");
+    if (file.kind == pipeline::ProjectKind::kPerformance) project["kind"] = "performance";
+  } catch (const Error&) {
+    // the problem says it
+  }
   project["revision"] = RevisionOf(folder / "pipeline.yaml");
   return project;
 }

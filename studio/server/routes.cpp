@@ -60,6 +60,7 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddTextures();
   AddFrames();
   AddFilms();
+  AddCameras();
   AddLandmarks();
   AddTimeline();
   AddResults();

@@ -37,6 +37,7 @@ class Routes {
   void AddMasks();
   void AddFigure();
   void AddFilms();
+  void AddCameras();
   void AddMeshes();
   void AddTextures();
   void AddFrames();
@@ -61,6 +62,7 @@ class Routes {
   /// @throws UsageError  there is no project yet
   Snapshot& Now();
   Answer Stages();
+  Answer Calibrate(const Question& question);
   Answer Suggest(const Question& question);
   Answer ResultFile(const Question& question);
   void Changed();

@@ -5,6 +5,7 @@ import { useEffect, useState } from 'preact/hooks'
 import { api } from './api'
 import type { Project } from './api'
 import { ArmaturePage } from './pages/armature'
+import { CamerasPage } from './pages/cameras'
 import { ExportPage } from './pages/export'
 import { FilmsPage } from './pages/films'
 import { LandmarksPage } from './pages/landmarks'
@@ -103,6 +104,7 @@ function RunState() {
 
 /** A performance has no photographs of poses, no landmarks and no keys to show, but its motion. */
 const kPerformancePages: typeof kPages = [
+  { path: 'cameras', name: 'Cameras', page: CamerasPage },
   { path: 'films', name: 'Films', page: FilmsPage },
   { path: 'motion', name: 'Motion', page: MotionPage },
   ...kPages.filter((one) => one.path === 'run' || one.path === 'export'),
@@ -121,7 +123,8 @@ function Shell() {
   const { project } = useStudio()
   const route = useRoute()
   const all = pagesOf(project)
-  const current = all.find((one) => one.path === route) ?? all[all === kPages ? 1 : 0]
+  // The second page of either is the one to begin with.
+  const current = all.find((one) => one.path === route) ?? all[all === kTakePages ? 0 : 1]
   useEffect(() => {
     document.title = `${current.name} · ${project.name || 'Keypose studio'}`
   }, [current, project.name])
@@ -161,11 +164,16 @@ function Shell() {
           <ThemeButton />
         </div>
       </header>
-      {project.problem && !isNew ? (
+      {project.problem && !isNew && current.page !== CamerasPage ? (
         <main class="empty">
           <h1>pipeline.yaml has a mistake</h1>
           <pre>{project.problem}</pre>
           <p>Mend it in an editor; this page notices at once.</p>
+          {project.kind === 'performance' && (
+            <p>
+              Are the cameras not calibrated yet? <a href="#/cameras">Calibrate them by points</a>
+            </p>
+          )}
         </main>
       ) : (
         <Page />

@@ -234,3 +234,15 @@ test('what four clicks give is called rough; clicks that do not agree are told',
   const wrong = 'click 3 does not agree with the others'
   assert.equal(quickWords({ ...quick, problem: wrong }), 'Click 3 does not agree with the others.')
 })
+
+test('an answer to a question of before a change does not undo the change', async () => {
+  const { file } = fileOf()
+  const asked = file.changes
+  file.change('click 1', [click('1')])
+  await file.save()
+  while (file.saving) await new Promise((go) => setTimeout(go, 2))
+  file.take([], 'of before', asked)
+  assert.deepEqual(file.clicks, [click('1')])
+  file.take([], 'of another', file.changes)
+  assert.deepEqual(file.clicks, [])
+})

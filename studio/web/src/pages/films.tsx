@@ -6,6 +6,7 @@ import { api } from '../api'
 import type { Films } from '../api'
 import { useKeys } from '../keys'
 import { useStudio } from '../state'
+import { FrameSlider } from './films/frame_slider'
 import { noteOf } from './poses/figure_model'
 import { FigureSide } from './poses/figure_side'
 import type { FigureWords } from './poses/figure_side'
@@ -25,8 +26,6 @@ const kWords: FigureWords = {
     'one frame is enough: the other frames of that camera follow.',
 }
 
-type Camera = Films['cameras'][number]
-
 /** The place that "cam1/30" says. */
 export function placeOf(picture: string): { camera: string; frame: number } {
   const slash = picture.lastIndexOf('/')
@@ -41,39 +40,6 @@ function useSettled<T>(value: T): T {
     return () => clearTimeout(timer)
   }, [value])
   return settled
-}
-
-function FrameSlider(props: { camera: Camera; frame: number; set: (frame: number) => void }) {
-  const last = props.camera.frames - 1
-  return (
-    <div class="films-frame">
-      <button
-        aria-label="A frame back"
-        disabled={props.frame === 0}
-        onClick={() => props.set(props.frame - 1)}
-      >
-        ‹
-      </button>
-      <input
-        type="range"
-        aria-label="Frame"
-        min={0}
-        max={last}
-        value={props.frame}
-        onInput={(event) => props.set(Number(event.currentTarget.value))}
-      />
-      <button
-        aria-label="A frame on"
-        disabled={props.frame === last}
-        onClick={() => props.set(props.frame + 1)}
-      >
-        ›
-      </button>
-      <span class="number small">
-        {props.frame} / {last}
-      </span>
-    </div>
-  )
 }
 
 function ShotFilms({ shot, films }: { shot: string; films: Films }) {
@@ -121,7 +87,7 @@ function ShotFilms({ shot, films }: { shot: string; films: Films }) {
           strokes={clicks}
           add={(stroke) => said(desk, stroke)}
         />
-        <FrameSlider camera={camera} frame={at} set={set} />
+        <FrameSlider frames={camera.frames} frame={at} set={set} />
         <Strip
           src={(one) => api.filmUrl(shot, one, frame, 240)}
           label={`Cameras of ${shot}`}

@@ -58,6 +58,10 @@ export interface FrameViewProps {
   onMove: (name: string, pixel: [number, number], done: boolean) => void
   /** what a pressed pointer draws; without it the picture is moved (with it by the middle button) */
   onLine?: (pixels: [number, number][], done: boolean) => void
+  /** the pixel under the pointer; null: it has left */
+  onHover?: (pixel: [number, number] | null) => void
+  /** laid over a corner of the view */
+  aside?: ComponentChildren
   /** for people who do not see the picture */
   help: string
   /** another object: looks there */
@@ -122,6 +126,7 @@ export function FrameView(props: FrameViewProps) {
   }
   const move = (event: PointerEvent) => {
     const press = pressed.current
+    props.onHover?.(pixelAt(event.clientX, event.clientY))
     if (!press) return
     const [dx, dy] = [event.clientX - press.x, event.clientY - press.y]
     if (!press.moved && Math.hypot(dx, dy) < kStill_px) return
@@ -185,6 +190,7 @@ export function FrameView(props: FrameViewProps) {
         onPointerDown={down}
         onPointerMove={move}
         onPointerUp={up}
+        onPointerLeave={() => props.onHover?.(null)}
         onPointerCancel={() => {
           if (pressed.current?.line) props.onLine?.([], true)
           pressed.current = null
@@ -232,6 +238,7 @@ export function FrameView(props: FrameViewProps) {
           </span>
         ))}
       </div>
+      {props.aside}
       <span class="tag frame-caption">{props.caption}</span>
       {zoom.scale > 1 && (
         <button

@@ -34,11 +34,12 @@ export function useFigure(pose: string): FigureDesk {
   }, [pose, tell])
   useEffect(() => {
     let current = true
+    const asked = strokes.changes
     api.figure(pose).then(
       (now) => {
         if (!current) return
         setFigure(now)
-        strokes.take(now.strokes, now.revision)
+        strokes.take(now.strokes, now.revision, asked)
         // A stroke that could not be saved, perhaps as the studio was away, is tried again.
         if (strokes.failed) void strokes.save()
       },

@@ -19,6 +19,8 @@ export class ClickFile<One = Click> {
   saving = false
   /** why the last change is not in the file, or '' */
   failed = ''
+  /** so many changes were made here */
+  changes = 0
   private past: Entry<One>[] = []
   private future: Entry<One>[] = []
   private revision = ''
@@ -38,9 +40,12 @@ export class ClickFile<One = Click> {
     return this.future.length > 0
   }
 
-  /** The file as the server has it. Undo ends here if somebody else has written it. */
-  take(clicks: readonly One[], revision: string): void {
-    if (this.saving || this.dirty || revision === this.revision) return
+  /**
+   * The file as the server has it. Undo ends here if somebody else has written it.
+   * @param asked  `changes` when the server was asked: an answer of before a change is no news
+   */
+  take(clicks: readonly One[], revision: string, asked = this.changes): void {
+    if (asked !== this.changes || this.saving || this.dirty || revision === this.revision) return
     if (this.past.length > 0) this.tell(`The ${this.noun} were changed elsewhere; undo begins anew.`)
     this.clicks = clicks
     this.revision = revision
@@ -74,6 +79,7 @@ export class ClickFile<One = Click> {
   private put(clicks: readonly One[]): void {
     this.clicks = clicks
     this.dirty = true
+    ++this.changes
     this.changed()
     void this.save()
   }

@@ -38,16 +38,17 @@ export function useShot(): ShotDesk {
     }
     return new ClickFile(store, () => drawAgain((old) => old + 1), tell)
   }, [tell])
-  const take = (now: Shot) => {
+  const take = (now: Shot, asked?: number) => {
     latest.current = now
     setShot(now)
-    if (now.clicks) clicks.take(now.clicks.clicks, now.clicks.revision)
+    if (now.clicks) clicks.take(now.clicks.clicks, now.clicks.revision, asked)
   }
   useEffect(() => {
     let current = true
+    const asked = clicks.changes
     shotApi.shot().then(
       (now) => {
-        if (current) take(now)
+        if (current) take(now, asked)
         // A click that could not be saved, perhaps as the studio was away, is tried again.
         if (current && clicks.failed) void clicks.save()
       },
@@ -69,7 +70,7 @@ export function useShot(): ShotDesk {
       })
       .catch(async (error: unknown) => {
         complain(error)
-        await shotApi.shot().then(take).catch(complain)
+        await shotApi.shot().then((now) => take(now)).catch(complain)
         return false
       })
       .finally(() => chain.current === next && setSaving(false))
