@@ -111,7 +111,7 @@ json CameraJson(const Still& still, const KnownPoints& known) {
                  {"still", still.words},  {"problem", ""}};
   if (still.film.empty()) camera["problem"] = "there is no picture of this camera";
   for (const ClickedPicture& clicked : known.cameras)
-    if (clicked.camera == still.camera && !still.film.empty() &&
+    if (clicked.camera == still.camera && !still.film.empty() && !clicked.clicks.empty() &&
         (clicked.width != size.width || clicked.height != size.height))
       camera["problem"] = fmt::format(
           "its clicks are of a picture of {} x {} pixels; the one that is shown has {} x {}",
@@ -210,8 +210,11 @@ json WrittenPoints(const json& body, const KnownPoints& known, const std::vector
           return click.is_object() && click.value("camera", json()) == still.camera;
         });
     if (there == known.cameras.end() && !clicked) continue;
-    const PictureSize size =
-        still.film.empty() ? PictureSize{there->width, there->height} : FrameSize(still.film, 0);
+    // Clicks of another picture stay clicks of that one until they are taken out.
+    const bool of_before = there != known.cameras.end() && !there->clicks.empty() && clicked;
+    const PictureSize size = still.film.empty() || of_before
+                                 ? PictureSize{there->width, there->height}
+                                 : FrameSize(still.film, 0);
     json camera = {{"name", still.camera}, {"size", {size.width, size.height}}};
     if (there != known.cameras.end() && !there->picture.empty()) camera["picture"] = there->picture;
     root["cameras"].push_back(camera);

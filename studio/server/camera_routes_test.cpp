@@ -133,6 +133,20 @@ TEST_F(CameraRoutes, PicturesThatTheFileNamesAreShownAndStay) {
   EXPECT_EQ(ReadKnownPoints(folder_ / "points.json").cameras[0].picture, "set/one.png");
 }
 
+TEST_F(CameraRoutes, ClicksOfAPictureOfAnotherSizeStayThatUntilTheyAreTakenOut) {
+  WriteFile(folder_ / "points.json",
+            R"({"schema": 1, "points": [{"name": "p1", "place": [1, 0, 0]}],
+                "cameras": [{"name": "cam1", "size": [64, 48]}],
+                "clicks": [{"camera": "cam1", "point": "p1", "pixel": [5, 6]}]})");
+  const json now = Get();
+  EXPECT_THAT(now.at("cameras")[0].at("problem"), HasSubstr("64 x 48"));
+  ASSERT_EQ(Put(now.at("points"), now.at("clicks")).status, 200);
+  EXPECT_EQ(ReadKnownPoints(folder_ / "points.json").cameras[0].width, 64);
+  ASSERT_EQ(Put(now.at("points"), json::array()).status, 200);
+  EXPECT_EQ(ReadKnownPoints(folder_ / "points.json").cameras[0].width, kWidth);
+  EXPECT_EQ(Get().at("cameras")[0].at("problem"), "");
+}
+
 TEST_F(CameraRoutes, WhatIsWrongIsSaidAndNothingIsWritten) {
   const auto click = [](const json& camera, const json& point, const json& pixel) {
     return json{{{"camera", camera}, {"point", point}, {"pixel", pixel}}};

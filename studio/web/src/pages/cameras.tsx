@@ -8,7 +8,7 @@ import { CameraView } from './cameras/camera_view'
 import { PointTable } from './cameras/point_table'
 import { pointsApi } from './cameras/points_api'
 import type { Calibration } from './cameras/points_api'
-import { clicksOf, withoutClick } from './cameras/points_model'
+import { clicksOf, withoutCamera, withoutClick } from './cameras/points_model'
 import { usePoints } from './cameras/use_points'
 import type { PointsDesk } from './cameras/use_points'
 import { FrameSlider } from './films/frame_slider'
@@ -83,7 +83,20 @@ function CamerasDesk({ desk, calibration }: { desk: PointsDesk; calibration: Cal
       </div>
       <aside class="figure-side" aria-label="Points and calibration">
         <p class="soft small">{hintOf(desk, chosen)}</p>
-        {camera.problem && <p class="warn small">{camera.name}: {camera.problem}.</p>}
+        {camera.problem && (
+          <p class="warn small">
+            {camera.name}: {camera.problem}.
+          </p>
+        )}
+        {camera.problem && camera.width > 0 && (
+          <button
+            onClick={() =>
+              desk.change(`take out ${camera.name}`, withoutCamera(desk.points, camera.name))
+            }
+          >
+            Take these clicks out
+          </button>
+        )}
         <PointTable
           {...{ desk, result, chosen }}
           camera={camera.name}

@@ -25,10 +25,13 @@ export function CameraView(props: {
   const [under, setUnder] = useState<Pixel | null>(null)
   const [dragged, setDragged] = useState<{ name: string; pixel: Pixel } | null>(null)
   const src = pointsApi.pictureUrl(camera, props.frame)
-  const place = (name: string, pixel: Pixel) =>
-    desk.change(`click ${name}`, withClick(points, camera.name, name, pixel))
+  // Clicks of a picture of another size are not mixed with those of this one.
+  const closed = camera.problem !== ''
+  const place = (name: string, pixel: Pixel) => {
+    if (!closed) desk.change(`click ${name}`, withClick(points, camera.name, name, pixel))
+  }
   const pick = (pixel: Pixel) => {
-    if (!chosen) return
+    if (!chosen || closed) return
     place(chosen, pixel)
     const next = nextToClick(withClick(points, camera.name, chosen, pixel), camera.name, chosen)
     if (next) choose(next)

@@ -28,6 +28,10 @@ export function withoutClick(points: Points, camera: string, point: string): Poi
   return { ...points, clicks }
 }
 
+export function withoutCamera(points: Points, camera: string): Points {
+  return { ...points, clicks: points.clicks.filter((one) => one.camera !== camera) }
+}
+
 /** "point 3": the first such name that none has. */
 export function freeName(points: Points): string {
   const taken = new Set(points.points.map((one) => one.name))
