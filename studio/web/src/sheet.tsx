@@ -42,7 +42,7 @@ export function FailureSheet(props: { picture: FailurePicture; figure: boolean }
     <Sheet
       src={api.failedUrl(props.picture)}
       title={title}
-      alt={props.figure ? 'Every photograph; bright is what was taken for the figure' : title}
+      alt={props.figure ? 'Every photograph; what was not taken for the figure is purple' : title}
       className="sheet-small"
     >
       <img src={api.failedUrl(props.picture, 480)} alt="" />
