@@ -100,6 +100,17 @@ TEST_F(Video3d, WritesATextureAFrameAndAFilmThatExportTakes) {
   EXPECT_TRUE(Says("no texture of frame 1")) << log_;
 }
 
+TEST_F(Video3d, CamerasThatAreLeftOutAreComparedAndMayBeTheFilmsView) {
+  ASSERT_EQ(RunVideo3d("--cameras cam1,cam2,cam4,cam5 --film left_out.mp4 --view cam3"), 0) << log_;
+  EXPECT_GT(fs::file_size(folder_ / "left_out.mp4"), 1000u);
+  const auto report = nlohmann::json::parse(ReadFile(folder_ / "report.json"))["measurements"];
+  ASSERT_EQ(report["other_cameras"].size(), 1u);
+  EXPECT_EQ(report["other_cameras"][0]["name"], "cam3");
+  // 19.3 dB here, at 96 pixels, with parts of the ball that only cam3 sees.
+  EXPECT_GT(report["other_cameras"][0]["psnr_db"].get<double>(), 17);
+  EXPECT_GT(report["other_cameras"][0]["covered"].get<double>(), 0.9);
+}
+
 TEST_F(Video3d, CameraThatDoesNotOverlapIsNamed) {
   std::vector<View> views = world_.views;
   const Eigen::Quaterniond away(Eigen::AngleAxisd(3.14159, Eigen::Vector3d::UnitY()));

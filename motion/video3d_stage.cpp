@@ -15,6 +15,7 @@
 #include "core/stage/stage.h"
 #include "motion/films/video3d_input.h"
 #include "motion/video3d/free_view.h"
+#include "motion/video3d/picture_difference.h"
 #include "motion/video3d/texture_sequence.h"
 #include "views/film/ground_shadow.h"
 #include "views/film/mp4.h"
@@ -46,7 +47,8 @@ struct Video3dOptions {
     visit("pictures", pictures,
           {.help = "format of the textures", .unit = "", .choices = {"png", "jpg"}});
     visit("cameras", cameras,
-          {.help = "names of the cameras that are used, comma-separated; empty: all"});
+          {.help = "names of the cameras that are used, comma-separated; empty: all. The others "
+                   "are only compared with the result"});
     visit("level_exposure", level_exposure,
           {.help = "one gain per camera and channel, so that exposure and white balance agree"});
     visit("agreement", agreement,
@@ -86,7 +88,7 @@ struct Video3dOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "video3d";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
   spec.inputs = MovingMeshPorts();
   spec.inputs.push_back(
@@ -148,6 +150,16 @@ Image8 OwnTexture(StageContext& stage, int size) {
   return texture.width == size && texture.height == size ? texture : Resized(texture, size, size);
 }
 
+/// All cameras of the shot; `cameras` may have left some out.
+SyncedFilms AllFilms(StageContext& stage, const Video3dInput& input) {
+  return SyncedFilms(stage, {"video3d", "compared", "", SizeOf(input.meshes()), false});
+}
+
+std::vector<View> AllViews(StageContext& stage, const Video3dInput& input,
+                           const Video3dOptions& options) {
+  return options.cameras.empty() ? input.views() : AllFilms(stage, input).views();
+}
+
 std::vector<View> FilmViews(StageContext& stage, const Video3dInput& input,
                             const Video3dOptions& options) {
   FreeViewOptions how;
@@ -173,7 +185,7 @@ std::vector<View> FilmViews(StageContext& stage, const Video3dInput& input,
   }
   if (options.view == "orbit") return OrbitViews(input.meshes(), how);
   std::vector<std::string> names;
-  for (const View& view : input.views()) {
+  for (const View& view : AllViews(stage, input, options)) {
     names.push_back(view.name);
     if (view.name != options.view) continue;
     View even = view;
@@ -239,6 +251,36 @@ void WritePicture(StageContext& stage, Video3dInput& input, const Painted& paint
   if (!tiles.empty()) WriteImage(path, TileImages(tiles, 2), 88);
 }
 
+/// What the painted mesh and the cameras that did not paint it have in common.
+void CompareOthers(StageContext& stage, const Video3dInput& input, const Painted& painted,
+                   Progress* progress) {
+  constexpr int kEvery = 6;
+  SyncedFilms films = AllFilms(stage, input);
+  std::vector<std::size_t> others;
+  for (std::size_t v = 0; v < films.views().size(); ++v)
+    if (std::none_of(input.views().begin(), input.views().end(),
+                     [&](const View& used) { return used.name == films.views()[v].name; }))
+      others.push_back(v);
+  std::vector<PictureDifference> differences(others.size());
+  for (int f = 0; f < SizeOf(input.meshes()) && !others.empty(); f += kEvery) {
+    ReportProgress(progress, static_cast<double>(f) / SizeOf(input.meshes()),
+                   "comparing cameras that were left out");
+    const FilmedPictures filmed = films.Read(f);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const std::size_t v = others[i];
+      if (filmed.pictures[v].empty()) continue;
+      differences[i].Add(painted.Picture(f, films.views()[v], false), filmed.pictures[v],
+                         filmed.masks[v]);
+    }
+  }
+  nlohmann::json compared = nlohmann::json::array();
+  for (std::size_t i = 0; i < others.size(); ++i)
+    compared.push_back({{"name", films.views()[others[i]].name},
+                        {"psnr_db", differences[i].Psnr()},
+                        {"covered", differences[i].Covered()}});
+  stage.ReportJson("other_cameras", compared.dump());
+}
+
 void ReportCameras(StageContext& stage, const Video3dInput& input, const SequenceReport& report) {
   nlohmann::json cameras = nlohmann::json::array();
   std::vector<std::string> alone;
@@ -299,6 +341,7 @@ void Run(StageContext& stage, const Video3dOptions& options) {
   const double fps = input.frames_per_second() > 0 ? input.frames_per_second() : kUsualRate;
   if (!film.empty()) WriteFilm(stage, painted, views, fps, &filming);
   WritePicture(stage, input, painted);
+  if (!options.cameras.empty()) CompareOthers(stage, input, painted, stage.progress());
 }
 
 }  // namespace
