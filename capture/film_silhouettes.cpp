@@ -141,7 +141,8 @@ class CameraFilm {
     std::vector<Image8> pictures, masks(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) pictures.push_back(reader.Read(first + i, 3));
     ParallelFor(count, [&](std::int64_t i) {
-      masks[i] = masker_->Regions(WorkingImage(pictures[i], working_px_));
+      masks[i] =
+          masker_->Regions(first + static_cast<int>(i), WorkingImage(pictures[i], working_px_));
     });
     int empty = 0;
     for (int i = 0; i < count; ++i) masks[i] = masker_->Choose(first + i, masks[i]);

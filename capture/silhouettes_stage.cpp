@@ -50,7 +50,7 @@ struct SilhouettesOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "silhouettes";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
   spec.inputs = {
       {"video", "folder",

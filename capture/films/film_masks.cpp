@@ -17,10 +17,11 @@
 namespace keypose::capture {
 namespace {
 
-constexpr int kMostLearnt = 60;  // frames
-constexpr int kAsked = 4;        // frames that the network sees
-constexpr double kRival = 0.25;  // of the actor's motion: another thing that is named
-constexpr double kOther = 0.15;  // of the actor's area: another region that is named
+constexpr int kMostLearnt = 60;     // frames
+constexpr int kAsked = 4;           // frames that the network sees before the actor is known
+constexpr std::size_t kLooks = 12;  // frames that it sees closely after that
+constexpr double kRival = 0.25;     // of the actor's motion: another thing that is named
+constexpr double kOther = 0.15;     // of the actor's area: another region that is named
 
 /// A square about what moves, with a margin, within the picture.
 cv::Rect SquareAround(const MovingRegion& region, int width, int height) {
@@ -49,6 +50,10 @@ bool Holds(const MovingRegion& region, const Image8& trimap, TrimapLabel label) 
   for (std::size_t p = 0; p < trimap.data.size(); ++p)
     if (trimap.data[p] == label && region.area.data[p]) return true;
   return false;
+}
+
+void AddTo(ImageF& odds, const ImageF& more) {
+  for (std::size_t p = 0; p < odds.data.size(); ++p) odds.data[p] += more.data[p];
 }
 
 /// All that the network takes for the object in one frame, as if it moved.
@@ -101,6 +106,28 @@ struct FilmMasker::Impl {
     Ask(rgb, network, hints);
     learning = std::make_unique<FilmLearning>(std::move(rgb), std::move(lab), std::move(modes),
                                               radius, region.area, std::move(hints), options);
+    TakeOver();
+    if (network) LookClosely(network);
+  }
+
+  /// Shows the network the actor in some frames, and learns again with what it says of him.
+  void LookClosely(const AskNetwork& network) {
+    const std::size_t count = std::min(kLooks, frames.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = (2 * i + 1) * frames.size() / (2 * count);
+      looks.Add(frames[k], learning->rgb()[k], learning->lab()[k], actors[k], network);
+    }
+    if (!looks.empty()) Listen({});
+  }
+
+  /// @param odds  for each frame that is learnt from, beside those of the looks; may be empty
+  void Listen(std::vector<ImageF> odds) {
+    if (odds.empty()) odds.assign(frames.size(), ImageF(usual.width, usual.height, 1));
+    if (!looks.empty())
+      ParallelFor(std::ssize(odds), [&](std::int64_t k) {
+        AddTo(odds[k], looks.Odds(frames[k], learning->lab()[k], model.radius()));
+      });
+    learning->Listen(std::move(odds));
     TakeOver();
   }
 
@@ -198,6 +225,7 @@ struct FilmMasker::Impl {
   MovingRegion region;
   std::unique_ptr<FilmLearning> learning;  ///< until EndLearning
   FilmModel model;
+  NetworkLooks looks;
   std::vector<Image8> actors;         ///< the masks of the sample
   double exposure_change = 0;         ///< largest, in stops
   std::vector<std::string> rivals{};  ///< places of other things that move
@@ -214,16 +242,16 @@ FilmMasker::FilmMasker(FilmMasker&&) noexcept = default;
 const std::vector<Image8>& FilmMasker::learnt_masks() const { return impl_->actors; }
 const std::vector<int>& FilmMasker::learnt_frames() const { return impl_->frames; }
 
-void FilmMasker::Listen(std::vector<ImageF> odds) {
-  impl_->learning->Listen(std::move(odds));
-  impl_->TakeOver();
-}
+void FilmMasker::Listen(std::vector<ImageF> odds) { impl_->Listen(std::move(odds)); }
 
 void FilmMasker::EndLearning() { impl_->learning.reset(); }
 
-Image8 FilmMasker::Regions(const Image8& rgb) const {
-  const Image8 even = WithGain(rgb, ExposureGainOf(rgb, impl_->usual));
-  return impl_->model.Regions(even, impl_->model.Odds(even, LabOf(even)));
+Image8 FilmMasker::Regions(int frame, const Image8& rgb) const {
+  const Impl& film = *impl_;
+  const Image8 even = WithGain(rgb, ExposureGainOf(rgb, film.usual)), lab = LabOf(even);
+  ImageF odds = film.model.Odds(even, lab);
+  if (!film.looks.empty()) AddTo(odds, film.looks.Odds(frame, lab, film.model.radius()));
+  return film.model.Regions(even, odds);
 }
 
 Image8 FilmMasker::Choose(int frame, const Image8& regions) {

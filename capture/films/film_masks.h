@@ -1,12 +1,12 @@
 // Masks of an actor in one fixed camera's film, without a picture of the empty set.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "capture/films/film_model.h"
+#include "capture/films/network_looks.h"
 #include "core/image.h"
 
 namespace keypose::capture {
@@ -23,16 +23,14 @@ struct ToldFrame {
   Image8 trimap;  ///< see capture/segmentation/trimap.h
 };
 
-/// The network's opinion on a picture, of the picture's size; see SalienceNetwork::Of.
-using AskNetwork = std::function<Image8(const Image8& rgb)>;
-
 /// The frames to learn from: evenly spread, and those of which something is told.
 std::vector<int> FramesToLearnFrom(int frames, const std::vector<ToldFrame>& told);
 
 /// A camera's film, learnt. Same bits for any thread count.
 class FilmMasker {
  public:
-  /// @param network  may be empty; asked for a few frames
+  /// @param network  may be empty; asked for a few frames, and again for some when the actor is
+  /// known
   /// @throws InputError  nothing moves, and neither the network nor a person says what the actor is
   FilmMasker(FilmSample sample, const std::vector<ToldFrame>& told, const AskNetwork& network,
              const FilmMaskOptions& options);
@@ -51,7 +49,7 @@ class FilmMasker {
   void EndLearning();
 
   /// All that looks like the actor in a frame, at working size. Several threads may call it.
-  Image8 Regions(const Image8& rgb) const;
+  Image8 Regions(int frame, const Image8& rgb) const;
 
   /// The actor among a frame's regions. Call with ascending frames; one thread at a time.
   Image8 Choose(int frame, const Image8& regions);

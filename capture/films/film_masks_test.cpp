@@ -105,7 +105,7 @@ std::pair<double, double> OverlapsOf(FilmMasker& masker, const Play& play) {
   for (int f = 0; f < kFrames; ++f) {
     const Filmed filmed = FrameOf(play, f);
     const double overlap =
-        Overlap(masker.Choose(f, masker.Regions(ImageOf(filmed.picture))), filmed.truth);
+        Overlap(masker.Choose(f, masker.Regions(f, ImageOf(filmed.picture))), filmed.truth);
     sum += overlap;
     worst = std::min(worst, overlap);
   }
@@ -148,7 +148,7 @@ TEST(FilmMasker, AStrokeSaysWhichOfTwoIsTheActor) {
   ToldFrame told{5, Image8(kWidth, kHeight, 1)};
   for (int y = 75; y < 95; ++y) *told.trimap.at(238, y) = kObject;  // the one at the edge
   FilmMasker masker(SampleOf(play, {told}), {told}, {}, {});
-  const Image8 mask = masker.Choose(5, masker.Regions(ImageOf(FrameOf(play, 5).picture)));
+  const Image8 mask = masker.Choose(5, masker.Regions(5, ImageOf(FrameOf(play, 5).picture)));
   EXPECT_EQ(*mask.at(240, 85), 255);
   EXPECT_EQ(*mask.at(125, 90), 0) << "the large one is not meant";
 }
@@ -161,7 +161,7 @@ TEST(FilmMasker, SameBitsForAnyThreadCount) {
     FilmMasker masker(SampleOf(play), {}, {}, {});
     for (const int f : {0, 17}) {
       const Image8 picture = ImageOf(FrameOf(play, f).picture);
-      masks[threads == 3].push_back(masker.Choose(f, masker.Regions(picture)));
+      masks[threads == 3].push_back(masker.Choose(f, masker.Regions(f, picture)));
     }
   }
   SetThreadCount(0);

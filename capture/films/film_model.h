@@ -36,6 +36,9 @@ class FilmModel {
   /// Share of the area of motion where the film shows the set, in [0, 1].
   double set_known() const;
 
+  /// Distance below which colours are the same; see ModeDistance.
+  double radius() const { return radius_; }
+
  private:
   friend class FilmLearning;
   float ModeOdds(std::size_t pixel, const std::uint8_t* lab) const;
@@ -69,6 +72,8 @@ class FilmLearning {
   const FilmModel& model() const { return model_; }
   const std::vector<Image8>& masks() const { return masks_; }  ///< of the frames
   const FilmHints& hints() const { return hints_; }
+  const std::vector<Image8>& rgb() const { return rgb_; }
+  const std::vector<Image8>& lab() const { return lab_; }
 
  private:
   void Begin();
