@@ -4,18 +4,25 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "capture/pictures/contact_sheet.h"
+#include "capture/room/coarse_depths.h"
 #include "capture/room/first_masks.h"
+#include "capture/room/floor_picture.h"
 #include "capture/room/free_standing.h"
 #include "capture/room/room_evidence.h"
+#include "capture/room/standing_figure.h"
+#include "capture/room/told_by_depths.h"
 #include "capture/salience/salience_network.h"
 #include "core/errors.h"
 #include "core/figure_strokes.h"
 #include "core/io/image_io.h"
+#include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/failure_picture.h"
 
@@ -27,6 +34,8 @@ constexpr double kSame = 0.85;   // of the masks and what was told: above it bot
 constexpr double kHardly = 0.8;  // below it they are doubtful in the end
 constexpr std::size_t kFewViews = 16;  // photographs
 constexpr double kSeenByMost = 0.75;   // of few photographs
+constexpr double kShownByMost = 0.7;   // of the photographs have depths of the figure
+constexpr double kUpright = 0.99;      // cosine: a plane is level
 constexpr double kNotAtAll = 0.6;      // below it there is no figure that they agree on
 
 std::string Advice(const std::string& example) {
@@ -128,7 +137,7 @@ ToldFigure Ask(StageContext& stage, const FigureSet& figures, const SpaceOptions
   else
     stage.Note(std::string("masks: ") + kNoSalience +
                ", so what is the figure is told by strokes, colours and views alone");
-  SubProgress progress(stage.progress(), 0.1, 0.25);
+  SubProgress progress(stage.progress(), 0.05, 0.15);
   const Eigen::Vector3d middle = MiddleOf(figures, masks);
   ToldFigure told = AskAboutFigure(figures.images, figures.views, middle,
                                    TurnsOf(figures, middle, std::isfinite(space.floor)),
@@ -195,21 +204,89 @@ Around LookAt(StageContext& stage, const FigureSet& figures, SpaceOptions& space
 void TakeTold(const FigureSet& figures, const ToldFigure& told, const SpaceOptions& space,
               std::vector<Image8>& masks) {
   std::vector<Image8> carried =
-      CarryToAll(figures.images, figures.views, told, figures.boards, figures.masking, space);
+      CarryToAll(figures.images, figures.views, told, figures.known, figures.masking, space);
   for (std::size_t v = 0; v < masks.size(); ++v)
     if (!figures.set.images[figures.index[v]].mask_given) masks[v] = std::move(carried[v]);
 }
 
+/// What depths show of the figure.
+struct ShownByDepths {
+  ToldFigure near;  ///< what is far from any depth of the figure is not the figure
+  ToldFigure open;  ///< or is not known
+  double floor = -std::numeric_limits<double>::infinity();  ///< z
+};
+
+/// @return nothing where no plane was found, nothing stands on it, or few photographs show it
+std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& figures,
+                                          const std::vector<Image8>& masks,
+                                          const ToldFigure& told) {
+  const Eigen::Vector3d middle = MiddleOf(figures, masks);
+  SubProgress progress(stage.progress(), 0.15, 0.25);
+  const CoarseDepths depths =
+      FindCoarseDepths(figures.images, {figures.views, figures.points}, middle, {}, &progress);
+  std::vector<Image8> opinions;
+  for (const ToldView& view : told.views) opinions.push_back(view.mask);
+  const auto standing = FindStandingFigure(depths, figures.views, middle, opinions);
+  stage.Report("figure_stands", standing.has_value());
+  if (!standing) return std::nullopt;
+  const FloorPicture picture(figures.images, figures.views, depths, *standing);
+  std::vector<Image8> floor(figures.images.size());
+  ParallelFor(std::ssize(floor), [&](std::int64_t k) {
+    const auto v = static_cast<std::size_t>(k);
+    floor[v] = LikeFloor(figures.images[v], picture.SeenBy(figures.views[v]));
+  });
+  ShownByDepths shown;
+  shown.near = TellByDepths(figures.images, figures.views, depths, *standing, floor);
+  shown.open = TellByDepths(figures.images, figures.views, depths, *standing, floor,
+                            {.near = std::numeric_limits<double>::infinity()});
+  if (standing->support.up.z() > kUpright) shown.floor = standing->support.height;
+  if (static_cast<double>(shown.near.fitting.size()) <
+      kShownByMost * static_cast<double>(figures.views.size()))
+    return std::nullopt;
+  return shown;
+}
+
+/// Carries to all photographs what depths show of the figure, and the network or a person said.
+FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const ToldFigure& said,
+                         const ShownByDepths& shown, SpaceOptions& space,
+                         std::vector<Image8>& masks) {
+  const ToldFigure both = ToldByBoth(said, shown.open);
+  const bool agree = !both.fitting.empty();
+  const ToldFigure& told = agree ? both : shown.near;
+  for (const int view : told.fitting) {
+    const auto v = static_cast<std::size_t>(view);
+    if (figures.known[v].odds.empty())
+      figures.known[v] = KnownOdds(
+          agree && !shown.open.views[v].mask.empty() ? shown.open.views[v] : told.views[v],
+          figures.masking.odds_limit);
+  }
+  if (std::isfinite(shown.floor)) space.floor = shown.floor;
+  TakeTold(figures, told, space, masks);
+  if (!agree) {
+    // Again, within the space of the first masks, which is smaller than that of depths. A network's
+    // outline would be better: what is left is not to be learned by colours.
+    ToldFigure again = told;
+    for (std::size_t v = 0; v < masks.size(); ++v) again.views[v].mask = masks[v];
+    TakeTold(figures, again, space, masks);
+    space.segmented = true;
+  }
+  stage.Report("figure_by", agree ? "depths and the network" : "depths");
+  return {true, true};
+}
+
 }  // namespace
 
-bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
-                std::vector<Image8>& masks) {
+FoundFigure FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
+                       std::vector<Image8>& masks) {
   std::filesystem::remove(FailurePicture(stage, "masked"));
   const bool said = !figures.strokes.empty();
   const Around around = LookAt(stage, figures, space, masks);
-  if (!around.shows_room && !said) return false;
-  ReportProgress(stage.progress(), 0.1, "what is the figure");
+  if (!around.shows_room && !said) return {};
+  ReportProgress(stage.progress(), 0.05, "what is the figure");
   const ToldFigure told = Ask(stage, figures, space, masks);
+  const std::optional<ShownByDepths> shown =
+      said ? std::nullopt : LookAtDepths(stage, figures, masks, told);
+  if (shown) return TakeStanding(stage, figures, told, *shown, space, masks);
   if (told.network_errs && told.fitting.empty())
     throw InputError(
         "masks: the network takes what you said is not the figure for a part of it, so that your "
@@ -225,10 +302,10 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
   if (!told.fitting.empty() && !same) {
     TakeTold(figures, told, space, masks);
     stage.Report("figure_by", said ? "strokes" : "the network");
-    return true;
+    return {true, false};
   }
   stage.Report("figure_by", same ? "colours, views and the network" : "colours and views");
-  if (same || left >= kAgree) return true;
+  if (same || left >= kAgree) return {true, false};
   stage.Report("figure_unclear", true);
   throw InputError(
       "masks: it cannot be told what the figure is: in " + std::to_string(SizeOf(figures.views)) +
@@ -237,7 +314,7 @@ bool FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& spa
 }
 
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
-                        const std::vector<Image8>& masks) {
+                        const FoundFigure& found, const std::vector<Image8>& masks) {
   const double left = Mean(LeftByOthers(figures.views, masks, space));
   const std::string percent = std::to_string(static_cast<int>(std::lround(100 * left))) + " %";
   const std::string advice = Advice(figures.set.images[figures.index[0]].name);
@@ -245,7 +322,7 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
   const Attachment attachment =
       FindAttachment({figures.views, figures.points}, masks, std::isfinite(space.floor));
   stage.Report("goes_on_beside", attachment.share);
-  if (attachment.attached && figures.strokes.empty())
+  if (attachment.attached && figures.strokes.empty() && !found.stands)
     throw InputError(
         "masks: the figure does not stand free: " +
         std::to_string(static_cast<int>(std::lround(100 * attachment.share))) +

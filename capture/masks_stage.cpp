@@ -204,12 +204,12 @@ void Run(StageContext& stage, const MasksOptions& options) {
   SpaceOptions space = options.Space();
   const FigureSet figures{posed.views, scene.points, posed.images,      posed.boards,
                           posed.index, set,          options.Masking(), options.figure};
-  const bool in_room = FindFigure(stage, figures, space, posed.masks);
+  const FoundFigure found = FindFigure(stage, figures, space, posed.masks);
   SubProgress progress(stage.progress(), 0.25, 0.7);
   const RefinedMasks refined = RefineInSpace(posed.images, posed.masks, posed.views, posed.boards,
                                              options.Masking(), space, &progress);
   ReportAgreement(stage, set, posed, refined);
-  if (in_room) RequireClearFigure(stage, figures, space, refined.masks);
+  if (found.in_room) RequireClearFigure(stage, figures, space, found, refined.masks);
   ReportConsensus(stage, posed, refined.consensus, &set);
   ReportTouched(stage, set, posed, refined);
   const fs::path folder = stage.Output("masked");
@@ -226,14 +226,14 @@ void Run(StageContext& stage, const MasksOptions& options) {
     cells[i] = WriteOne(set, i, mask_of[i], backdrop_of[i], folder, set.images[i]);
   });
   set.folder = folder;
-  set.floor = std::isfinite(space.floor);
+  if (std::isfinite(space.floor)) set.floor = space.floor;
   WriteImageSet(set);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
 }
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "16",
+    .version = "17",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

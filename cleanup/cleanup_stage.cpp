@@ -72,21 +72,40 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
       "correct these masks");
 }
 
-/// The height of the ground, if the figure stands on it.
+/// A surface and the views of it, in a frame whose z = 0 is at some height.
+struct Lowered {
+  keypose::Mesh surface;
+  std::vector<keypose::View> views;
+};
+
+Lowered Lower(const keypose::Mesh& surface, const std::vector<keypose::View>& views,
+              double height) {
+  Lowered lowered{surface, views};
+  lowered.surface.points.col(2).array() -= height;
+  for (keypose::View& view : lowered.views) {
+    keypose::Rigid3& pose = view.camera_from_world;
+    pose.translation += pose.rotation * Eigen::Vector3d(0, 0, height);
+  }
+  return lowered;
+}
+
+/// The height of the ground, if the figure stands on it: z = 0, or of the plane that masks found.
 std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
                              const keypose::Mesh& surface, const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
   using keypose::cleanup::GroundKind;
   const keypose::ImageSet set = keypose::ReadImageSet(stage.Input("images"));
+  const double height = set.floor.value_or(0);
+  const Lowered on_ground = Lower(surface, sight.views, height);
   const keypose::cleanup::Standing standing =
-      keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks,
+      keypose::cleanup::StandsOnGround(on_ground.surface, on_ground.views, sight.masks,
                                        set.board   ? GroundKind::kBoard
                                        : set.floor ? GroundKind::kFloor
                                                    : GroundKind::kGuessed);
   stage.Report("stands_on_ground", standing.stands);
   stage.Report("outlines_end_at", standing.contact);
-  if (standing.stands) return 0.0;
-  stage.Note("no soles are cut flat at z = 0: " + standing.why);
+  if (standing.stands) return height;
+  stage.Note("no soles are cut flat at the ground: " + standing.why);
   return std::nullopt;
 }
 
@@ -195,7 +214,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "9",
+    .version = "10",
     .summary =
         "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
         "wanted size.",

@@ -192,6 +192,7 @@ std::vector<Image8> CoarseMasks::Segmented(const std::vector<char>& inlier,
 }
 
 void CoarseMasks::Reconsider(ViewConsensus& consensus) {
+  if (options_.segmented) return;
   const std::vector<std::size_t> again = OutliersByOutline(consensus, options_.colors);
   if (again.empty()) return;
   const std::vector<Image8> unguided = masks_;
@@ -211,7 +212,10 @@ void CoarseMasks::Run(RefinedMasks& refined, Progress* progress) {
   const std::vector<char>& inlier = refined.consensus_before.inlier;
   // The initial masks of the others are partly wrong, so their contradictions have less weight in
   // the first round.
-  for (const double weight : {1.0, options_.weight, options_.weight}) {
+  const std::vector<double> weights = options_.segmented
+                                          ? std::vector<double>{}
+                                          : std::vector{1.0, options_.weight, options_.weight};
+  for (const double weight : weights) {
     ReportProgress(progress, 0.15 * weight, "masks in space");
     masks_ = Segmented(inlier, inlier, weight);
     contradictions_ = ContradictionsBy(inlier);
@@ -241,6 +245,7 @@ class FineMasks {
   void Run(const std::vector<Image8>& from, RefinedMasks& refined) const;
 
  private:
+  std::vector<Image8> Corrected(std::vector<Image8> masks) const;
   std::vector<Image8> Segmented(const std::vector<Image8>& from) const {
     return SpaceRound(images_, from, ContradictionsByOthers(views_, from, options_, inlier_),
                       inlier_, inlier_, boards_, masking_, options_, options_.weight);
@@ -261,13 +266,27 @@ class FineMasks {
   std::vector<Image8> lab_;
 };
 
+/// The masks without what most of the others that count see past.
+std::vector<Image8> FineMasks::Corrected(std::vector<Image8> masks) const {
+  const std::vector<Image8> contradictions =
+      ContradictionsByOthers(views_, masks, options_, inlier_);
+  const int most = MostContradictionsCounted(
+      static_cast<std::size_t>(std::count(inlier_.begin(), inlier_.end(), 1)), options_);
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    if (!inlier_[i]) continue;
+    for (std::size_t p = 0; p < masks[i].data.size(); ++p)
+      if (contradictions[i].data[p] >= most) masks[i].data[p] = 0;
+  }
+  return masks;
+}
+
 void FineMasks::Run(const std::vector<Image8>& from, RefinedMasks& refined) const {
-  refined.masks = Segmented(from);
+  refined.masks = options_.segmented ? Corrected(from) : Segmented(from);
   Backdrops backdrops = BackdropsBy(refined.masks);
   std::vector<Image8> open = refined.masks;
   if (OpenWindows(images_, views_, backdrops.of, options_, inlier_, open) >
       SpaceMaskTuning::kWorthARound) {
-    refined.masks = Segmented(open);
+    refined.masks = options_.segmented ? open : Segmented(open);
     backdrops = BackdropsBy(refined.masks);
     OpenWindows(images_, views_, backdrops.of, options_, inlier_, refined.masks);
   }
@@ -297,7 +316,9 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   ReportProgress(progress, 0.6, "masks in space");
   std::vector<Image8> large;
   for (std::size_t i = 0; i < images.size(); ++i)
-    large.push_back(ResizedMask(coarse.masks()[i], images[i].width, images[i].height));
+    large.push_back(options.segmented
+                        ? masks[i]
+                        : ResizedMask(coarse.masks()[i], images[i].width, images[i].height));
   FineMasks(images, views, known, refined.consensus.inlier, masking, options).Run(large, refined);
   return refined;
 }

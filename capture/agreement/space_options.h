@@ -20,6 +20,8 @@ struct SpaceOptions {
   /// height of the floor, below which nothing is the figure (z, in the cameras' frame); by default
   /// there is none
   double floor = -std::numeric_limits<double>::infinity();
+  /// the masks need no new segmentation: others' contradictions alone correct them
+  bool segmented = false;
   ConsensusOptions consensus{};
   ColorOptions colors{};
 };

@@ -26,13 +26,12 @@ constexpr int kSureFigure = 178, kSureRoom = 76, kLikely = 127;
 constexpr double kNothing = 0.002;  // of the picture: a mask of less is none
 constexpr double kNearlyAll = 0.9;  // a mask of more is none either
 constexpr int kDenied = 2;          // told photographs that see past a place, which is then outside
+constexpr int kToldPerDenial = 18;  // told photographs, for each of which one denial counts
 constexpr double kSeen = 0.75;      // of the told photographs, which show the figure whole
 constexpr float kToldOdds = 3;      // of what the network or a person said of a pixel
 /// Log odds of the figure by the number of told photographs that see past it. A hull of few
 /// photographs is much larger than the figure.
 constexpr float kSpaceOdds[] = {0.7F, -0.7F, -4, -6};
-/// What is told of a pixel.
-enum Told : std::uint8_t { kNotTold, kToldRoom, kToldOpen, kToldFigure, kToldKinds };
 
 std::uint8_t KindAt(const ToldView& view, std::size_t pixel) {
   return view.kinds.empty() ? std::uint8_t{kNotTold} : view.kinds.data[pixel];
@@ -168,8 +167,11 @@ std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vec
   for (std::size_t i = 0; i < images.size(); ++i)
     masks.push_back(counts[i] ? told.views[i].mask
                               : Image8(images[i].width, images[i].height, 1, 0));
-  const std::vector<Image8> denied =
-      ContradictionsByOthers(views, masks, SpaceOfTold(space), counts);
+  std::vector<Image8> denied = ContradictionsByOthers(views, masks, SpaceOfTold(space), counts);
+  // Of many told photographs a few err.
+  const int step = std::max(1, SizeOf(told.fitting) / kToldPerDenial);
+  for (Image8& view : denied)
+    for (std::uint8_t& d : view.data) d = static_cast<std::uint8_t>(d / step);
   const int spaces = SizeOf(kSpaceOdds);
   Round round{images, {}, {}, FindTakes(images, masking.border_share), nullptr, {}};
   std::vector<Image8> kinds = denied;
@@ -185,9 +187,10 @@ std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vec
   }
   for (int kind = 0; kind < kToldKinds; ++kind)
     for (const float odds : kSpaceOdds)
-      round.odds_told.push_back(odds + (kind == kToldFigure ? kToldOdds
-                                        : kind == kToldRoom ? -kToldOdds
-                                                            : 0));
+      round.odds_told.push_back(odds + (kind == kToldFigure       ? kToldOdds
+                                        : kind == kToldRoom       ? -kToldOdds
+                                        : kind == kToldLikelyRoom ? -kToldOdds / 2
+                                                                  : 0));
   round.told = &kinds;
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());

@@ -2,6 +2,7 @@
 // about, carried to all photographs through the cameras and by colours.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "capture/agreement/space_options.h"
@@ -22,10 +23,20 @@ struct FirstMasksOptions {
   int fewest = 3;     ///< told photographs that must fit each other
 };
 
+/// What is told of a pixel.
+enum Told : std::uint8_t {
+  kNotTold,
+  kToldRoom,
+  kToldLikelyRoom,
+  kToldOpen,
+  kToldFigure,
+  kToldKinds
+};
+
 /// What was told of one photograph.
 struct ToldView {
   Image8 mask;   ///< 255 where the figure is likely; empty: nothing was told
-  Image8 kinds;  ///< how sure that is, pixel by pixel; of the mask's size
+  Image8 kinds;  ///< Told, pixel by pixel; of the mask's size
 };
 
 struct ToldFigure {

@@ -150,6 +150,12 @@ void RequireUsableNames(const ImageSet& set, const fs::path& file) {
   }
 }
 
+/// Versions of masks before 17 wrote `true`, for a plane at z = 0.
+std::optional<double> FloorFrom(const json& floor) {
+  if (!floor.is_boolean()) return floor.get<double>();
+  return floor.get<bool>() ? std::optional<double>(0) : std::nullopt;
+}
+
 }  // namespace
 
 ImageSet ReadImageSet(const fs::path& folder) {
@@ -167,7 +173,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
     if (root.contains("board")) set.board = BoardFrom(root.at("board"));
-    set.floor = root.value("floor", false);
+    if (root.contains("floor")) set.floor = FloorFrom(root.at("floor"));
     for (const json& entry : root.at("images")) set.images.push_back(ImageFrom(entry, set.board));
   } catch (const InputError& error) {
     throw InputError(file.string() + " is damaged (" + error.what() +
@@ -187,7 +193,7 @@ void WriteImageSet(const ImageSet& set) {
   root["schema"] = 1;
   root["camera_model"] = set.camera_model;
   root["images"] = json::array();
-  if (set.floor) root["floor"] = true;
+  if (set.floor) root["floor"] = *set.floor;
   if (set.board)
     root["board"] = {{"dictionary", "DICT_5X5_100"},
                      {"columns", set.board->columns},

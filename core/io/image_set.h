@@ -48,9 +48,9 @@ struct ImageSet {
   std::string camera_model;
   /// the printed calibration board under the figure, when one was found
   std::optional<BoardLayout> board;
-  /// z = 0 of the cameras' frame is a plane that the figure stands on: `masks` found it among the
-  /// points, and nothing in the masks is below it
-  bool floor = false;
+  /// height (z, in the cameras' frame) of the level plane that the figure stands on, where `masks`
+  /// found one: nothing in the masks is below it
+  std::optional<double> floor;
 
   std::filesystem::path ImagePath(int i) const { return folder / images[i].name; }
   std::filesystem::path MaskPath(int i) const { return folder / images[i].mask; }

@@ -1,0 +1,61 @@
+// Which surface in a room is the figure: what stands on the plane below what the cameras look at.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "capture/room/coarse_depths.h"
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// A plane, and which side is up.
+struct Support {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< unit
+  double height = 0;                              ///< up . x on the plane
+
+  double Above(const Eigen::Vector3d& x) const { return up.dot(x) - height; }
+};
+
+struct StandingOptions {
+  double voxel = 0.006;  ///< of the cameras' distance
+  double reach = 0.8;    ///< of that distance: what is farther from the middle is not the figure
+  double thickness = 0.006;  ///< of that distance: the plane's points lie within
+  double share = 0.05;       ///< least share of the surface around the middle that is plane
+  double round = 0.5;        ///< least share of the foot's surroundings that are plane
+  double afloat = 0.03;  ///< of the cameras' distance above the plane: a piece stands on nothing
+  double joins = 0.5;    ///< least share of the opinions on such a piece
+  /// largest median of the sines of the cameras' elevations above the plane: of a wall, with a
+  /// relief on it, it is larger
+  double steepest = 0.87;
+  double tall =
+      0.5;  ///< of the height above the lowest plane: a figure on a higher one has so much
+};
+
+/// What a sample of a surface belongs to.
+enum class Stands : std::uint8_t { kOpen, kFigure, kSupport, kOther };
+
+struct StandingFigure {
+  std::vector<std::vector<Stands>> samples;  ///< by view, as the depths' samples
+  std::vector<Eigen::Vector3d> points;       ///< of its surface, evenly spread
+  Support support;
+  double height = 0;  ///< of the figure's highest point above the plane
+};
+
+/// Finds the plane that has most of the surface around the middle, or the highest one parallel to
+/// it on which most of what stands there stands; and the connected surface above it that is nearest
+/// to the middle's axis, with pieces that stand on nothing, as a head above a dark neck.
+/// @param opinions  by view, masks that say which such pieces belong to it; empty where there is
+/// none
+/// @return nothing where there is no plane, nothing stands on it, or what does goes on beyond reach
+/// Same bits for any thread count.
+std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
+                                                 const std::vector<View>& views,
+                                                 const Eigen::Vector3d& middle,
+                                                 const std::vector<Image8>& opinions,
+                                                 const StandingOptions& options = {});
+
+}  // namespace keypose::capture

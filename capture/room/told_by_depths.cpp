@@ -1,0 +1,175 @@
+#include "capture/room/told_by_depths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/pictures/cv_image.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+
+namespace keypose::capture {
+namespace {
+
+// Of what the network says is the figure, depths may say that so much is the room; and of the
+// depths' figure it may leave out so much. Depths are wrong near its outline.
+constexpr int kFattened = 4;   // pixels that windows widen the figure by
+constexpr float kThin = 0.6F;  // of a thin part's depth: its border
+constexpr double kMostRoom = 0.35, kMostLeftOut = 0.1;
+
+/// The kinds of pixels with depths; kNotTold elsewhere.
+cv::Mat1b Marked(const Image8& image, const std::vector<DepthSample>& samples,
+                 const std::vector<Stands>& stands, double pixel) {
+  cv::Mat1b kinds(image.height, image.width, std::uint8_t{kNotTold});
+  const int half = std::max(0, static_cast<int>(std::ceil(pixel / 2 - 0.5)));
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto kind = stands[k] == Stands::kFigure ? kToldFigure
+                      : stands[k] == Stands::kOpen ? kToldOpen
+                                                   : kToldRoom;
+    const int x = static_cast<int>(std::floor(samples[k].pixel.x())),
+              y = static_cast<int>(std::floor(samples[k].pixel.y()));
+    const cv::Rect cell = cv::Rect(x - half, y - half, 2 * half + 1, 2 * half + 1) &
+                          cv::Rect(0, 0, kinds.cols, kinds.rows);
+    if (!cell.empty()) kinds(cell) = std::uint8_t{kind};
+  }
+  return kinds;
+}
+
+/// Lone depths err.
+cv::Mat1b WithoutSpecks(const cv::Mat1b& kinds, std::uint8_t kind) {
+  cv::Mat1b of = kinds == kind, opened;
+  cv::morphologyEx(of, opened, cv::MORPH_OPEN, cv::Mat1b::ones(3, 3));
+  return opened;
+}
+
+/// How far each pixel is from the figure's points that the picture could show, in pixels.
+cv::Mat1f AwayFrom(const std::vector<Eigen::Vector3d>& points, const View& view,
+                   const cv::Mat1b& figure) {
+  cv::Mat1b shown = figure.clone();
+  for (const Eigen::Vector3d& point : points) {
+    if ((view.camera_from_world * point).z() <= 0) continue;
+    const Eigen::Vector2d p = view.Project(point);
+    const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
+    if (x >= 0 && y >= 0 && x < shown.cols && y < shown.rows) shown(y, x) = 255;
+  }
+  cv::Mat1f away;
+  cv::distanceTransform(~shown, away, cv::DIST_L2, cv::DIST_MASK_5);
+  return away;
+}
+
+/// Shares of a mask that depths say is the room, and of the depths' figure that it leaves out.
+bool Contradicts(const Image8& mask, const Image8& kinds) {
+  double inside = 0, wrong_inside = 0, figure = 0, left_out = 0;
+  for (std::size_t p = 0; p < mask.data.size(); ++p) {
+    const bool in = mask.data[p] > 127;
+    inside += in;
+    wrong_inside += in && kinds.data[p] == kToldRoom;
+    figure += kinds.data[p] == kToldFigure;
+    left_out += !in && kinds.data[p] == kToldFigure;
+  }
+  return wrong_inside > kMostRoom * inside || left_out > kMostLeftOut * figure;
+}
+
+/// The figure's depths without those near their border, where windows widen it; of thin parts the
+/// middle stays.
+cv::Mat1b WellInside(const cv::Mat1b& figure) {
+  cv::Mat1f depth, deepest;
+  cv::distanceTransform(figure, depth, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::dilate(depth, deepest, cv::Mat1b::ones(2 * kFattened + 1, 2 * kFattened + 1));
+  cv::Mat1b inside(figure.size(), std::uint8_t{0});
+  for (int y = 0; y < figure.rows; ++y)
+    for (int x = 0; x < figure.cols; ++x)
+      if (figure(y, x) && depth(y, x) > std::min<float>(kFattened, kThin * deepest(y, x)))
+        inside(y, x) = 255;
+  return inside;
+}
+
+ToldView Tell(const View& view, const cv::Mat1b& marked, const Image8& floor,
+              const StandingFigure& standing, const TellByDepthsOptions& options) {
+  const cv::Mat1b plane = MatOf(floor);
+  const cv::Mat1b on_plane = WithoutSpecks(plane, kSurelyFloor),
+                  maybe_plane = WithoutSpecks(plane, kPerhapsFloor) | on_plane,
+                  room = WithoutSpecks(marked, kToldRoom),
+                  figure = WithoutSpecks(marked, kToldFigure) & ~on_plane;
+  const cv::Mat1b inside = WellInside(figure);
+  const int pixels = cv::countNonZero(figure);
+  if (pixels < options.fewest * marked.cols * marked.rows) return {};
+  const cv::Rect box = cv::boundingRect(figure);
+  const double near = options.near * std::max(box.width, box.height);
+  const cv::Mat1f away = AwayFrom(standing.points, view, figure);
+  ToldView told{Image8(marked.cols, marked.rows, 1, 0),
+                Image8(marked.cols, marked.rows, 1, kToldOpen)};
+  for (int y = 0; y < marked.rows; ++y)
+    for (int x = 0; x < marked.cols; ++x) {
+      const bool is_room = figure(y, x) == 0 && ((room(y, x) && away(y, x) > options.fattened_px) ||
+                                                 away(y, x) > near || on_plane(y, x));
+      if (inside(y, x))
+        *told.kinds.at(x, y) = kToldFigure;
+      else if (is_room)
+        *told.kinds.at(x, y) = kToldRoom;
+      else if (maybe_plane(y, x))
+        *told.kinds.at(x, y) = kToldLikelyRoom;
+      *told.mask.at(x, y) = is_room ? 0 : 255;
+    }
+  return told;
+}
+
+}  // namespace
+
+ToldFigure TellByDepths(const std::vector<Image8>& images, const std::vector<View>& views,
+                        const CoarseDepths& depths, const StandingFigure& figure,
+                        const std::vector<Image8>& floor, const TellByDepthsOptions& options) {
+  ToldFigure told;
+  told.views.resize(images.size());
+  ParallelFor(std::ssize(images), [&](std::int64_t k) {
+    const auto v = static_cast<std::size_t>(k);
+    const cv::Mat1b marked = Marked(images[v], depths.views[v], figure.samples[v], depths.pixel);
+    told.views[v] = Tell(views[v], marked, floor[v], figure, options);
+  });
+  for (std::size_t v = 0; v < images.size(); ++v)
+    if (!told.views[v].mask.empty()) told.fitting.push_back(static_cast<int>(v));
+  return told;
+}
+
+ToldFigure ToldByBoth(const ToldFigure& said, const ToldFigure& depths,
+                      const FirstMasksOptions& options) {
+  ToldFigure both = depths;
+  int agreeing = 0;
+  for (const int view : said.fitting) {
+    const auto v = static_cast<std::size_t>(view);
+    const ToldView& own = said.views[v];
+    ToldView& of = both.views[v];
+    if (!of.mask.empty() && Contradicts(own.mask, of.kinds)) continue;
+    ++agreeing;
+    ToldView told = own;
+    for (std::size_t p = 0; p < of.kinds.data.size(); ++p) {
+      const std::uint8_t kind = of.kinds.data[p];
+      if (kind != kToldFigure && kind != kToldRoom) continue;
+      told.kinds.data[p] = kind;
+      told.mask.data[p] = kind == kToldFigure ? 255 : 0;
+    }
+    if (of.mask.empty()) both.fitting.push_back(view);
+    of = std::move(told);
+  }
+  std::sort(both.fitting.begin(), both.fitting.end());
+  if (agreeing < options.fewest || 2 * agreeing < SizeOf(said.fitting)) both.fitting.clear();
+  return both;
+}
+
+BoardOdds KnownOdds(const ToldView& told, double limit) {
+  BoardOdds known{Image8(told.kinds.width, told.kinds.height, 1, 0),
+                  ImageF(told.kinds.width, told.kinds.height, 1)};
+  for (std::size_t p = 0; p < told.kinds.data.size(); ++p) {
+    const std::uint8_t kind = told.kinds.data[p];
+    if (kind == kToldOpen) continue;
+    known.on_board.data[p] = 255;
+    known.odds.data[p] = static_cast<float>(kind == kToldFigure ? limit
+                                            : kind == kToldRoom ? -limit
+                                                                : -limit / 2);
+  }
+  return known;
+}
+
+}  // namespace keypose::capture
