@@ -35,6 +35,7 @@ constexpr double kHardly = 0.8;  // below it they are doubtful in the end
 constexpr std::size_t kFewViews = 16;  // photographs
 constexpr double kSeenByMost = 0.75;   // of few photographs
 constexpr double kShownByMost = 0.7;   // of the photographs have depths of the figure
+constexpr double kMostBeyond = 0.6;    // of the photographs
 constexpr double kUpright = 0.99;      // cosine: a plane is level
 constexpr double kNotAtAll = 0.6;      // below it there is no figure that they agree on
 
@@ -227,8 +228,13 @@ std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& 
   std::vector<Image8> opinions;
   for (const ToldView& view : told.views) opinions.push_back(view.mask);
   const auto standing = FindStandingFigure(depths, figures.views, middle, opinions);
-  stage.Report("figure_stands", standing.has_value());
+  stage.Report("figure_stands", standing.has_value() && !standing->on_wall);
   if (!standing) return std::nullopt;
+  if (standing->on_wall)
+    throw InputError(
+        "masks: the figure does not stand free: what is behind it is a wall that it is part of, or "
+        "hangs on, as a relief; photograph a figure that stands free, from all sides, or " +
+        Advice(figures.set.images[figures.index[0]].name) + Shown(stage, figures, masks));
   const FloorPicture picture(figures.images, figures.views, depths, *standing);
   std::vector<Image8> floor(figures.images.size());
   ParallelFor(std::ssize(floor), [&](std::int64_t k) {
@@ -262,14 +268,8 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
   }
   if (std::isfinite(shown.floor)) space.floor = shown.floor;
   TakeTold(figures, told, space, masks);
-  if (!agree) {
-    // Again, within the space of the first masks, which is smaller than that of depths. A network's
-    // outline would be better: what is left is not to be learned by colours.
-    ToldFigure again = told;
-    for (std::size_t v = 0; v < masks.size(); ++v) again.views[v].mask = masks[v];
-    TakeTold(figures, again, space, masks);
-    space.segmented = true;
-  }
+  // A network's outline would be better; of depths' masks nothing is left for colours to learn.
+  space.segmented = !agree;
   stage.Report("figure_by", agree ? "depths and the network" : "depths");
   return {true, true};
 }
@@ -329,6 +329,15 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
         " % of what is seen just beside its outlines is as near as the figure itself, as around a "
         "relief on a wall or a carving on a trunk, which have no shape of their own; photograph a "
         "figure that stands free, or " +
+        advice + Shown(stage, figures, masks));
+  const double beyond = BeyondThePictures(masks);
+  stage.Report("goes_on_beyond", beyond);
+  if (beyond > kMostBeyond && figures.strokes.empty())
+    throw InputError(
+        "masks: the figure does not stand free: in " +
+        std::to_string(static_cast<int>(std::lround(100 * beyond))) +
+        " % of the photographs what could be the figure goes on beyond three sides of the picture, "
+        "as a trunk in a wood does, or a room; photograph a figure that stands free, or " +
         advice + Shown(stage, figures, masks));
   if (left < kNotAtAll)
     throw InputError("masks: it cannot be told what the figure is: of each mask only " + percent +

@@ -26,6 +26,7 @@ constexpr int kSureFigure = 178, kSureRoom = 76, kLikely = 127;
 constexpr double kNothing = 0.002;  // of the picture: a mask of less is none
 constexpr double kNearlyAll = 0.9;  // a mask of more is none either
 constexpr int kDenied = 2;          // told photographs that see past a place, which is then outside
+constexpr int kFewestTold = 12;     // pixels of a region
 constexpr int kToldPerDenial = 18;  // told photographs, for each of which one denial counts
 constexpr double kSeen = 0.75;      // of the told photographs, which show the figure whole
 constexpr float kToldOdds = 3;      // of what the network or a person said of a pixel
@@ -151,6 +152,23 @@ Image8 TrimapOfTold(const ToldView& told, const Image8& denied) {
   return trimap;
 }
 
+/// The regions of a mask in which the figure was told; the best where it was told in none.
+Image8 RegionsTold(const Image8& mask, const Image8& kinds) {
+  cv::Mat1i labels;
+  const int count = cv::connectedComponents(MatOf(mask) > 127, labels, 8, CV_32S);
+  std::vector<int> figure(static_cast<std::size_t>(count), 0);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      figure[static_cast<std::size_t>(labels(y, x))] += *kinds.at(x, y) == kToldFigure;
+  Image8 told(mask.width, mask.height, 1, 0);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (const int label = labels(y, x);
+          label > 0 && figure[static_cast<std::size_t>(label)] >= kFewestTold)
+        *told.at(x, y) = 255;
+  return MaskFraction(told) > 0 ? told : BestRegion(mask);
+}
+
 SpaceOptions SpaceOfTold(SpaceOptions space) {
   space.least_seen = kSeen;
   return space;
@@ -194,7 +212,12 @@ std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vec
   round.told = &kinds;
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());
-  return SegmentByClassifier(round, known, masking);
+  if (told.in_pieces) round.all_regions.assign(images.size(), 1);
+  std::vector<Image8> carried = SegmentByClassifier(round, known, masking);
+  if (told.in_pieces)
+    for (std::size_t i = 0; i < carried.size(); ++i)
+      if (counts[i]) carried[i] = RegionsTold(carried[i], told.views[i].kinds);
+  return carried;
 }
 
 ToldFigure AskAboutFigure(const std::vector<Image8>& images, const std::vector<View>& views,

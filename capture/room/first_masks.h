@@ -46,6 +46,8 @@ struct ToldFigure {
   /// a person's strokes show that the network takes other things for the figure: only photographs
   /// with strokes count
   bool network_errs = false;
+  /// what is told is in many pieces: of each mask, all regions stay in which the figure was told
+  bool in_pieces = false;
 };
 
 /// Asks the network about some photographs, and takes up what a person said.

@@ -8,7 +8,8 @@
 namespace keypose::capture {
 namespace {
 
-constexpr double kMost = 0.6;  // share of pairs of one depth, from which a figure is attached
+constexpr double kOfASide = 0.1;  // of a photograph's side: a mask that it cuts goes on beyond
+constexpr double kMost = 0.6;     // share of pairs of one depth, from which a figure is attached
 
 struct Seen {
   Eigen::Vector2d pixel;
@@ -76,6 +77,25 @@ Attachment FindAttachment(const Scene& scene, const std::vector<Image8>& masks, 
   attachment.share = attachment.pairs > 0 ? level / attachment.pairs : 0;
   attachment.attached = attachment.pairs >= options.fewest && attachment.share >= kMost;
   return attachment;
+}
+
+double BeyondThePictures(const std::vector<Image8>& masks) {
+  double beyond = 0;
+  for (const Image8& mask : masks) {
+    int left = 0, right = 0, top = 0, bottom = 0;
+    for (int y = 0; y < mask.height; ++y) {
+      left += *mask.at(0, y) > 127;
+      right += *mask.at(mask.width - 1, y) > 127;
+    }
+    for (int x = 0; x < mask.width; ++x) {
+      top += *mask.at(x, 0) > 127;
+      bottom += *mask.at(x, mask.height - 1) > 127;
+    }
+    const int sides = (left > kOfASide * mask.height) + (right > kOfASide * mask.height) +
+                      (top > kOfASide * mask.width) + (bottom > kOfASide * mask.width);
+    beyond += sides >= 3;
+  }
+  return masks.empty() ? 0 : beyond / static_cast<double>(masks.size());
 }
 
 }  // namespace keypose::capture

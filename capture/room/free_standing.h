@@ -31,4 +31,8 @@ struct Attachment {
 Attachment FindAttachment(const Scene& scene, const std::vector<Image8>& masks, bool on_floor,
                           const FreeStandingOptions& options = {});
 
+/// The share of the masks that go on beyond three sides of their photographs or all four: what is
+/// in them is no figure but its surroundings. A close-up goes beyond one or two.
+double BeyondThePictures(const std::vector<Image8>& masks);
+
 }  // namespace keypose::capture

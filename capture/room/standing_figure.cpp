@@ -142,14 +142,19 @@ Support Refitted(const Surface& surface, const Support& plane, double thickness)
   return {up, up.dot(mean)};
 }
 
-/// The median of the sines of the cameras' elevations above a plane, seen from the middle.
-double MedianRise(const Support& plane, const std::vector<View>& views, const Vector3d& middle) {
+/// Whether a plane is a wall: cameras that are held upright look at it from the front, from the
+/// left and from the right. A table's up is up in the pictures, also seen steeply.
+bool IsWall(const Support& plane, const std::vector<View>& views, const Vector3d& middle,
+            const StandingOptions& options) {
   std::vector<double> rises;
-  for (const View& view : views)
+  Vector3d mean = Vector3d::Zero();
+  for (const View& view : views) {
     rises.push_back(plane.up.dot((view.Center() - middle).normalized()));
+    mean += view.camera_from_world.rotation * plane.up / static_cast<double>(views.size());
+  }
   const auto half = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
   std::nth_element(rises.begin(), half, rises.end());
-  return *half;
+  return *half > options.steep && mean.head<2>().norm() < options.upright;
 }
 
 /// The plane with most of the surface.
@@ -402,7 +407,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   const Surface surface = SurfaceOf(grid);
   if (SizeOf(surface.points) < kFewest) return std::nullopt;
   const auto lowest = LargestPlane(surface, views, middle, distance, options);
-  if (!lowest || MedianRise(*lowest, views, middle) > options.steepest) return std::nullopt;
+  if (!lowest) return std::nullopt;
   const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, distance, 0, options);
   const double whole = on_lowest ? on_lowest->height : 0;
   std::optional<Found> found;
@@ -416,6 +421,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   StandingFigure figure;
   figure.support = found->support;
   figure.height = found->height;
+  figure.on_wall = IsWall(*lowest, views, middle, options);
   for (std::size_t i = 0; i < grid.voxels().size(); ++i)
     if (found->pieces.piece[i] == found->piece) figure.points.push_back(grid.voxels()[i].Point());
   const double end = kEnd * options.reach * distance;

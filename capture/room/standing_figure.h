@@ -28,9 +28,10 @@ struct StandingOptions {
   double round = 0.5;        ///< least share of the foot's surroundings that are plane
   double afloat = 0.03;  ///< of the cameras' distance above the plane: a piece stands on nothing
   double joins = 0.5;    ///< least share of the opinions on such a piece
-  /// largest median of the sines of the cameras' elevations above the plane: of a wall, with a
-  /// relief on it, it is larger
-  double steepest = 0.87;
+  /// A wall, with a relief on it: the median of the sines of the cameras' elevations above the
+  /// plane is larger than this, and the plane's up is on average the pictures' up, or any side, by
+  /// less than that.
+  double steep = 0.6, upright = 0.36;
   double tall =
       0.5;  ///< of the height above the lowest plane: a figure on a higher one has so much
 };
@@ -42,7 +43,8 @@ struct StandingFigure {
   std::vector<std::vector<Stands>> samples;  ///< by view, as the depths' samples
   std::vector<Eigen::Vector3d> points;       ///< of its surface, evenly spread
   Support support;
-  double height = 0;  ///< of the figure's highest point above the plane
+  double height = 0;     ///< of the figure's highest point above the plane
+  bool on_wall = false;  ///< the plane is a wall, and the figure a relief on it
 };
 
 /// Finds the plane that has most of the surface around the middle, or the highest one parallel to

@@ -240,13 +240,27 @@ TEST_F(StandingFigureTest, ANetworkThatTakesTheBookAsWellIsNotBelieved) {
   EXPECT_FALSE(ToldByBoth(right, depths).fitting.empty());
 }
 
-TEST_F(StandingFigureTest, NothingStandsOnAWallSeenFromTheFront) {
-  // The same surface, but the cameras look down on it.
+TEST_F(StandingFigureTest, AWallIsSeenFromTheFrontTheLeftAndTheRight) {
+  const auto standing = Standing();
+  ASSERT_TRUE(standing);
+  EXPECT_FALSE(standing->on_wall);
+  // The plane as a wall, before which a person walks to and fro: up in the pictures is y.
   std::vector<View> views = World().scene.views;
-  for (std::size_t v = 0; v < views.size(); ++v)
-    views[v].camera_from_world.translation -=
-        views[v].camera_from_world.rotation * Vector3d(0, 0, 3);
-  EXPECT_FALSE(FindStandingFigure(Depths(), views, World().middle, {}));
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const double turn =
+        (static_cast<double>(v) / static_cast<double>(views.size() - 1) - 0.5) * 1.8;
+    const Vector3d back(std::sin(turn), 0.2, std::cos(turn));
+    const Vector3d forward = -back.normalized(),
+                   right = forward.cross(Vector3d::UnitY()).normalized();
+    Eigen::Matrix3d rotation;
+    rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+    views[v].camera_from_world.rotation = Eigen::Quaterniond(rotation);
+    views[v].camera_from_world.translation =
+        -(views[v].camera_from_world.rotation * (World().middle - 1.2 * forward));
+  }
+  const auto relief = FindStandingFigure(Depths(), views, World().middle, {});
+  ASSERT_TRUE(relief);
+  EXPECT_TRUE(relief->on_wall);
 }
 
 TEST_F(StandingFigureTest, SameForAnyThreadCount) {

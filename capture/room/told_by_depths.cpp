@@ -122,6 +122,7 @@ ToldFigure TellByDepths(const std::vector<Image8>& images, const std::vector<Vie
                         const CoarseDepths& depths, const StandingFigure& figure,
                         const std::vector<Image8>& floor, const TellByDepthsOptions& options) {
   ToldFigure told;
+  told.in_pieces = true;
   told.views.resize(images.size());
   ParallelFor(std::ssize(images), [&](std::int64_t k) {
     const auto v = static_cast<std::size_t>(k);
