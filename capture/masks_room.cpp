@@ -126,7 +126,8 @@ nlohmann::json NamesOf(const FigureSet& figures, const std::vector<int>& views) 
   return names;
 }
 
-ToldFigure Ask(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
+ToldFigure Ask(StageContext& stage, const FigureSet& figures,
+               const std::vector<ViewStrokes>& strokes, const SpaceOptions& space,
                const std::vector<Image8>& masks) {
   std::unique_ptr<SalienceNetwork> network;
   if (const auto file = FindSalienceNetwork()) network = SalienceNetwork::Open(*file);
@@ -141,8 +142,8 @@ ToldFigure Ask(StageContext& stage, const FigureSet& figures, const SpaceOptions
   SubProgress progress(stage.progress(), 0.05, 0.15);
   const Eigen::Vector3d middle = MiddleOf(figures, masks);
   ToldFigure told = AskAboutFigure(figures.images, figures.views, middle,
-                                   TurnsOf(figures, middle, std::isfinite(space.floor)),
-                                   StrokesOf(stage, figures), salience, space, {}, &progress);
+                                   TurnsOf(figures, middle, std::isfinite(space.floor)), strokes,
+                                   salience, space, {}, &progress);
   stage.ReportJson("figure_asked", NamesOf(figures, told.asked).dump());
   stage.ReportJson("figure_told", NamesOf(figures, told.fitting).dump());
   return told;
@@ -219,17 +220,18 @@ struct ShownByDepths {
 
 /// @return nothing where no plane was found, nothing stands on it, or few photographs show it
 std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& figures,
-                                          const std::vector<Image8>& masks,
-                                          const ToldFigure& told) {
+                                          const std::vector<Image8>& masks, const ToldFigure& told,
+                                          const std::vector<ViewStrokes>& strokes) {
   const Eigen::Vector3d middle = MiddleOf(figures, masks);
   SubProgress progress(stage.progress(), 0.15, 0.25);
   const CoarseDepths depths =
       FindCoarseDepths(figures.images, {figures.views, figures.points}, middle, {}, &progress);
-  std::vector<Image8> opinions;
-  for (const ToldView& view : told.views) opinions.push_back(view.mask);
+  Opinions opinions{{}, strokes};
+  for (const ToldView& view : told.views) opinions.masks.push_back(view.mask);
   const auto standing = FindStandingFigure(depths, figures.views, middle, opinions);
   stage.Report("figure_stands", standing.has_value() && !standing->on_wall);
   if (!standing) return std::nullopt;
+  if (standing->on_wall && !figures.strokes.empty()) return std::nullopt;
   if (standing->on_wall)
     throw InputError(
         "masks: the figure does not stand free: what is behind it is a wall that it is part of, or "
@@ -243,6 +245,7 @@ std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& 
   });
   ShownByDepths shown;
   shown.near = TellByDepths(figures.images, figures.views, depths, *standing, floor);
+  AddStrokes(strokes, shown.near);
   shown.open = TellByDepths(figures.images, figures.views, depths, *standing, floor,
                             {.near = std::numeric_limits<double>::infinity()});
   if (standing->support.up.z() > kUpright) shown.floor = standing->support.height;
@@ -252,7 +255,8 @@ std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& 
   return shown;
 }
 
-/// Carries to all photographs what depths show of the figure, and the network or a person said.
+/// Carries to all photographs what depths show of the figure, and the network said.
+/// @param said  masks of the network; where a person's strokes chose among depths, nothing
 FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const ToldFigure& said,
                          const ShownByDepths& shown, SpaceOptions& space,
                          std::vector<Image8>& masks) {
@@ -270,7 +274,9 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
   TakeTold(figures, told, space, masks);
   // A network's outline would be better; of depths' masks nothing is left for colours to learn.
   space.segmented = !agree;
-  stage.Report("figure_by", agree ? "depths and the network" : "depths");
+  stage.Report("figure_by", !figures.strokes.empty() ? "depths and strokes"
+                            : agree                  ? "depths and the network"
+                                                     : "depths");
   return {true, true};
 }
 
@@ -283,10 +289,10 @@ FoundFigure FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptio
   const Around around = LookAt(stage, figures, space, masks);
   if (!around.shows_room && !said) return {};
   ReportProgress(stage.progress(), 0.05, "what is the figure");
-  const ToldFigure told = Ask(stage, figures, space, masks);
-  const std::optional<ShownByDepths> shown =
-      said ? std::nullopt : LookAtDepths(stage, figures, masks, told);
-  if (shown) return TakeStanding(stage, figures, told, *shown, space, masks);
+  const std::vector<ViewStrokes> strokes = StrokesOf(stage, figures);
+  const ToldFigure told = Ask(stage, figures, strokes, space, masks);
+  const std::optional<ShownByDepths> shown = LookAtDepths(stage, figures, masks, told, strokes);
+  if (shown) return TakeStanding(stage, figures, said ? ToldFigure{} : told, *shown, space, masks);
   if (told.network_errs && told.fitting.empty())
     throw InputError(
         "masks: the network takes what you said is not the figure for a part of it, so that your "

@@ -217,7 +217,9 @@ std::vector<DepthSample> SamplesOf(const Prepared& prepared, std::size_t view,
       });
       if (agreeing < options.confirming) continue;
       const Vector3d outward = world_from_camera.rotation * PlaneNormal(camera, x, y, plane);
-      samples.push_back({photographs[here].Project(point), point, outward.cast<float>()});
+      const std::uint8_t* rgb = own.color.at(x, y);
+      samples.push_back({photographs[here].Project(point), point, outward.cast<float>(),
+                         Eigen::Vector3f(rgb[0], rgb[1], rgb[2])});
     }
   return samples;
 }

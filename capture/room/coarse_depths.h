@@ -28,6 +28,7 @@ struct DepthSample {
   Eigen::Vector2d pixel;    ///< in the photograph at working size, centres at .5
   Eigen::Vector3d point;    ///< in the world
   Eigen::Vector3f outward;  ///< unit normal, towards the camera
+  Eigen::Vector3f colour;   ///< RGB, 0 to 255
 };
 
 struct CoarseDepths {

@@ -11,6 +11,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "capture/room/piece_split.h"
 #include "core/size_of.h"
 
 namespace keypose::capture {
@@ -19,17 +20,19 @@ namespace {
 using Eigen::Vector3d, Eigen::Vector3f, Eigen::Vector3i;
 
 constexpr int kTries = 400;
-constexpr double kLevel = 0.9;    // cosine: the surface of a plane, and the plane
-constexpr double kOneSide = 0.9;  // of the cameras are above it
-constexpr double kClear = 1.2;    // thicknesses: what is higher is not the plane
-constexpr double kEnd = 0.97;     // of the reach: what goes on to here goes on beyond
-constexpr int kFewest = 200;      // voxels
+constexpr double kLevel = 0.9;       // cosine: the surface of a plane, and the plane
+constexpr double kOneSide = 0.9;     // of the cameras are above it
+constexpr double kClear = 1.2;       // thicknesses: what is higher is not the plane
+constexpr double kEnd = 0.97;        // of the reach: what goes on to here goes on beyond
+constexpr double kNearStroke = 1.5;  // pixels
+constexpr double kUpperEnd = 0.85;   // of the figure's height
+constexpr int kFewest = 200;         // voxels
 
 /// One point for each voxel of a sparse grid.
 struct Voxel {
   Vector3i at;
   Vector3d sum = Vector3d::Zero();
-  Vector3f outward = Vector3f::Zero();
+  Vector3f outward = Vector3f::Zero(), colour = Vector3f::Zero();
   int count = 0;
   int first_view = -1;
   bool several = false;  ///< more views than one show it
@@ -78,6 +81,7 @@ class Grid {
     Voxel& voxel = voxels_[static_cast<std::size_t>(found->second)];
     voxel.sum += sample.point;
     voxel.outward += sample.outward;
+    voxel.colour += sample.colour;
     ++voxel.count;
     voxel.several = voxel.several || voxel.first_view != view;
   }
@@ -263,6 +267,16 @@ int MiddlePiece(const Grid& grid, const Pieces& pieces, const Vector3d& middle,
   return best == score.end() ? -1 : static_cast<int>(best - score.begin());
 }
 
+/// The piece with most marks; -1: none is marked.
+int MarkedPiece(const Pieces& pieces, const std::vector<int>& marks) {
+  std::vector<int> count(static_cast<std::size_t>(pieces.count), 0);
+  for (const int voxel : marks)
+    if (const int piece = pieces.piece[static_cast<std::size_t>(voxel)]; piece >= 0)
+      ++count[static_cast<std::size_t>(piece)];
+  const auto best = std::max_element(count.begin(), count.end());
+  return best == count.end() || *best == 0 ? -1 : static_cast<int>(best - count.begin());
+}
+
 /// How much of a piece there is, and how tall it is.
 struct Extent {
   int voxels = 0;
@@ -329,11 +343,19 @@ struct Found {
   double height = 0;
 };
 
+/// Voxels under a person's strokes.
+struct Marks {
+  std::vector<int> figure, other;
+};
+
 std::optional<Found> FindOn(const Grid& grid, const Support& plane, const Vector3d& middle,
-                            double distance, double least_height, const StandingOptions& options) {
+                            const Marks& marks, double distance, double least_height,
+                            const StandingOptions& options) {
   const double thickness = options.thickness * distance, side = options.voxel * distance;
   Found found{plane, PiecesAbove(grid, plane, kClear * thickness), -1, 0};
-  found.piece = MiddlePiece(grid, found.pieces, middle, plane, 0.12 * distance);
+  found.piece = marks.figure.empty()
+                    ? MiddlePiece(grid, found.pieces, middle, plane, 0.12 * distance)
+                    : MarkedPiece(found.pieces, marks.figure);
   if (found.piece < 0) return std::nullopt;
   const Extent extent = ExtentOf(grid, found.pieces, found.piece, plane);
   found.height = extent.top;
@@ -346,10 +368,10 @@ std::optional<Found> FindOn(const Grid& grid, const Support& plane, const Vector
 /// Of each piece the shares of its samples that opinions have in their masks; 0 where there is
 /// none.
 std::vector<double> SharesInMasks(const Grid& grid, const Pieces& pieces,
-                                  const CoarseDepths& depths, const std::vector<Image8>& opinions) {
+                                  const CoarseDepths& depths, const std::vector<Image8>& masks) {
   std::vector<double> in(static_cast<std::size_t>(pieces.count), 0), all(in);
-  for (std::size_t v = 0; v < opinions.size(); ++v) {
-    const Image8& mask = opinions[v];
+  for (std::size_t v = 0; v < masks.size(); ++v) {
+    const Image8& mask = masks[v];
     if (mask.empty()) continue;
     for (const DepthSample& sample : depths.views[v]) {
       const int voxel = grid.Find(sample.point);
@@ -385,6 +407,65 @@ void JoinAfloat(const Grid& grid, const std::vector<double>& shares, double aflo
   }
 }
 
+/// The voxels whose samples lie near a person's strokes.
+void AddMarks(const Grid& grid, const std::vector<DepthSample>& samples,
+              const std::vector<Eigen::Vector2i>& strokes, double near, std::vector<int>& marks) {
+  for (const DepthSample& sample : samples) {
+    const bool marked = std::any_of(strokes.begin(), strokes.end(), [&](const Eigen::Vector2i& s) {
+      return (s.cast<double>() + Eigen::Vector2d(0.5, 0.5) - sample.pixel).norm() <= near;
+    });
+    if (const int voxel = marked ? grid.Find(sample.point) : -1; voxel >= 0) marks.push_back(voxel);
+  }
+}
+
+Marks MarksOf(const Grid& grid, const CoarseDepths& depths,
+              const std::vector<ViewStrokes>& strokes) {
+  Marks marks;
+  for (std::size_t v = 0; v < strokes.size(); ++v) {
+    AddMarks(grid, depths.views[v], strokes[v].figure, kNearStroke, marks.figure);
+    AddMarks(grid, depths.views[v], strokes[v].other, kNearStroke, marks.other);
+  }
+  return marks;
+}
+
+/// Takes away from the figure's piece the part that a person said is another thing. Where nothing
+/// of the figure is marked, its upper end is the figure.
+void SplitOff(const Grid& grid, const Marks& marks, Found& found) {
+  std::vector<int> local(grid.voxels().size(), -1), members;
+  for (std::size_t i = 0; i < local.size(); ++i)
+    if (found.pieces.piece[i] == found.piece) {
+      local[i] = SizeOf(members);
+      members.push_back(static_cast<int>(i));
+    }
+  const auto in_piece = [&local](const std::vector<int>& voxels) {
+    std::vector<int> in;
+    for (const int voxel : voxels)
+      if (const int l = local[static_cast<std::size_t>(voxel)]; l >= 0) in.push_back(l);
+    return in;
+  };
+  const std::vector<int> other = in_piece(marks.other);
+  std::vector<int> figure = in_piece(marks.figure);
+  if (other.empty()) return;
+  ColouredSurface surface;
+  for (std::size_t l = 0; l < members.size(); ++l) {
+    const Voxel& voxel = grid.voxels()[static_cast<std::size_t>(members[l])];
+    surface.colours.push_back(voxel.colour / static_cast<float>(voxel.count));
+    surface.neighbours.emplace_back();
+    for (int k = 0; k < 27; ++k) {
+      const int n = grid.FindAt(voxel.at + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+      if (n >= 0 && local[static_cast<std::size_t>(n)] >= 0)
+        surface.neighbours.back().push_back(local[static_cast<std::size_t>(n)]);
+    }
+    if (marks.figure.empty() && found.support.Above(voxel.Point()) > kUpperEnd * found.height)
+      figure.push_back(static_cast<int>(l));
+  }
+  if (figure.empty()) return;
+  const std::vector<char> is_other = OtherPart(surface, figure, other);
+  for (std::size_t l = 0; l < members.size(); ++l)
+    if (is_other[l]) found.pieces.piece[static_cast<std::size_t>(members[l])] = found.pieces.count;
+  ++found.pieces.count;
+}
+
 Stands StandsOf(const Grid& grid, const Found& found, const Vector3d& x, double thickness) {
   const double above = found.support.Above(x);
   if (above < kClear / 2 * thickness) return Stands::kSupport;
@@ -399,8 +480,7 @@ Stands StandsOf(const Grid& grid, const Found& found, const Vector3d& x, double 
 
 std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
                                                  const std::vector<View>& views,
-                                                 const Vector3d& middle,
-                                                 const std::vector<Image8>& opinions,
+                                                 const Vector3d& middle, const Opinions& opinions,
                                                  const StandingOptions& options) {
   const double distance = depths.distance, thickness = options.thickness * distance;
   const Grid grid(depths, middle, options.voxel * distance, options.reach * distance);
@@ -408,16 +488,18 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   if (SizeOf(surface.points) < kFewest) return std::nullopt;
   const auto lowest = LargestPlane(surface, views, middle, distance, options);
   if (!lowest) return std::nullopt;
-  const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, distance, 0, options);
+  const Marks marks = MarksOf(grid, depths, opinions.strokes);
+  const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, marks, distance, 0, options);
   const double whole = on_lowest ? on_lowest->height : 0;
   std::optional<Found> found;
   for (const Support& plane : PlanesAbove(surface, *lowest, thickness)) {
-    found = FindOn(grid, plane, middle, distance, options.tall * whole, options);
+    found = FindOn(grid, plane, middle, marks, distance, options.tall * whole, options);
     if (found) break;
   }
   if (!found) return std::nullopt;
-  JoinAfloat(grid, SharesInMasks(grid, found->pieces, depths, opinions), options.afloat * distance,
-             options.joins, *found);
+  SplitOff(grid, marks, *found);
+  JoinAfloat(grid, SharesInMasks(grid, found->pieces, depths, opinions.masks),
+             options.afloat * distance, options.joins, *found);
   StandingFigure figure;
   figure.support = found->support;
   figure.height = found->height;

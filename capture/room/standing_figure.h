@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/room/coarse_depths.h"
+#include "capture/room/stroke_masks.h"
 #include "core/camera.h"
 #include "core/image.h"
 
@@ -47,17 +48,22 @@ struct StandingFigure {
   bool on_wall = false;  ///< the plane is a wall, and the figure a relief on it
 };
 
+/// What is known of the figure beside the depths.
+struct Opinions {
+  std::vector<Image8> masks;         ///< by view, of the figure; empty where there is none
+  std::vector<ViewStrokes> strokes;  ///< by view, or empty: what a person said
+};
+
 /// Finds the plane that has most of the surface around the middle, or the highest one parallel to
 /// it on which most of what stands there stands; and the connected surface above it that is nearest
-/// to the middle's axis, with pieces that stand on nothing, as a head above a dark neck.
-/// @param opinions  by view, masks that say which such pieces belong to it; empty where there is
-/// none
+/// to the middle's axis, with pieces that stand on nothing, as a head above a dark neck, and that
+/// masks have. A person's strokes say which surface it is, and which part of it is another thing.
 /// @return nothing where there is no plane, nothing stands on it, or what does goes on beyond reach
 /// Same bits for any thread count.
 std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
                                                  const std::vector<View>& views,
                                                  const Eigen::Vector3d& middle,
-                                                 const std::vector<Image8>& opinions,
+                                                 const Opinions& opinions,
                                                  const StandingOptions& options = {});
 
 }  // namespace keypose::capture

@@ -10,6 +10,7 @@
 
 #include "capture/room/coarse_depths.h"
 #include "capture/room/floor_picture.h"
+#include "capture/room/piece_split.h"
 #include "capture/room/told_by_depths.h"
 #include "capture/testing/test_images.h"
 #include "capture/testing/test_ring.h"
@@ -238,6 +239,76 @@ TEST_F(StandingFigureTest, ANetworkThatTakesTheBookAsWellIsNotBelieved) {
   }
   EXPECT_TRUE(ToldByBoth(with_book, depths).fitting.empty());
   EXPECT_FALSE(ToldByBoth(right, depths).fitting.empty());
+}
+
+TEST_F(StandingFigureTest, ALineOverAPartOfItTakesThatPartAway) {
+  // Lines on the upper half say that it is not the figure; clicks below say what is.
+  Opinions opinions;
+  for (const View& view : World().scene.views) {
+    const auto pixel = [&view](const Vector3d& x) -> Eigen::Vector2i {
+      return view.Project(x).array().floor().cast<int>();
+    };
+    const Vector3d front =
+        kFigureRadius * Vector3d(view.Center().x(), view.Center().y(), 0).normalized();
+    opinions.strokes.emplace_back();
+    opinions.strokes.back().figure = {pixel(front + Vector3d(0, 0, 0.1))};
+    for (int k = 0; k < 20; ++k)
+      opinions.strokes.back().other.push_back(pixel(front + Vector3d(0, 0, 0.28 + 0.005 * k)));
+  }
+  const auto standing = FindStandingFigure(Depths(), World().scene.views, World().middle, opinions);
+  ASSERT_TRUE(standing);
+  double highest = 0;
+  for (const Vector3d& x : standing->points) highest = std::max(highest, x.z());
+  EXPECT_GT(highest, 0.1);
+  EXPECT_LT(highest, 0.29);
+}
+
+TEST_F(StandingFigureTest, AClickChoosesTheBoxBesideIt) {
+  Opinions opinions;
+  opinions.strokes.resize(World().images.size());
+  for (std::size_t v = 0; v < World().images.size(); ++v)
+    for (int p = 0; p < static_cast<int>(World().things[v].data.size()); p += 61)
+      if (World().things[v].data[static_cast<std::size_t>(p)] == kBox)
+        opinions.strokes[v].figure.push_back(
+            {p % World().images[v].width, p / World().images[v].width});
+  const auto standing = FindStandingFigure(Depths(), World().scene.views, World().middle, opinions);
+  ASSERT_TRUE(standing);
+  for (const Vector3d& x : standing->points) EXPECT_GT(x.x(), 0.27);
+}
+
+TEST(OtherPart, IsCutAtTheNarrowPlace) {
+  // Two squares of one colour, joined by one point.
+  constexpr int kSide = 9;
+  ColouredSurface surface;
+  const auto at = [](int square, int x, int y) { return square * kSide * kSide + y * kSide + x; };
+  surface.colours.assign(2 * kSide * kSide, Eigen::Vector3f(90, 90, 90));
+  surface.neighbours.resize(surface.colours.size());
+  const auto join = [&surface](int a, int b) {
+    surface.neighbours[static_cast<std::size_t>(a)].push_back(b);
+    surface.neighbours[static_cast<std::size_t>(b)].push_back(a);
+  };
+  for (int square = 0; square < 2; ++square)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        if (x > 0) join(at(square, x, y), at(square, x - 1, y));
+        if (y > 0) join(at(square, x, y), at(square, x, y - 1));
+      }
+  join(at(0, kSide - 1, 4), at(1, 0, 4));
+  const std::vector<char> other = OtherPart(surface, {at(0, 3, 4)}, {at(1, 2, 4)});
+  for (int i = 0; i < 2 * kSide * kSide; ++i) EXPECT_EQ(other[i], i >= kSide * kSide) << i;
+}
+
+TEST(OtherPart, IsCutWhereTheColourChanges) {
+  ColouredSurface line;
+  for (int i = 0; i < 40; ++i) {
+    line.colours.push_back(Eigen::Vector3f::Constant(i < 30 ? 60 : 200));
+    line.neighbours.emplace_back();
+    if (i == 0) continue;
+    line.neighbours[static_cast<std::size_t>(i)].push_back(i - 1);
+    line.neighbours[static_cast<std::size_t>(i) - 1].push_back(i);
+  }
+  const std::vector<char> other = OtherPart(line, {2}, {35});
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(other[i], i >= 30) << i;
 }
 
 TEST_F(StandingFigureTest, AWallIsSeenFromTheFrontTheLeftAndTheRight) {

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures/cv_image.h"
+#include "capture/room/floor_picture.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 
@@ -157,6 +158,24 @@ ToldFigure ToldByBoth(const ToldFigure& said, const ToldFigure& depths,
   std::sort(both.fitting.begin(), both.fitting.end());
   if (agreeing < options.fewest || 2 * agreeing < SizeOf(said.fitting)) both.fitting.clear();
   return both;
+}
+
+void AddStrokes(const std::vector<ViewStrokes>& strokes, ToldFigure& told) {
+  for (std::size_t v = 0; v < strokes.size(); ++v) {
+    ToldView& view = told.views[v];
+    if (view.mask.empty()) continue;
+    const auto mark = [&view](const std::vector<Eigen::Vector2i>& pixels, std::uint8_t kind) {
+      for (const Eigen::Vector2i& pixel : pixels)
+        for (int k = 0; k < 9; ++k) {
+          const int x = pixel.x() + k % 3 - 1, y = pixel.y() + k / 3 - 1;
+          if (x < 0 || y < 0 || x >= view.mask.width || y >= view.mask.height) continue;
+          *view.kinds.at(x, y) = kind;
+          *view.mask.at(x, y) = kind == kToldFigure ? 255 : 0;
+        }
+    };
+    mark(strokes[v].figure, kToldFigure);
+    mark(strokes[v].other, kToldRoom);
+  }
 }
 
 BoardOdds KnownOdds(const ToldView& told, double limit) {

@@ -40,6 +40,10 @@ ToldFigure TellByDepths(const std::vector<Image8>& images, const std::vector<Vie
 ToldFigure ToldByBoth(const ToldFigure& said, const ToldFigure& depths,
                       const FirstMasksOptions& options = {});
 
+/// What a person's strokes say counts more than depths.
+/// @param strokes  by view, or empty
+void AddStrokes(const std::vector<ViewStrokes>& strokes, ToldFigure& told);
+
 /// What depths told as known odds: `limit` where the figure is, -`limit` where the room is, half of
 /// that where it is likely, nothing where it is open.
 BoardOdds KnownOdds(const ToldView& told, double limit);

@@ -1,0 +1,26 @@
+// Splits a connected surface where a person said that a part of it is another thing.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace keypose::capture {
+
+/// Points of a surface with their colours, and which lie beside each other.
+struct ColouredSurface {
+  std::vector<Eigen::Vector3f> colours;      ///< RGB, 0 to 255
+  std::vector<std::vector<int>> neighbours;  ///< by point, symmetric
+};
+
+/// Which points belong to another thing. What is much nearer to one kind of marks than to the
+/// other, on ways over the surface that avoid steps between colours, belongs to it; between, the
+/// surface is cut where it is narrow and its colour changes.
+/// @param figure, other  marked points, one of each at least
+/// @return 1 for the points of `other`
+/// Same bits for any thread count.
+/// Source: Bai & Sapiro, "A geodesic framework for fast interactive image and video segmentation",
+/// ICCV 2007, for what is near; Boykov & Jolly, ICCV 2001, for the cut; both over a surface.
+std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<int>& figure,
+                            const std::vector<int>& other);
+
+}  // namespace keypose::capture
