@@ -39,7 +39,8 @@ struct PosePart {
   std::optional<Picture> texture;
   /// the textured mesh compared with the photographs; no views if there is nothing to compare
   PoseEvidence evidence;
-  std::vector<Picture> worst;  ///< photograph beside render, of the worst views
+  bool masks_replaced = false;  ///< compared with masks that replaced the first ones, in a room
+  std::vector<Picture> worst;   ///< photograph beside render, of the worst views
   int faces = 0, vertices = 0;
 };
 

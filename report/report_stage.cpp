@@ -54,13 +54,19 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "14";
+  spec.version = "15";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
   spec.memory_gib = 2;
   return spec;
+}
+
+/// Whether the masks step took another thing for the figure than first masks, which colours tell.
+bool AreReplaced(const StepRecord& masks) {
+  const auto by = masks.texts.find("figure_by");
+  return by != masks.texts.end() && !by->second.starts_with("colours");
 }
 
 /// Relative to the figure's middle, with the azimuth as in the pictures from all round.
@@ -233,7 +239,8 @@ class Gatherer {
                            Resized(texture, side, side)};
   }
 
-  /// Compares the textured mesh with each photograph and its first mask.
+  /// Compares the textured mesh with each photograph and its first mask; in a room, where first
+  /// masks hold more than the figure, with the mask that replaced it.
   /// @param masks  may be null
   void Compare(const StepRecord& bake, const StepRecord& capture, const StepRecord* masks,
                PosePart& pose) const {
@@ -242,7 +249,9 @@ class Gatherer {
     const Image8 texture = ReadImage(bake.Output("texture"), 3);
     const RayScene scene(mesh.points, mesh.faces);
     const Scene cameras = ReadColmapModel(bake.Input("model"));
-    const ImageSet set = ReadImageSet(capture.Output("images"));
+    pose.masks_replaced = masks && !masks->Output("masked").empty() && AreReplaced(*masks);
+    const ImageSet set =
+        ReadImageSet(pose.masks_replaced ? masks->Output("masked") : capture.Output("images"));
     std::vector<std::pair<const View*, int>> placed;
     for (const View& view : cameras.views)
       if (const int i = set.Find(view.name); i >= 0 && !set.images[i].mask.empty())

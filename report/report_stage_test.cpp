@@ -79,6 +79,25 @@ class Project : public TestingFolder {
                               {{"mesh", {"mesh.obj"}}, {"model", {"model"}}})}}});
   }
 
+  /// First masks hold all of each photograph; the masks step told what the figure is.
+  void TakeToRoom(const std::string& told_by) const {
+    fs::copy(folder_ / "images", folder_ / "masked", fs::copy_options::recursive);
+    for (const auto& mask : fs::directory_iterator(folder_ / "images/masks"))
+      WriteImage(mask.path(), Image8(kWidth, kHeight, 1, 255));
+    Write("masks.json", {{"schema", 1},
+                         {"stage", "masks"},
+                         {"version", "1"},
+                         {"measurements", {{"figure_by", told_by}}}});
+    json run = json::parse(Text("run.json"));
+    json step = run["steps"][0];
+    step["id"] = "masks/rest";
+    step["step"] = step["stage"] = "masks";
+    step["report"] = "masks.json";
+    step["outputs"] = {{"masked", "masked"}};
+    run["steps"].insert(run["steps"].begin() + 1, step);
+    Write("run.json", run);
+  }
+
   int Report() const {
     const std::string f = folder_.string();
     return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f + " --report " +
@@ -167,6 +186,23 @@ TEST(ReportStage, AnIdealRunIsGoodAndItsPageIsOneSmallFileWithAPlayer) {
   const std::string page = project.Text("report/index.html");
   EXPECT_LT(page.size(), 8'000'000u);
   EXPECT_THAT(page, HasSubstr("id=player-data"));
+}
+
+TEST(ReportStage, InARoomMasksThatReplacedTheFirstOnesAreCompared) {
+  const Project project(false);
+  project.TakeToRoom("depths");
+  ASSERT_EQ(project.Report(), 0) << project.Text("log");
+  EXPECT_EQ(json::parse(project.Text("stage.json"))["verdicts"][0]["grade"], "good");
+  EXPECT_LT(json::parse(project.Text("report/report.json"))["evidence"]["rest"]["outline_off"]
+                .get<double>(),
+            1e-4);
+}
+
+TEST(ReportStage, ElseTheFirstMasksAre) {
+  const Project project(false);
+  project.TakeToRoom("colours and views");
+  ASSERT_EQ(project.Report(), 0) << project.Text("log");
+  EXPECT_EQ(json::parse(project.Text("stage.json"))["verdicts"][0]["grade"], "wrong");
 }
 
 }  // namespace

@@ -279,7 +279,8 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
     html += "<h3>Photograph and render from the same camera: the worst of " +
             Pretty(static_cast<double>(pose.evidence.views.size())) +
             "</h3><p class=lead>Left: the photograph. Right: the textured mesh. The orange line in "
-            "both is the outline of the photograph\u2019s first mask.</p>" +
+            "both is the outline of the photograph\u2019s " +
+            std::string(pose.masks_replaced ? "mask" : "first mask") + ".</p>" +
             WidePictures(pose.worst, encode) + ViewTable(pose.evidence);
   std::vector<Picture> made;
   if (pose.cloud) made.push_back({"Dense points: " + pose.cloud->caption, pose.cloud->image});
