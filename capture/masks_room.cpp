@@ -263,12 +263,13 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
   const ToldFigure both = ToldByBoth(said, shown.open);
   const bool agree = !both.fitting.empty();
   const ToldFigure& told = agree ? both : shown.near;
-  for (const int view : told.fitting) {
+  const ToldFigure& by_depths = agree ? shown.open : shown.near;
+  for (const int view : by_depths.fitting) {
     const auto v = static_cast<std::size_t>(view);
     if (figures.known[v].odds.empty())
-      figures.known[v] = KnownOdds(
-          agree && !shown.open.views[v].mask.empty() ? shown.open.views[v] : told.views[v],
-          figures.masking.odds_limit);
+      // Windows without texture widen the figure by more than its border: a network knows better.
+      figures.known[v] = KnownOdds(by_depths.views[v], agree ? 0 : figures.masking.odds_limit,
+                                   figures.masking.odds_limit);
   }
   if (std::isfinite(shown.floor)) space.floor = shown.floor;
   TakeTold(figures, told, space, masks);

@@ -152,9 +152,10 @@ void ReportConsensus(StageContext& stage, const PosedImages& posed, const ViewCo
         "move or those from after it, and shoot the rest again");
 }
 
-/// Warns of the photographs in which a hand or another object touches the figure.
+/// Warns of the photographs in which a hand or another object touches the figure. In a room the
+/// masks before this step's last rounds are guesses, of which much is cut off that touches nothing.
 void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& posed,
-                   const RefinedMasks& refined) {
+                   const RefinedMasks& refined, bool in_room) {
   nlohmann::json touched = nlohmann::json::array();
   std::string names;
   double largest = 0;
@@ -166,7 +167,7 @@ void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& 
     names += (names.empty() ? "" : ", ") + name;
     largest = std::max(largest, excess);
   }
-  if (!names.empty())
+  if (!names.empty() && !in_room)
     stage.Warn("something touches the figure in " + names +
                " that the other photographs see past (a hand, a tool, a stand), as large as " +
                Percent(largest) +
@@ -211,7 +212,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   ReportAgreement(stage, set, posed, refined);
   if (found.in_room) RequireClearFigure(stage, figures, space, found, refined.masks);
   ReportConsensus(stage, posed, refined.consensus, &set);
-  ReportTouched(stage, set, posed, refined);
+  ReportTouched(stage, set, posed, refined, found.in_room);
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);

@@ -200,7 +200,7 @@ TEST_F(StandingFigureTest, MasksOfAllPhotographsFollow) {
       TellByDepths(world.images, world.scene.views, Depths(), *standing, likeness);
   ASSERT_EQ(told.fitting.size(), world.images.size());
   std::vector<BoardOdds> known;
-  for (const ToldView& view : told.views) known.push_back(KnownOdds(view, 6));
+  for (const ToldView& view : told.views) known.push_back(KnownOdds(view, 6, 6));
   SpaceOptions space;
   space.floor = standing->support.height;
   const std::vector<Image8> masks =

@@ -137,25 +137,24 @@ ToldFigure TellByDepths(const std::vector<Image8>& images, const std::vector<Vie
 
 ToldFigure ToldByBoth(const ToldFigure& said, const ToldFigure& depths,
                       const FirstMasksOptions& options) {
-  ToldFigure both = depths;
-  int agreeing = 0;
+  // Views that only depths tell of are open in many places: they would make the common space large.
+  ToldFigure both;
+  both.views.resize(depths.views.size());
   for (const int view : said.fitting) {
     const auto v = static_cast<std::size_t>(view);
-    const ToldView& own = said.views[v];
-    ToldView& of = both.views[v];
-    if (!of.mask.empty() && Contradicts(own.mask, of.kinds)) continue;
-    ++agreeing;
-    ToldView told = own;
-    for (std::size_t p = 0; p < of.kinds.data.size(); ++p) {
-      const std::uint8_t kind = of.kinds.data[p];
+    const ToldView& by_depths = depths.views[v];
+    ToldView told = said.views[v];
+    if (!by_depths.mask.empty() && Contradicts(told.mask, by_depths.kinds)) continue;
+    for (std::size_t p = 0; p < by_depths.kinds.data.size(); ++p) {
+      const std::uint8_t kind = by_depths.kinds.data[p];
       if (kind != kToldFigure && kind != kToldRoom) continue;
       told.kinds.data[p] = kind;
       told.mask.data[p] = kind == kToldFigure ? 255 : 0;
     }
-    if (of.mask.empty()) both.fitting.push_back(view);
-    of = std::move(told);
+    both.views[v] = std::move(told);
+    both.fitting.push_back(view);
   }
-  std::sort(both.fitting.begin(), both.fitting.end());
+  const int agreeing = SizeOf(both.fitting);
   if (agreeing < options.fewest || 2 * agreeing < SizeOf(said.fitting)) both.fitting.clear();
   return both;
 }
@@ -178,16 +177,18 @@ void AddStrokes(const std::vector<ViewStrokes>& strokes, ToldFigure& told) {
   }
 }
 
-BoardOdds KnownOdds(const ToldView& told, double limit) {
+BoardOdds KnownOdds(const ToldView& told, double figure, double room) {
   BoardOdds known{Image8(told.kinds.width, told.kinds.height, 1, 0),
                   ImageF(told.kinds.width, told.kinds.height, 1)};
   for (std::size_t p = 0; p < told.kinds.data.size(); ++p) {
     const std::uint8_t kind = told.kinds.data[p];
-    if (kind == kToldOpen) continue;
+    const double odds = kind == kToldFigure       ? figure
+                        : kind == kToldRoom       ? -room
+                        : kind == kToldLikelyRoom ? -room / 2
+                                                  : 0;
+    if (odds == 0) continue;
     known.on_board.data[p] = 255;
-    known.odds.data[p] = static_cast<float>(kind == kToldFigure ? limit
-                                            : kind == kToldRoom ? -limit
-                                                                : -limit / 2);
+    known.odds.data[p] = static_cast<float>(odds);
   }
   return known;
 }

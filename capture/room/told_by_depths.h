@@ -32,8 +32,8 @@ ToldFigure TellByDepths(const std::vector<Image8>& images, const std::vector<Vie
                         const CoarseDepths& depths, const StandingFigure& figure,
                         const std::vector<Image8>& floor, const TellByDepthsOptions& options = {});
 
-/// What the network or a person said, where it does not contradict the depths, and else what the
-/// depths tell.
+/// What the network said of photographs in which it does not contradict the depths, corrected by
+/// them.
 /// @param said    masks that fit each other
 /// @param depths  told with `near` infinite
 /// @return without fitting ones, where too few of them do not contradict the depths
@@ -44,8 +44,8 @@ ToldFigure ToldByBoth(const ToldFigure& said, const ToldFigure& depths,
 /// @param strokes  by view, or empty
 void AddStrokes(const std::vector<ViewStrokes>& strokes, ToldFigure& told);
 
-/// What depths told as known odds: `limit` where the figure is, -`limit` where the room is, half of
-/// that where it is likely, nothing where it is open.
-BoardOdds KnownOdds(const ToldView& told, double limit);
+/// What depths told as known odds: `figure` where the figure is, -`room` where the room is, half of
+/// that where it is likely, nothing where it is open or the odds are 0.
+BoardOdds KnownOdds(const ToldView& told, double figure, double room);
 
 }  // namespace keypose::capture
