@@ -1,15 +1,11 @@
 #include "capture/room/standing_figure.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <deque>
 #include <limits>
-#include <random>
 #include <set>
-#include <unordered_map>
 
 #include "capture/room/piece_split.h"
 #include "core/size_of.h"
@@ -17,203 +13,13 @@
 namespace keypose::capture {
 namespace {
 
-using Eigen::Vector3d, Eigen::Vector3f, Eigen::Vector3i;
+using Eigen::Vector3d, Eigen::Vector3i;
 
-constexpr int kTries = 400;
-constexpr double kLevel = 0.9;       // cosine: the surface of a plane, and the plane
-constexpr double kOneSide = 0.9;     // of the cameras are above it
 constexpr double kClear = 1.2;       // thicknesses: what is higher is not the plane
 constexpr double kEnd = 0.97;        // of the reach: what goes on to here goes on beyond
 constexpr double kNearStroke = 1.5;  // pixels
 constexpr double kUpperEnd = 0.85;   // of the figure's height
 constexpr int kFewest = 200;         // voxels
-
-/// One point for each voxel of a sparse grid.
-struct Voxel {
-  Vector3i at;
-  Vector3d sum = Vector3d::Zero();
-  Vector3f outward = Vector3f::Zero(), colour = Vector3f::Zero();
-  int count = 0;
-  int first_view = -1;
-  bool several = false;  ///< more views than one show it
-
-  Vector3d Point() const { return sum / count; }
-};
-
-std::int64_t KeyOf(const Vector3i& at) {
-  constexpr std::int64_t kOffset = 1 << 20;
-  return ((at.x() + kOffset) << 42) | ((at.y() + kOffset) << 21) | (at.z() + kOffset);
-}
-
-class Grid {
- public:
-  Grid(const CoarseDepths& depths, const Vector3d& middle, double side, double reach)
-      : middle_(middle), side_(side) {
-    for (std::size_t v = 0; v < depths.views.size(); ++v)
-      for (const DepthSample& sample : depths.views[v]) {
-        if ((sample.point - middle).norm() > reach) continue;
-        Add(sample, static_cast<int>(v));
-      }
-  }
-
-  const std::vector<Voxel>& voxels() const { return voxels_; }
-  /// Index of the voxel that holds the point; -1: none.
-  int Find(const Vector3d& x) const { return FindAt(CellOf(x)); }
-  int FindAt(const Vector3i& at) const {
-    const auto found = index_.find(KeyOf(at));
-    return found == index_.end() ? -1 : found->second;
-  }
-
- private:
-  Vector3i CellOf(const Vector3d& x) const {
-    const Vector3d cell = (x - middle_) / side_;
-    return {static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())),
-            static_cast<int>(std::floor(cell.z()))};
-  }
-  void Add(const DepthSample& sample, int view) {
-    const Vector3i at = CellOf(sample.point);
-    const auto [found, added] = index_.try_emplace(KeyOf(at), SizeOf(voxels_));
-    if (added) {
-      voxels_.emplace_back();
-      voxels_.back().at = at;
-      voxels_.back().first_view = view;
-    }
-    Voxel& voxel = voxels_[static_cast<std::size_t>(found->second)];
-    voxel.sum += sample.point;
-    voxel.outward += sample.outward;
-    voxel.colour += sample.colour;
-    ++voxel.count;
-    voxel.several = voxel.several || voxel.first_view != view;
-  }
-
-  Vector3d middle_;
-  double side_;
-  std::vector<Voxel> voxels_;
-  std::unordered_map<std::int64_t, int> index_;
-};
-
-/// Points of a surface, thinned to one a voxel.
-struct Surface {
-  std::vector<Vector3d> points;
-  std::vector<Vector3d> normals;
-};
-
-Surface SurfaceOf(const Grid& grid) {
-  Surface surface;
-  for (const Voxel& voxel : grid.voxels()) {
-    if (!voxel.several || voxel.outward.norm() < 1e-6F) continue;
-    surface.points.push_back(voxel.Point());
-    surface.normals.push_back(voxel.outward.cast<double>().normalized());
-  }
-  return surface;
-}
-
-bool IsBelow(const Support& plane, const std::vector<View>& views, const Vector3d& middle,
-             double slack) {
-  if (plane.Above(middle) < -slack) return false;
-  const auto above = std::count_if(
-      views.begin(), views.end(), [&](const View& view) { return plane.Above(view.Center()) > 0; });
-  return static_cast<double>(above) >= kOneSide * static_cast<double>(views.size());
-}
-
-bool OnPlane(const Surface& surface, std::size_t i, const Support& plane, double thickness) {
-  return std::abs(plane.Above(surface.points[i])) < thickness &&
-         surface.normals[i].dot(plane.up) > kLevel;
-}
-
-int CountOn(const Surface& surface, const Support& plane, double thickness) {
-  int count = 0;
-  for (std::size_t i = 0; i < surface.points.size(); ++i)
-    count += OnPlane(surface, i, plane, thickness);
-  return count;
-}
-
-Support Refitted(const Surface& surface, const Support& plane, double thickness) {
-  Vector3d mean = Vector3d::Zero();
-  int count = 0;
-  for (std::size_t i = 0; i < surface.points.size(); ++i)
-    if (OnPlane(surface, i, plane, thickness)) {
-      mean += surface.points[i];
-      ++count;
-    }
-  mean /= std::max(1, count);
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < surface.points.size(); ++i)
-    if (OnPlane(surface, i, plane, thickness))
-      scatter += (surface.points[i] - mean) * (surface.points[i] - mean).transpose();
-  Vector3d up = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  if (up.dot(plane.up) < 0) up = -up;
-  return {up, up.dot(mean)};
-}
-
-/// Whether a plane is a wall: cameras that are held upright look at it from the front, from the
-/// left and from the right. A table's up is up in the pictures, also seen steeply.
-bool IsWall(const Support& plane, const std::vector<View>& views, const Vector3d& middle,
-            const StandingOptions& options) {
-  std::vector<double> rises;
-  Vector3d mean = Vector3d::Zero();
-  for (const View& view : views) {
-    rises.push_back(plane.up.dot((view.Center() - middle).normalized()));
-    mean += view.camera_from_world.rotation * plane.up / static_cast<double>(views.size());
-  }
-  const auto half = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
-  std::nth_element(rises.begin(), half, rises.end());
-  return *half > options.steep && mean.head<2>().norm() < options.upright;
-}
-
-/// The plane with most of the surface.
-std::optional<Support> LargestPlane(const Surface& surface, const std::vector<View>& views,
-                                    const Vector3d& middle, double distance,
-                                    const StandingOptions& options) {
-  std::mt19937 random(1);
-  const double thickness = options.thickness * distance;
-  std::optional<Support> best;
-  int most = 0;
-  for (int t = 0; t < kTries; ++t) {
-    const std::size_t i = random() % surface.points.size(), j = random() % surface.points.size(),
-                      k = random() % surface.points.size();
-    Vector3d up =
-        (surface.points[j] - surface.points[i]).cross(surface.points[k] - surface.points[i]);
-    if (up.norm() < 1e-3 * distance * distance) continue;
-    up.normalize();
-    if (up.dot(views.front().Center() - surface.points[i]) < 0) up = -up;
-    const Support plane{up, up.dot(surface.points[i])};
-    if (!IsBelow(plane, views, middle, 0.05 * distance)) continue;
-    const int count = CountOn(surface, plane, thickness);
-    if (count <= most) continue;
-    most = count;
-    best = plane;
-  }
-  if (!best) return std::nullopt;
-  for (int round = 0; round < 3; ++round) best = Refitted(surface, *best, thickness);
-  if (CountOn(surface, *best, thickness) < options.share * SizeOf(surface.points))
-    return std::nullopt;
-  return best;
-}
-
-/// Planes parallel to `lowest`, where there is more level surface than above and below, from the
-/// highest to `lowest` itself.
-std::vector<Support> PlanesAbove(const Surface& surface, const Support& lowest, double thickness) {
-  std::vector<double> level;
-  for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    const double above = lowest.Above(surface.points[i]);
-    if (above < -thickness || surface.normals[i].dot(lowest.up) < kLevel) continue;
-    const auto bin = static_cast<std::size_t>((above + thickness) / thickness);
-    if (bin >= level.size()) level.resize(bin + 1, 0);
-    level[bin] += 1;
-  }
-  std::vector<Support> planes;
-  for (std::size_t bin = level.size(); bin-- > 4;) {
-    const auto at = [&](std::size_t b) { return b < level.size() ? level[b] : 0.0; };
-    const double here = at(bin) + std::max(at(bin - 1), at(bin + 1));
-    if (at(bin) < std::max(at(bin - 1), at(bin + 1)) || here < kFewest / 4) continue;
-    Support plane = lowest;
-    plane.height += (static_cast<double>(bin) - 0.5) * thickness;
-    planes.push_back(Refitted(surface, plane, thickness));
-  }
-  planes.push_back(lowest);
-  return planes;
-}
 
 /// Connected voxels above a plane.
 struct Pieces {
@@ -221,7 +27,7 @@ struct Pieces {
   int count = 0;
 };
 
-Pieces PiecesAbove(const Grid& grid, const Support& plane, double clearance) {
+Pieces PiecesAbove(const VoxelGrid& grid, const Support& plane, double clearance) {
   const std::vector<Voxel>& voxels = grid.voxels();
   Pieces pieces{std::vector<int>(voxels.size(), -1), 0};
   const auto counts = [&](std::size_t i) {
@@ -255,7 +61,7 @@ double FromAxis(const Vector3d& x, const Vector3d& middle, const Vector3d& up) {
 }
 
 /// The piece with most surface near the axis through the middle; -1: none.
-int MiddlePiece(const Grid& grid, const Pieces& pieces, const Vector3d& middle,
+int MiddlePiece(const VoxelGrid& grid, const Pieces& pieces, const Vector3d& middle,
                 const Support& plane, double spread) {
   std::vector<double> score(static_cast<std::size_t>(pieces.count), 0);
   for (std::size_t i = 0; i < grid.voxels().size(); ++i) {
@@ -283,7 +89,7 @@ struct Extent {
   double top = 0;
 };
 
-Extent ExtentOf(const Grid& grid, const Pieces& pieces, int piece, const Support& plane) {
+Extent ExtentOf(const VoxelGrid& grid, const Pieces& pieces, int piece, const Support& plane) {
   Extent extent;
   for (std::size_t i = 0; i < grid.voxels().size(); ++i) {
     if (pieces.piece[i] != piece) continue;
@@ -315,7 +121,7 @@ class Footprint {
 };
 
 /// The share of the surroundings of a piece's foot that are the plane's surface.
-double PlaneAroundFoot(const Grid& grid, const Pieces& pieces, int piece, const Support& plane,
+double PlaneAroundFoot(const VoxelGrid& grid, const Pieces& pieces, int piece, const Support& plane,
                        double thickness, double side) {
   Footprint foot(plane, 2 * side), level(plane, 2 * side);
   for (std::size_t i = 0; i < grid.voxels().size(); ++i) {
@@ -348,10 +154,10 @@ struct Marks {
   std::vector<int> figure, other;
 };
 
-std::optional<Found> FindOn(const Grid& grid, const Support& plane, const Vector3d& middle,
+std::optional<Found> FindOn(const VoxelGrid& grid, const Support& plane, const Vector3d& middle,
                             const Marks& marks, double distance, double least_height,
                             const StandingOptions& options) {
-  const double thickness = options.thickness * distance, side = options.voxel * distance;
+  const double thickness = options.plane.thickness * distance, side = options.voxel * distance;
   Found found{plane, PiecesAbove(grid, plane, kClear * thickness), -1, 0};
   found.piece = marks.figure.empty()
                     ? MiddlePiece(grid, found.pieces, middle, plane, 0.12 * distance)
@@ -367,7 +173,7 @@ std::optional<Found> FindOn(const Grid& grid, const Support& plane, const Vector
 
 /// Of each piece the shares of its samples that opinions have in their masks; 0 where there is
 /// none.
-std::vector<double> SharesInMasks(const Grid& grid, const Pieces& pieces,
+std::vector<double> SharesInMasks(const VoxelGrid& grid, const Pieces& pieces,
                                   const CoarseDepths& depths, const std::vector<Image8>& masks) {
   std::vector<double> in(static_cast<std::size_t>(pieces.count), 0), all(in);
   for (std::size_t v = 0; v < masks.size(); ++v) {
@@ -389,8 +195,8 @@ std::vector<double> SharesInMasks(const Grid& grid, const Pieces& pieces,
 }
 
 /// Joins to the figure's piece those that stand on nothing and that opinions have in their masks.
-void JoinAfloat(const Grid& grid, const std::vector<double>& shares, double afloat, double joins,
-                Found& found) {
+void JoinAfloat(const VoxelGrid& grid, const std::vector<double>& shares, double afloat,
+                double joins, Found& found) {
   std::vector<double> lowest(shares.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < grid.voxels().size(); ++i)
     if (const int piece = found.pieces.piece[i]; piece >= 0) {
@@ -408,7 +214,7 @@ void JoinAfloat(const Grid& grid, const std::vector<double>& shares, double aflo
 }
 
 /// The voxels whose samples lie near a person's strokes.
-void AddMarks(const Grid& grid, const std::vector<DepthSample>& samples,
+void AddMarks(const VoxelGrid& grid, const std::vector<DepthSample>& samples,
               const std::vector<Eigen::Vector2i>& strokes, double near, std::vector<int>& marks) {
   for (const DepthSample& sample : samples) {
     const bool marked = std::any_of(strokes.begin(), strokes.end(), [&](const Eigen::Vector2i& s) {
@@ -418,7 +224,7 @@ void AddMarks(const Grid& grid, const std::vector<DepthSample>& samples,
   }
 }
 
-Marks MarksOf(const Grid& grid, const CoarseDepths& depths,
+Marks MarksOf(const VoxelGrid& grid, const CoarseDepths& depths,
               const std::vector<ViewStrokes>& strokes) {
   Marks marks;
   for (std::size_t v = 0; v < strokes.size(); ++v) {
@@ -430,7 +236,7 @@ Marks MarksOf(const Grid& grid, const CoarseDepths& depths,
 
 /// Takes away from the figure's piece the part that a person said is another thing. Where nothing
 /// of the figure is marked, its upper end is the figure.
-void SplitOff(const Grid& grid, const Marks& marks, Found& found) {
+void SplitOff(const VoxelGrid& grid, const Marks& marks, Found& found) {
   std::vector<int> local(grid.voxels().size(), -1), members;
   for (std::size_t i = 0; i < local.size(); ++i)
     if (found.pieces.piece[i] == found.piece) {
@@ -466,7 +272,7 @@ void SplitOff(const Grid& grid, const Marks& marks, Found& found) {
   ++found.pieces.count;
 }
 
-Stands StandsOf(const Grid& grid, const Found& found, const Vector3d& x, double thickness) {
+Stands StandsOf(const VoxelGrid& grid, const Found& found, const Vector3d& x, double thickness) {
   const double above = found.support.Above(x);
   if (above < kClear / 2 * thickness) return Stands::kSupport;
   const int voxel = grid.Find(x);
@@ -482,11 +288,11 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
                                                  const std::vector<View>& views,
                                                  const Vector3d& middle, const Opinions& opinions,
                                                  const StandingOptions& options) {
-  const double distance = depths.distance, thickness = options.thickness * distance;
-  const Grid grid(depths, middle, options.voxel * distance, options.reach * distance);
-  const Surface surface = SurfaceOf(grid);
+  const double distance = depths.distance, thickness = options.plane.thickness * distance;
+  const VoxelGrid grid(depths, middle, options.voxel * distance, options.reach * distance);
+  const ThinSurface surface = SurfaceOf(grid);
   if (SizeOf(surface.points) < kFewest) return std::nullopt;
-  const auto lowest = LargestPlane(surface, views, middle, distance, options);
+  const auto lowest = LargestPlane(surface, views, middle, distance, options.plane);
   if (!lowest) return std::nullopt;
   const Marks marks = MarksOf(grid, depths, opinions.strokes);
   const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, marks, distance, 0, options);
@@ -503,7 +309,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   StandingFigure figure;
   figure.support = found->support;
   figure.height = found->height;
-  figure.on_wall = IsWall(*lowest, views, middle, options);
+  figure.on_wall = IsWall(*lowest, views, middle, options.plane);
   for (std::size_t i = 0; i < grid.voxels().size(); ++i)
     if (found->pieces.piece[i] == found->piece) figure.points.push_back(grid.voxels()[i].Point());
   const double end = kEnd * options.reach * distance;

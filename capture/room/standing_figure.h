@@ -8,31 +8,19 @@
 
 #include "capture/room/coarse_depths.h"
 #include "capture/room/stroke_masks.h"
+#include "capture/room/support_planes.h"
 #include "core/camera.h"
 #include "core/image.h"
 
 namespace keypose::capture {
 
-/// A plane, and which side is up.
-struct Support {
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< unit
-  double height = 0;                              ///< up . x on the plane
-
-  double Above(const Eigen::Vector3d& x) const { return up.dot(x) - height; }
-};
-
 struct StandingOptions {
+  SupportOptions plane;
   double voxel = 0.006;  ///< of the cameras' distance
   double reach = 0.8;    ///< of that distance: what is farther from the middle is not the figure
-  double thickness = 0.006;  ///< of that distance: the plane's points lie within
-  double share = 0.05;       ///< least share of the surface around the middle that is plane
-  double round = 0.5;        ///< least share of the foot's surroundings that are plane
+  double round = 0.5;    ///< least share of the foot's surroundings that are plane
   double afloat = 0.03;  ///< of the cameras' distance above the plane: a piece stands on nothing
   double joins = 0.5;    ///< least share of the opinions on such a piece
-  /// A wall, with a relief on it: the median of the sines of the cameras' elevations above the
-  /// plane is larger than this, and the plane's up is on average the pictures' up, or any side, by
-  /// less than that.
-  double steep = 0.6, upright = 0.36;
   double tall =
       0.5;  ///< of the height above the lowest plane: a figure on a higher one has so much
 };
