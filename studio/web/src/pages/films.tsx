@@ -5,6 +5,7 @@ import { useEffect, useState } from 'preact/hooks'
 import { api } from '../api'
 import type { Films } from '../api'
 import { useKeys } from '../keys'
+import { ShotPage } from '../shot_choice'
 import { useStudio } from '../state'
 import { FrameSlider } from './films/frame_slider'
 import { noteOf } from './poses/figure_model'
@@ -128,26 +129,11 @@ function ShotPanel({ shot }: { shot: string }) {
 }
 
 export function FilmsPage() {
-  const { project } = useStudio()
-  const [name, setName] = useState('')
-  const shot = project.poses.find((pose) => pose.name === name) ?? project.poses[0]
   return (
-    <main class="page whole poses films">
-      <h1 class="hidden">Films</h1>
-      {project.poses.length > 1 && (
-        <div class="choice" role="group" aria-label="Shot">
-          {project.poses.map((pose) => (
-            <button
-              key={pose.name}
-              aria-pressed={pose.name === shot.name}
-              onClick={() => setName(pose.name)}
-            >
-              {pose.name}
-            </button>
-          ))}
-        </div>
-      )}
-      {shot && <ShotPanel key={shot.name} shot={shot.name} />}
-    </main>
+    <ShotPage
+      title="Films"
+      kind="poses films"
+      show={(shot) => <ShotPanel key={shot.name} shot={shot.name} />}
+    />
   )
 }

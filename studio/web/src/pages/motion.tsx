@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
 import { api } from '../api'
 import type { Pose } from '../api'
+import { ShotPage } from '../shot_choice'
 import { useStudio } from '../state'
 import { parseMesh } from '../view/mesh_data'
 import { ViewerStage } from '../view/stage'
@@ -149,26 +150,11 @@ function Shot({ shot }: { shot: Pose }) {
 }
 
 export function MotionPage() {
-  const { project } = useStudio()
-  const [name, setName] = useState('')
-  const shot = project.poses.find((pose) => pose.name === name) ?? project.poses[0]
   return (
-    <main class="page whole motion">
-      <h1 class="hidden">Motion</h1>
-      {project.poses.length > 1 && (
-        <div class="choice" role="group" aria-label="Shot">
-          {project.poses.map((pose) => (
-            <button
-              key={pose.name}
-              aria-pressed={pose.name === shot.name}
-              onClick={() => setName(pose.name)}
-            >
-              {pose.name}
-            </button>
-          ))}
-        </div>
-      )}
-      {shot && <Shot key={shot.name} shot={shot} />}
-    </main>
+    <ShotPage
+      title="Motion"
+      kind="motion"
+      show={(shot) => <Shot key={shot.name} shot={shot} />}
+    />
   )
 }
