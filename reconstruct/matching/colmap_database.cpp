@@ -215,42 +215,57 @@ Features ColmapDatabase::ReadFeatures(int image) const {
   return features;
 }
 
-void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::string& name,
-                                     int image, const PicturePlace& place) {
-  Statement keypoints(other.database_.get(),
+ColmapDatabase::Described ColmapDatabase::ReadDescribed(const PlacedPicture& picture) const {
+  Statement keypoints(database_.get(),
                       "SELECT k.rows, k.cols, k.data FROM keypoints k JOIN images i USING "
                       "(image_id) WHERE i.name = ?");
-  keypoints.Bind(1, name);
-  if (!keypoints.Next()) return;
+  keypoints.Bind(1, picture.name);
+  if (!keypoints.Next()) return {};
   const auto rows = keypoints.Integer(0), columns = keypoints.Integer(1);
   Statement descriptors(
-      other.database_.get(),
+      database_.get(),
       "SELECT d.data FROM descriptors d JOIN images i USING (image_id) WHERE i.name = ?");
-  descriptors.Bind(1, name);
+  descriptors.Bind(1, picture.name);
   const auto values = static_cast<std::size_t>(rows * columns);
   if ((columns != 6 && columns != 4) || keypoints.Bytes(2) != values * sizeof(float) ||
       !descriptors.Next() ||
       descriptors.Bytes(0) != static_cast<std::size_t>(rows) * kDescriptorSize)
-    throw ToolError("COLMAP wrote features of an unknown form for " + name +
+    throw ToolError("COLMAP wrote features of an unknown form for " + picture.name +
                     "; version 3.8 is expected");
-  std::vector<float> moved(values);
-  if (values > 0) std::memcpy(moved.data(), keypoints.Blob(2), values * sizeof(float));
-  std::vector<std::uint8_t> described(static_cast<std::size_t>(rows) * kDescriptorSize);
-  if (rows > 0) std::memcpy(described.data(), descriptors.Blob(0), described.size());
-  LeaveOutEnds(place, static_cast<std::size_t>(columns), moved, described);
-  for (std::size_t i = 0; i < moved.size(); i += static_cast<std::size_t>(columns))
-    MoveFeature(place, columns == 6, &moved[i]);
-  const auto kept = static_cast<std::int64_t>(described.size() / kDescriptorSize);
+  Described features{columns, std::vector<float>(values),
+                     std::vector<std::uint8_t>(static_cast<std::size_t>(rows) * kDescriptorSize)};
+  if (rows == 0) return features;
+  std::memcpy(features.keypoints.data(), keypoints.Blob(2), values * sizeof(float));
+  std::memcpy(features.descriptors.data(), descriptors.Blob(0), features.descriptors.size());
+  const auto step = static_cast<std::size_t>(columns);
+  LeaveOutEnds(picture.place, step, features.keypoints, features.descriptors);
+  for (std::size_t i = 0; i < features.keypoints.size(); i += step)
+    MoveFeature(picture.place, columns == 6, &features.keypoints[i]);
+  return features;
+}
+
+void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other,
+                                     const std::vector<PlacedPicture>& pictures, int image) {
+  Described all;
+  for (const PlacedPicture& picture : pictures) {
+    const Described one = other.ReadDescribed(picture);
+    if (one.columns == 0) continue;
+    all.columns = one.columns;
+    all.keypoints.insert(all.keypoints.end(), one.keypoints.begin(), one.keypoints.end());
+    all.descriptors.insert(all.descriptors.end(), one.descriptors.begin(), one.descriptors.end());
+  }
+  if (all.columns == 0) return;
+  const auto kept = static_cast<std::int64_t>(all.descriptors.size() / kDescriptorSize);
   for (const bool is_keypoints : {true, false}) {
     Statement add(database_.get(), is_keypoints ? "INSERT INTO keypoints VALUES (?, ?, ?, ?)"
                                                 : "INSERT INTO descriptors VALUES (?, ?, ?, ?)");
     add.Bind(1, image + 1);
     add.Bind(2, kept);
-    add.Bind(3, is_keypoints ? columns : kDescriptorSize);
+    add.Bind(3, is_keypoints ? all.columns : kDescriptorSize);
     if (is_keypoints)
-      add.BindBlob(4, moved.data(), moved.size() * sizeof(float));
+      add.BindBlob(4, all.keypoints.data(), all.keypoints.size() * sizeof(float));
     else
-      add.BindBlob(4, described.data(), described.size());
+      add.BindBlob(4, all.descriptors.data(), all.descriptors.size());
     add.RunOnce();
   }
 }

@@ -51,6 +51,12 @@ struct PicturePlace {
   double scales_to_end = 0;
 };
 
+/// A picture of a photograph, or of a part of it, that features were found in.
+struct PlacedPicture {
+  std::string name;  ///< in the database of its features
+  PicturePlace place;
+};
+
 class ColmapDatabase {
  public:
   /// A new database with SIMPLE_RADIAL cameras and the images in the order given.
@@ -72,10 +78,10 @@ class ColmapDatabase {
   int LongestSide() const;
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
-  /// Copies the features of the image of that name in another database to image i (0-based), moved
-  /// to their places in the photograph.
-  void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image,
-                       const PicturePlace& place);
+  /// Copies the features that another database has of pictures of one photograph to image i
+  /// (0-based), moved to their places in the photograph.
+  void AddFeaturesFrom(const ColmapDatabase& other, const std::vector<PlacedPicture>& pictures,
+                       int image);
   /// The matched features of pairs that passed the geometric test, by pair id.
   std::vector<PairMatches> VerifiedMatches() const;
   /// Adds pairs with their inliers, or replaces those of existing pairs.
@@ -87,6 +93,13 @@ class ColmapDatabase {
   };
   explicit ColmapDatabase(sqlite3* database) : database_(database) {}
   void Execute(const std::string& sql) const;
+  /// Keypoints of so many values each, in the photograph, and their descriptors.
+  struct Described {
+    std::int64_t columns = 0;  ///< 0: the picture has none
+    std::vector<float> keypoints;
+    std::vector<std::uint8_t> descriptors;
+  };
+  Described ReadDescribed(const PlacedPicture& picture) const;
   std::unique_ptr<sqlite3, Closer> database_;
 };
 

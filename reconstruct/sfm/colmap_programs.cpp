@@ -36,12 +36,8 @@ std::string Text(double value) {
 std::string Text(int value) { return std::to_string(value); }
 std::string Text(bool value) { return value ? "1" : "0"; }
 
-/// A photograph for feature extraction: a file in a folder of its own, and its place in the
-/// photograph.
-struct Prepared {
-  std::string file;
-  PicturePlace place;
-};
+/// Pictures of one photograph for feature extraction, each a file in one folder.
+using Prepared = std::vector<PlacedPicture>;
 
 /// Binary PGM: grey pixels as they are. COLMAP reads it, and nothing is spent on packing.
 void WritePgm(const fs::path& path, const Image8& grey) {
@@ -68,13 +64,13 @@ Prepared PrepareWhole(const ImageSet& set, int i, const fs::path& folder, int wh
   const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, large ? whole_px : largest_px);
   WritePgm(folder / "images" / file, photo);
   PicturePlace place = PlaceOf(image, photo);
-  if (adapted) return {file, place};
+  if (adapted) return {{file, place}};
   place.width = photo.width;
   place.height = photo.height;
   // The last row of the feature's octave, and what halving cut off, in scales of its lowest layer.
   constexpr double kOctaveEnd = 2;
   place.scales_to_end = kOctaveEnd;
-  return {file, place};
+  return {{file, place}};
 }
 
 void RequireSameSize(const ImageSet& set, int i) {
@@ -87,16 +83,33 @@ void RequireSameSize(const ImageSet& set, int i) {
                    "; run capture again");
 }
 
+/// Adds the crop drawn to `kStretch` times its height: what lies on a table, seen at a slant, comes
+/// closer to how it looks from above, so that turning it is a turn in the picture.
+/// Source: Morel and Yu, "ASIFT", SIAM J. Imaging Sciences 2009 (one tilt, along the vertical).
+void AddStretched(const ObjectCrop& crop, const fs::path& folder, Prepared& pictures) {
+  constexpr int kStretch = 2;
+  PlacedPicture stretched = pictures.front();
+  stretched.name = "tall_" + stretched.name;
+  stretched.place.y0 *= kStretch;
+  stretched.place.pixels_y /= kStretch;
+  const int width = crop.image.width, height = kStretch * crop.image.height;
+  WritePgm(folder / "images" / stretched.name, Resized(crop.image, width, height));
+  Image8 mask = Resized(crop.mask, width, height);
+  for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
+  WriteGreyMaskPng(folder / "masks" / (stretched.name + ".png"), mask);
+  pictures.push_back(stretched);
+}
+
 /// The photograph cropped to its mask; whole where there is none.
 Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
-                       const SfmOptions& options) {
+                       const SfmOptions& options, const FeatureKind& kind) {
   const CapturedImage& image = set.images[i];
   const std::string file = std::to_string(i) + ".pgm";
   const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, options.max_image_size);
   PicturePlace place = PlaceOf(image, photo);
   if (image.mask.empty()) {
     WritePgm(folder / "images" / file, photo);
-    return {file, place};
+    return {{file, place}};
   }
   RequireSameSize(set, i);
   const Image8 mask = ReadReducedTo(set.MaskPath(i), 1, options.max_image_size);
@@ -107,7 +120,9 @@ Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
   place.y0 = crop.y0;
   WritePgm(folder / "images" / file, crop.image);
   WriteGreyMaskPng(folder / "masks" / (file + ".png"), crop.mask);
-  return {file, place};
+  Prepared pictures = {{file, place}};
+  if (kind.on_table) AddStretched(crop, folder, pictures);
+  return pictures;
 }
 
 /// The longer side to which whole photographs are reduced before features are found.
@@ -116,11 +131,11 @@ int WholeSize(const SfmOptions& options, const FeatureKind& kind) {
 }
 
 bool Adapts(const SfmOptions& options, const FeatureKind& kind) {
-  return options.affine_shape && (kind.fine || !kind.whole);
+  return options.affine_shape && !kind.on_table && (kind.fine || !kind.whole);
 }
 
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
-/// @return the images' names there
+/// @return the pictures' names there
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
                                   const fs::path& folder, const SfmOptions& options,
                                   const FeatureKind& kind) {
@@ -132,7 +147,7 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
   for (int i = begin; i < end; ++i)
     prepared.push_back(kind.whole ? PrepareWhole(set, i, folder, limit, options.max_image_size,
                                                  Adapts(options, kind))
-                                  : PrepareFigure(set, i, folder, options));
+                                  : PrepareFigure(set, i, folder, options, kind));
   Colmap(stage, {"feature_extractor",
                  "--database_path",
                  folder / "features.db",
@@ -185,10 +200,8 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
   for (int k = 0; k < parts; ++k) {
     {
       const ColmapDatabase part(folder(k) / "features.db");
-      for (std::size_t i = 0; i < prepared[k].size(); ++i) {
-        const Prepared& image = prepared[k][i];
-        database.AddFeaturesFrom(part, image.file, k * per_part + static_cast<int>(i), image.place);
-      }
+      for (std::size_t i = 0; i < prepared[k].size(); ++i)
+        database.AddFeaturesFrom(part, prepared[k][i], k * per_part + static_cast<int>(i));
     }
     fs::remove_all(folder(k));
   }

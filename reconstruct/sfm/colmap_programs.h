@@ -29,6 +29,10 @@ struct FeatureKind {
   bool whole = false;
   /// of the masks, which hold what moves with the figure in a room, not the figure alone
   bool region = false;
+  /// of masks, and of the same drawn to twice the height, which shows what lies on a table more as
+  /// from above: it matches at any turn. Without adapting to slanted surfaces: on what repeats
+  /// itself that finds wrong turns
+  bool on_table = false;
 };
 
 /// Writes the SIFT features of all images into the database. The photographs are cropped to their

@@ -128,7 +128,7 @@ void KeepBetter(Placed other, Placed& best) {
 Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const std::string& name,
                     const std::vector<ImagePair>& tripod_pairs) {
   const ImageSet set = WithRegions(room, regions, name);
-  Placed best = Place(room, set, name, {.region = true}, tripod_pairs);
+  Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
   if (!HasNearlyAll(room.context, best.result) || !Turns(best.result)) {
     Placed fine = Place(room, set, name + "_fine", {.fine = true, .region = true}, tripod_pairs);
     if (!Turns(best.result))

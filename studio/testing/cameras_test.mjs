@@ -10,13 +10,14 @@ import { join } from 'node:path';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 
@@ -100,7 +101,7 @@ async function begin() {
 
 /** Where a pixel of the picture is on the screen, while all of it is shown. */
 async function at([x, y]) {
-  const box = await page.locator('.frame-sheet').boundingBox();
+  const box = await boxOf(page.locator('.frame-sheet'));
   return [box.x + (x / kSize) * box.width, box.y + (y / kSize) * box.height];
 }
 
@@ -159,7 +160,7 @@ async function clickAll() {
 async function moveAndUndo() {
   const before = clickOf('cam2', 'door').pixel;
   const mark = page.locator('[data-mark="door"]');
-  const box = await mark.boundingBox();
+  const box = await boxOf(mark);
   await page.mouse.move(box.x + 12, box.y + 12);
   await page.mouse.down();
   await page.mouse.move(box.x + 42, box.y + 12, { steps: 3 });

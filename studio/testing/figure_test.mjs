@@ -17,13 +17,14 @@ import { join } from 'node:path';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 
@@ -156,7 +157,7 @@ const listed = () => page.locator('.figure-list li');
 
 /** Where a pixel of the photograph is on the screen, while all of it is shown. */
 async function at(x, y) {
-  const box = await sheet().boundingBox();
+  const box = await boxOf(sheet());
   return [box.x + (x / kWidth) * box.width, box.y + (y / kHeight) * box.height];
 }
 async function drag(from, to, how = {}) {

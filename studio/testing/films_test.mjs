@@ -18,13 +18,14 @@ import { join } from 'node:path';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 
@@ -111,7 +112,7 @@ async function begin() {
 
 /** Where a pixel of the frame is on the screen, while all of it is shown. */
 async function at(x, y) {
-  const box = await page.locator('.frame-sheet').boundingBox();
+  const box = await boxOf(page.locator('.frame-sheet'));
   return [box.x + (x / kSize) * box.width, box.y + (y / kSize) * box.height];
 }
 const near = (text, numbers) =>

@@ -20,13 +20,14 @@ import { join } from 'node:path';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 
@@ -128,7 +129,7 @@ const goTo = async (image) => {
 
 /** The place in the window of a pixel of the photograph. */
 async function windowOf([x, y]) {
-  const box = await sheet().boundingBox();
+  const box = await boxOf(sheet());
   const image = await imageShown();
   const { width, height } = (await photoFit()).photographs.find((one) => one.name === image);
   return [box.x + (x / width) * box.width, box.y + (y / height) * box.height];
@@ -136,7 +137,7 @@ async function windowOf([x, y]) {
 const clickPhotograph = async (pixel) => page.mouse.click(...(await windowOf(pixel)));
 
 async function clickTemplate(x, y) {
-  const box = await canvas().boundingBox();
+  const box = await boxOf(canvas());
   await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
 }
 

@@ -24,13 +24,14 @@ import { fileURLToPath } from 'node:url';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
@@ -307,9 +308,8 @@ async function pickMany() {
     60,
   );
   const canvas = page.getByRole('region', { name: 'rest: 3D view' }).locator('canvas');
-  await until('the template is drawn', async () => (await canvas.boundingBox())?.width > 0);
   await page.waitForTimeout(1500);
-  const box = await canvas.boundingBox();
+  const box = await boxOf(canvas);
   const times = [];
   for (let i = 0; i < kClicks; ++i) {
     await page.locator('main').evaluate((one) => void (one.dataset.pickMs = ''));
@@ -328,7 +328,7 @@ async function pickMany() {
 }
 
 async function turn() {
-  const box = await page.locator('.view canvas').boundingBox();
+  const box = await boxOf(page.locator('.view canvas'));
   await page.evaluate(() => void (globalThis.frameTimes.length = 0));
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();

@@ -19,13 +19,14 @@ import { join } from 'node:path';
 import { plainPng } from './png.mjs';
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
@@ -202,7 +203,7 @@ function truePixel(click, frame) {
 
 /** The place in the window of a pixel of the frame. */
 async function windowOf([x, y]) {
-  const box = await frameSheet().boundingBox();
+  const box = await boxOf(frameSheet());
   const { width, height } = (await ask('/api/shot')).shot;
   return [box.x + (x / width) * box.width, box.y + (y / height) * box.height];
 }
@@ -218,7 +219,7 @@ async function drag(from, to) {
 /** Clicks the mesh, then the frame somewhere, and drags the mark to where the place is seen. */
 async function addClick(share, [x, y], meshFirst) {
   const before = existsSync(clicksFile) ? clicks().length : 0;
-  const box = await meshCanvas().boundingBox();
+  const box = await boxOf(meshCanvas());
   const onMesh = () => page.mouse.click(box.x + x * box.width, box.y + y * box.height);
   const about = [kWidth * (0.2 + 0.15 * share), 40];
   const onFrame = async () => page.mouse.click(...(await windowOf(about)));

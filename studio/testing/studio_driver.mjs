@@ -66,6 +66,21 @@ export async function until(words, probe, seconds = 30) {
   throw new Error(`not within ${seconds} s: ${words}${last}`);
 }
 
+/**
+ * Where an element is on the screen, once it is shown and has come to rest: a picture that is still
+ * being loaded has no place, and one that slides in has another a moment later.
+ */
+export async function boxOf(element) {
+  const sides = ['x', 'y', 'width', 'height'];
+  let last = null;
+  return until(`${element} is shown and at rest`, async () => {
+    const before = last ?? (await element.boundingBox());
+    await element.evaluate(() => new Promise((drawn) => requestAnimationFrame(drawn)));
+    last = await element.boundingBox();
+    return before && last && sides.every((side) => before[side] === last[side]) ? last : null;
+  });
+}
+
 /** The program `keypose studio` of one folder. */
 export class StudioProgram {
   constructor(bin, folder) {

@@ -18,13 +18,14 @@ import { join } from 'node:path';
 import { plainPng, readPng } from './png.mjs';
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until as untilWithin,
 } from './studio_driver.mjs';
 
@@ -121,7 +122,7 @@ async function look() {
 
 /** Where the level of a recorded frame is: the pointer says so. */
 async function levelOf(frame) {
-  const box = await plot().boundingBox();
+  const box = await boxOf(plot());
   const wide = await page.locator('.tl-playhead').evaluate((one) => parseFloat(one.style.width));
   const x = box.x + (2 * frame + 1) * wide;
   for (let y = box.y + 4; y < box.y + box.height - 4; y += 4) {
@@ -329,7 +330,7 @@ async function lightIt() {
   await field('Lamp').fill('60');
   await field('Lamp').dispatchEvent('change');
   const dial = page.getByRole('slider', { name: 'Where the lamp stands' });
-  const box = await dial.boundingBox();
+  const box = await boxOf(dial);
   await page.mouse.click(box.x + 0.2 * box.width, box.y + 0.5 * box.height);
   await page.getByText('The lamp from the left').waitFor();
   const said = () => readFileSync(pipelineFile, 'utf8');

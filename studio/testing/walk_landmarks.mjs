@@ -3,7 +3,7 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, record, until } from './studio_driver.mjs';
+import { boxOf, check, record, until } from './studio_driver.mjs';
 import {
   firstHit,
   length,
@@ -73,7 +73,7 @@ export class Landmarks {
   }
 
   async view(pose, turns) {
-    return new View(this.meshes[pose], await this.canvas(pose).boundingBox(), turns);
+    return new View(this.meshes[pose], await boxOf(this.canvas(pose)), turns);
   }
 
   /** The fewest turns after which a place is seen, or null. */
@@ -327,7 +327,7 @@ export async function walkPaint(context) {
   );
   await page.waitForTimeout(500);
   const stroke = async (name) => {
-    const box = await canvas.boundingBox();
+    const box = await boxOf(canvas);
     const [x, y] = [box.x + box.width / 2, box.y + 0.45 * box.height];
     await page.mouse.move(x, y);
     await page.mouse.down();

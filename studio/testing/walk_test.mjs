@@ -24,13 +24,14 @@ import { join, resolve } from 'node:path';
 
 import {
   Browser,
+  StudioProgram,
+  boxOf,
   check,
   checkFaults,
   readWords,
   record,
   runParts,
   runTest,
-  StudioProgram,
   until,
 } from './studio_driver.mjs';
 import { walkLandmarks, walkPaint } from './walk_landmarks.mjs';
@@ -219,7 +220,7 @@ async function mendMask() {
   await button.click();
   const surface = page.getByRole('application', { name: new RegExp(`^${name} with its mask`) });
   await surface.waitFor();
-  const box = await surface.boundingBox();
+  const box = await boxOf(surface);
   await page.getByRole('button', { name: /^Add/ }).click();
   for (let i = 0; i < 6; ++i) await page.keyboard.press('[');
   // Where the tail meets the body: other photographs outvote what is wrong here.

@@ -1,6 +1,6 @@
 // The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion
 // skin.
-import { check, record, until } from './studio_driver.mjs';
+import { boxOf, check, record, until } from './studio_driver.mjs';
 
 /** A PNG of one red pixel. */
 const kRedPixel =
@@ -100,7 +100,7 @@ class Timeline {
 
   async scrub() {
     const { page } = this;
-    const box = await page.getByRole('slider', { name: 'Playhead' }).boundingBox();
+    const box = await boxOf(page.getByRole('slider', { name: 'Playhead' }));
     const y = box.y + box.height / 2;
     await page.mouse.move(box.x + 30, y);
     await page.mouse.down();
