@@ -3,15 +3,15 @@
 
     rooms.py run [--bin DIR] [--work DIR] [--seeds 1-24] [--refusals 1-2] [--kinds walk,mat,...] [--photographs 0] [--size 1200x800]
                  [--real NAME=PHOTOS ...] [--parts whole,half,noexif,small] [--ways keypose,colmap,network] [--until STEP]
-                 [--click touching|none|all] [--json FILE]
+                 [--say touching|nothing|all] [--json FILE]
     rooms.py show FILE.json ...
 
 `keypose synth room` makes one room for each of --seeds (of the seed's kind, or of those of --kinds only), and for each of --refusals a carving
 on a trunk and a relief on a wall, which do not stand free. Real sets (--real) have no truth; --parts gives them whole, every second photograph,
 without EXIF, at 800 pixels. What is in --work already is not made again, so that a stopped run goes on where it was.
 
-Ways: `keypose` is the whole pipeline, or as far as --until; --click says once, in one photograph, what the figure is, where another thing touches it,
-or everywhere, by a place that the truth knows. `colmap` is structure from motion with whole pictures, without masks, by COLMAP's own programs.
+Ways: `keypose` is the whole pipeline, or as far as --until; --say says once, in one photograph, what the figure is not (a line over what
+touches it), or everywhere what it is, by places that the truth knows. `colmap` is structure from motion with whole pictures, without masks, by COLMAP's own programs.
 `network` is the masks of the network alone (needs the tool salience_masks in --bin).
 
     cameras    placed of all; wrong: more than 2 degrees, or 5 % of the distance, from the truth after the alignment with which most agree
@@ -88,12 +88,15 @@ class Room:
                 'free_standing': about.get('free_standing', True), 'photographs': self.count, 'seconds': round(seconds, 1), **more}
 
 
-def click(room):
-    """Words for `keypose figure`: a place well within the figure, in the first photograph that shows it whole and alone."""
-    if not room.truth or room.args.click == 'none' or (room.args.click == 'touching' and room.about['second'] != 'touching'):
+def said_of(room):
+    """Words for `keypose figure` in one photograph that shows the figure whole and alone: a line over the thing that touches it, else a click on it."""
+    if not room.truth or room.args.say == 'nothing':
         return []
     good = [p for p in room.about['photographs'] if not p['cut'] and not p['hand'] and p['inside'][0] >= 0]
-    return ['--at', '%s:%d,%d' % (good[0]['name'], *good[0]['inside'])] if good else []
+    if room.about['second'] == 'touching':
+        widest = max(good, key=lambda p: p['beside'][2] - p['beside'][0])
+        return ['--not', '%s:%d,%d-%d,%d' % (widest['name'], *widest['beside'])]
+    return ['--at', '%s:%d,%d' % (good[0]['name'], *good[0]['inside'])] if good and room.args.say == 'all' else []
 
 
 def latest(project, pattern):
@@ -105,13 +108,13 @@ def by_keypose(room):
     project, started = room.work / 'project', time.monotonic()
     shutil.rmtree(project, ignore_errors=True)
     call(room.program('keypose'), 'init', project, '--pose', f'figure={room.photos}')
-    said = click(room)
+    said = said_of(room)
     if said:
         call(room.program('keypose'), 'figure', '-C', project, '--pose', 'figure', *said)
     until = ['--until', room.args.until] if room.args.until else []
     done = call(room.program('keypose'), 'run', '-C', project, '--progress', 'lines', *until, *room.words, may_fail=True, log=room.work / 'run.txt')
     out = project / 'out/figure'
-    row = room.row('keypose', time.monotonic() - started, exit=done.returncode, clicked=bool(said), why='')
+    row = room.row('keypose', time.monotonic() - started, exit=done.returncode, said=bool(said), why='')
     if done.returncode == 0:
         report = project / 'out/report/report.json'
         row['told'] = 'done'
@@ -248,7 +251,7 @@ def line(row):
     cameras, masks, base = row.get('cameras', {}), row.get('masks', {}), row.get('base', {})
     wrong = cameras.get('wrong')
     still = cameras.get('agree_with_room', '') if row['kind'] in ('mat', 'mat-hand', 'both') else ''
-    cells = [row['set'], row['way'], row['kind'], row['stands_on'], row['second'] + (', click' if row.get('clicked') else ''),
+    cells = [row['set'], row['way'], row['kind'], row['stands_on'], row['second'] + (', said' if row.get('said') else ''),
              f'{cameras["placed"]} of {cameras["total"]}' if cameras else '', '' if wrong is None else len(wrong), still,
              f'{masks["median"]:.3f}' if masks else '', f'{masks["worst"]:.3f}' if masks else '',
              share(max(base['below'], base['beside'])) if base else '', share(base['mean_to_truth']) if base and row['kind'] != 'one-side' else '',
@@ -306,7 +309,7 @@ def main():
     runs.add_argument('--parts', default='whole')
     runs.add_argument('--ways', default='keypose')
     runs.add_argument('--until', default='')
-    runs.add_argument('--click', choices=('touching', 'none', 'all'), default='touching')
+    runs.add_argument('--say', choices=('touching', 'nothing', 'all'), default='touching')
     runs.add_argument('--json')
     commands.add_parser('show').add_argument('files', nargs='+')
     args = parser.parse_args()

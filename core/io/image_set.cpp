@@ -97,6 +97,11 @@ void RequireUsableNumbers(const CapturedImage& image) {
 
 }  // namespace
 
+bool LiesAcross(const CapturedImage& image) {
+  return image.photograph_width > 0 &&
+         (image.photograph_width > image.photograph_height) != (image.width > image.height);
+}
+
 int ImageSet::Find(const std::string& name) const {
   const auto it = std::lower_bound(
       images.begin(), images.end(), name,

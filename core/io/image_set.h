@@ -42,6 +42,10 @@ struct CapturedImage {
   std::optional<TurntablePlace> place;
 };
 
+/// Whether `capture` turned the photograph by a quarter, as most of the set lie otherwise: what
+/// stood upright lies across.
+bool LiesAcross(const CapturedImage& image);
+
 struct ImageSet {
   std::filesystem::path folder;
   std::vector<CapturedImage> images;  ///< sorted by name

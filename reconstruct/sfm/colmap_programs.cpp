@@ -83,16 +83,19 @@ void RequireSameSize(const ImageSet& set, int i) {
                    "; run capture again");
 }
 
-/// Adds the crop drawn to `kStretch` times its height: what lies on a table, seen at a slant, comes
-/// closer to how it looks from above, so that turning it is a turn in the picture.
+/// Adds the crop drawn to twice its height: what lies on a table, seen at a slant, comes closer to
+/// how it looks from above, so that turning it is a turn in the picture.
 /// Source: Morel and Yu, "ASIFT", SIAM J. Imaging Sciences 2009 (one tilt, along the vertical).
-void AddStretched(const ObjectCrop& crop, const fs::path& folder, Prepared& pictures) {
+void AddStretched(const ObjectCrop& crop, bool lies_across, const fs::path& folder,
+                  Prepared& pictures) {
   constexpr int kStretch = 2;
+  const int by_x = lies_across ? kStretch : 1, by_y = lies_across ? 1 : kStretch;
   PlacedPicture stretched = pictures.front();
   stretched.name = "tall_" + stretched.name;
-  stretched.place.y0 *= kStretch;
-  stretched.place.pixels_y /= kStretch;
-  const int width = crop.image.width, height = kStretch * crop.image.height;
+  PicturePlace& place = stretched.place;
+  place.x0 *= by_x, place.pixels_x /= by_x;
+  place.y0 *= by_y, place.pixels_y /= by_y;
+  const int width = by_x * crop.image.width, height = by_y * crop.image.height;
   WritePgm(folder / "images" / stretched.name, Resized(crop.image, width, height));
   Image8 mask = Resized(crop.mask, width, height);
   for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
@@ -121,7 +124,7 @@ Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
   WritePgm(folder / "images" / file, crop.image);
   WriteGreyMaskPng(folder / "masks" / (file + ".png"), crop.mask);
   Prepared pictures = {{file, place}};
-  if (kind.on_table) AddStretched(crop, folder, pictures);
+  if (kind.on_table) AddStretched(crop, LiesAcross(image), folder, pictures);
   return pictures;
 }
 

@@ -15,6 +15,7 @@
 #include "core/size_of.h"
 #include "core/tuned.h"
 #include "reconstruct/matching/verification.h"
+#include "reconstruct/sfm/print_check.h"
 #include "reconstruct/sfm/surroundings.h"
 #include "reconstruct/surroundings/likely_figure.h"
 
@@ -43,6 +44,7 @@ struct RoomStrategyTuning {
   /// for each photograph, pairs that what moves otherwise ties, with so many matches
   KEYPOSE_TUNED(double, kPairsOfOther, 1);
   KEYPOSE_TUNED(int, kMatchesOfOther, 20);
+  KEYPOSE_TUNED(int, kPrintRounds, 3);  ///< of placing again what the print shows to be turned
 };
 
 double Degrees(double radians) { return 180 / 3.14159265358979 * radians; }
@@ -115,6 +117,31 @@ Placed Place(const Room& room, const ImageSet& set, const std::string& name,
   return placed;
 }
 
+/// Places again the cameras that the print under the figure shows to be turned; what stays turned
+/// is left out.
+/// @return whether there is a print that agrees with them now
+bool PlaceByPrint(const Room& room, const std::vector<Image8>& regions, const std::string& name,
+                  Placed& placed) {
+  const auto& [stage, set, options, check, watch] = room.context;
+  for (int round = 0; round <= RoomStrategyTuning::kPrintRounds; ++round) {
+    const PrintCheck print = CheckPrint(room.context, regions, placed.result.model.scene);
+    placed.result.measurements.Add("print_known", print.known);
+    placed.result.measurements.Add("print_turned", print.turned);
+    watch.Lap(stage, "print");
+    if (print.turned == 0) return 2 * print.known > static_cast<int>(placed.result.views());
+    stage.Note("sfm: the print under the figure is turned in " + std::to_string(print.turned) +
+               " of " + std::to_string(placed.result.views()) + " photographs");
+    if (round < RoomStrategyTuning::kPrintRounds)
+      KeepMatchesOf(room.context, print.scene, room.Files(name), placed.matched);
+    else
+      ForgetMatchesOf(print.is_turned, room.Files(name), placed.matched);
+    placed.result = room.place(room.Files(name), placed.matched);
+    watch.Lap(stage, "surroundings");
+    NotePlaced(room, name, placed.result);
+  }
+  return false;
+}
+
 bool Turns(const StrategyResult& result) {
   return MeanTurn(result.model.scene.views) > RoomStrategyTuning::kTurns;
 }
@@ -129,8 +156,14 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
                     const std::vector<ImagePair>& tripod_pairs) {
   const ImageSet set = WithRegions(room, regions, name);
   Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
-  if (!HasNearlyAll(room.context, best.result) || !Turns(best.result)) {
-    Placed fine = Place(room, set, name + "_fine", {.fine = true, .region = true}, tripod_pairs);
+  const bool agrees = PlaceByPrint(room, regions, name, best);
+  // More features cost minutes, and where the print agrees they have placed no photograph more.
+  const bool placed =
+      agrees ? IsEnough(room.context, best.result) : HasNearlyAll(room.context, best.result);
+  if (!placed || !Turns(best.result)) {
+    Placed fine = Place(room, set, name + "_fine", {.fine = true, .region = true, .on_table = true},
+                        tripod_pairs);
+    PlaceByPrint(room, regions, name + "_fine", fine);
     if (!Turns(best.result))
       best = std::move(fine);
     else

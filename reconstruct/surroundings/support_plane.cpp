@@ -77,9 +77,11 @@ Plane Refit(const std::vector<Near>& points, const Plane& plane, double thicknes
   return {normal, normal.dot(mean)};
 }
 
-/// Whether the cameras are above the plane, and what they look at is not below.
+/// Whether the plane is level where that can be told, the cameras are above it, and what they look
+/// at is not below.
 bool Supports(const Plane& plane, const std::vector<View>& views, const Vector3d& middle,
-              double distance) {
+              double distance, const SupportPlaneOptions& options) {
+  if (options.up && plane.normal.dot(*options.up) < std::cos(options.tilt)) return false;
   if (plane.Above(middle) < -kNotBelow * distance) return false;
   const auto above = std::count_if(
       views.begin(), views.end(), [&](const View& view) { return plane.Above(view.Center()) > 0; });
@@ -94,7 +96,9 @@ double WeightWithin(const std::vector<Near>& points, const Plane& plane, double 
 }
 
 std::optional<Plane> BestPlane(const std::vector<Near>& points, const std::vector<View>& views,
-                               const Vector3d& middle, double distance, double thickness) {
+                               const Vector3d& middle, double distance,
+                               const SupportPlaneOptions& options) {
+  const double thickness = options.thickness * distance;
   std::mt19937 random(1);
   const auto any = [&] { return random() % points.size(); };
   std::optional<Plane> best;
@@ -107,7 +111,7 @@ std::optional<Plane> BestPlane(const std::vector<Near>& points, const std::vecto
     normal.normalize();
     if (normal.dot(views.front().Center() - p[0]) < 0) normal = -normal;
     const Plane plane{normal, normal.dot(p[0])};
-    if (!Supports(plane, views, middle, distance)) continue;
+    if (!Supports(plane, views, middle, distance, options)) continue;
     const double weight = WeightWithin(points, plane, thickness);
     if (weight <= most) continue;
     most = weight;
@@ -151,10 +155,10 @@ std::optional<SupportPlane> FindSupportPlane(const Scene& scene,
   const double thickness = options.thickness * distance;
   const std::vector<Near> points = PointsAround(scene, middle, options.reach * distance, distance);
   if (SizeOf(points) < options.fewest) return std::nullopt;
-  std::optional<Plane> plane = BestPlane(points, scene.views, middle, distance, thickness);
+  std::optional<Plane> plane = BestPlane(points, scene.views, middle, distance, options);
   if (!plane) return std::nullopt;
   for (int round = 0; round < 3; ++round) plane = Refit(points, *plane, thickness);
-  if (!Supports(*plane, scene.views, middle, distance)) return std::nullopt;
+  if (!Supports(*plane, scene.views, middle, distance, options)) return std::nullopt;
   const auto on = std::count_if(points.begin(), points.end(), [&](const Near& p) {
     return std::abs(plane->Above(p.position)) < thickness;
   });

@@ -13,6 +13,9 @@ struct SupportPlaneOptions {
   double thickness = 0.004;  ///< of that distance: points of the plane lie within this
   int fewest = 30;           ///< points of the plane
   double share = 0.12;       ///< and of the points within reach
+  /// upwards, where that is known roughly: the plane is level within `tilt`
+  std::optional<Eigen::Vector3d> up = std::nullopt;
+  double tilt = 0.7;  ///< [rad]
 };
 
 struct SupportPlane {

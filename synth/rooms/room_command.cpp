@@ -52,6 +52,8 @@ struct Seen {
   int pixels = 0;             // of the figure
   bool cut = false;           // by the photograph's border
   std::array<int, 2> inside;  // a pixel well within the figure; -1 where there is none
+  /// x, y of both ends of a level line within another thing; -1 where none is seen
+  std::array<int, 4> beside{-1, -1, -1, -1};
 };
 
 /// Distance to the nearest pixel outside the mask, by rows and columns (city blocks).
@@ -86,6 +88,21 @@ Seen SeenOf(const Image8& mask) {
   return seen;
 }
 
+/// A level line through the widest place of another thing, within it.
+std::array<int, 4> LineOnThing(const Image8& parts) {
+  constexpr auto thing = static_cast<std::uint8_t>(Part::kThing);
+  Image8 mask(parts.width, parts.height, 1);
+  for (std::size_t p = 0; p < parts.data.size(); ++p)
+    mask.data[p] = parts.data[p] == thing ? 255 : 0;
+  const auto [x, y] = SeenOf(mask).inside;
+  if (x < 0) return {-1, -1, -1, -1};
+  int left = x, right = x;
+  while (left > 0 && *mask.at(left - 1, y)) --left;
+  while (right + 1 < mask.width && *mask.at(right + 1, y)) ++right;
+  const int margin = (right - left) / 6;
+  return {left + margin, y, right - margin, y};
+}
+
 Json PhotographJson(const RoomPhotographer& photographer, int i, const Seen& seen) {
   const Stand& stand = photographer.stands()[i];
   const Camera& camera = stand.view.camera;
@@ -98,7 +115,8 @@ Json PhotographJson(const RoomPhotographer& photographer, int i, const Seen& see
             {"hand", photographer.HasHand(i)},
             {"figure_pixels", seen.pixels},
             {"cut", seen.cut},
-            {"inside", seen.inside}};
+            {"inside", seen.inside},
+            {"beside", seen.beside}};
   json["tripod"] = stand.tripod >= 0 ? Json(stand.tripod) : Json(nullptr);
   return json;
 }
@@ -187,6 +205,7 @@ std::string RunRoom(const RoomCommand& command, Progress* progress) {
     WriteImage(folders.truth / "masks" / (stand.view.name + ".png"), photograph.mask);
     WriteImage(folders.truth / "parts" / (stand.view.name + ".png"), photograph.parts);
     seen[i] = SeenOf(photograph.mask);
+    seen[i].beside = LineOnThing(photograph.parts);
   });
   WriteRoomTruth(photographer, seen, folders.truth);
   ReportProgress(progress, 1, "done");

@@ -22,7 +22,7 @@ struct RoomCommand {
 /// - masks/NAME.png: 255 where the figure alone is seen; parts/NAME.png: values of Part
 /// - surface.ply, outer.ply, landmarks.json, world.json: as `synth photos` writes them
 /// - room.json: kind, lenses, what it stands on, and for each photograph turn, lens, tripod, a
-///   place on the figure
+///   place on the figure, a line on another thing
 ///
 /// Photographs of an earlier room in that folder are replaced.
 /// @return a line for the console

@@ -9,6 +9,7 @@
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/image_turns.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/size_of.h"
@@ -23,10 +24,26 @@ constexpr double kWrongTurn = 2 * kDegree, kWrongPlace = 0.05;  // of the distan
 constexpr double kFoot = 0.125;                                 // share of the height
 constexpr int kSamples = 40000;
 
-/// A camera that truth and model both have.
+/// A camera that truth and model both have. The true one is turned as the model's picture is:
+/// `capture` turns portraits by a quarter where most photographs lie.
 struct Pair {
-  const View *truth, *model;
+  View truth;
+  const View* model;
 };
+
+bool LiesAcross(int width, int height, int other_width, int other_height) {
+  return (width > height) != (other_width > other_height);
+}
+
+/// The camera whose picture is rotated by 90 degrees, clockwise, if that has the model's shape.
+View TurnedAs(const View& model, View truth) {
+  const Camera &from = truth.camera, &to = model.camera;
+  if (!LiesAcross(from.width, from.height, to.width, to.height)) return truth;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitZ()));
+  Rigid3& pose = truth.camera_from_world;
+  pose = {turn * pose.rotation, turn * pose.translation};
+  return truth;
+}
 
 std::vector<Pair> PairsOf(const Scene& truth, const Scene& model,
                           std::vector<std::string>* missing) {
@@ -36,7 +53,7 @@ std::vector<Pair> PairsOf(const Scene& truth, const Scene& model,
   for (const View& view : truth.views) {
     const auto found = by_name.find(view.name);
     if (found != by_name.end())
-      pairs.push_back({&view, found->second});
+      pairs.push_back({TurnedAs(*found->second, view), found->second});
     else if (missing)
       missing->push_back(view.name);
   }
@@ -44,7 +61,7 @@ std::vector<Pair> PairsOf(const Scene& truth, const Scene& model,
 }
 
 Eigen::Matrix3d TurnOf(const Pair& pair) {
-  return (pair.truth->camera_from_world.rotation.conjugate() *
+  return (pair.truth.camera_from_world.rotation.conjugate() *
           pair.model->camera_from_world.rotation)
       .toRotationMatrix();
 }
@@ -56,7 +73,7 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 /// Errors of one camera under an alignment: turn [rad], place as a share of the distance.
 std::pair<double, double> ErrorsOf(const Pair& pair, const Similarity3& truth_from_model,
                                    const Vector3d& center) {
-  const Vector3d place = truth_from_model * pair.model->Center(), truth = pair.truth->Center();
+  const Vector3d place = truth_from_model * pair.model->Center(), truth = pair.truth.Center();
   return {AngleBetween(truth_from_model.rotation, TurnOf(pair)),
           (place - truth).norm() / (truth - center).norm()};
 }
@@ -74,13 +91,13 @@ int CountRight(const std::vector<Pair>& pairs, const Similarity3& alignment,
 
 /// The similarity that maps one camera's turn and place, and the distance to another one.
 bool FromTwo(const Pair& a, const Pair& b, Similarity3* alignment) {
-  const double in_truth = (b.truth->Center() - a.truth->Center()).norm(),
+  const double in_truth = (b.truth.Center() - a.truth.Center()).norm(),
                in_model = (b.model->Center() - a.model->Center()).norm();
   if (!(in_model > 1e-9) || !(in_truth > 1e-6)) return false;
   alignment->scale = in_truth / in_model;
   alignment->rotation = TurnOf(a);
   alignment->translation =
-      a.truth->Center() - alignment->scale * (alignment->rotation * a.model->Center());
+      a.truth.Center() - alignment->scale * (alignment->rotation * a.model->Center());
   return true;
 }
 
@@ -93,7 +110,7 @@ void Refine(const std::vector<Pair>& pairs, const Vector3d& center, Similarity3*
     if (right.size() < 4) return;
     PointsX3 a(std::ssize(right), 3), b(std::ssize(right), 3);
     for (Eigen::Index i = 0; i < a.rows(); ++i)
-      a.row(i) = right[i]->model->Center(), b.row(i) = right[i]->truth->Center();
+      a.row(i) = right[i]->model->Center(), b.row(i) = right[i]->truth.Center();
     const Similarity3 fitted = FitSimilarity(a, b);
     if (CountRight(pairs, fitted, center) < SizeOf(right)) return;
     *alignment = fitted;
@@ -170,7 +187,7 @@ RoomCameraScore ScoreRoomCameras(const Scene& truth, const Scene& model, const V
   for (const Pair& pair : pairs) {
     const auto errors = ErrorsOf(pair, score.truth_from_model, center);
     if (!IsRight(errors)) {
-      score.wrong.push_back(pair.truth->name);
+      score.wrong.push_back(pair.truth.name);
       continue;
     }
     turns.push_back(errors.first / kDegree), places.push_back(errors.second);
@@ -193,6 +210,8 @@ int AgreeingTurns(const Scene& truth, const Scene& model) {
 }
 
 double MaskOverlap(const Image8& truth, const Image8& mask) {
+  if (LiesAcross(truth.width, truth.height, mask.width, mask.height))
+    return MaskOverlap(QuarterTurned(truth), mask);
   const double shape = static_cast<double>(mask.width) * truth.height /
                        (static_cast<double>(mask.height) * truth.width);
   if (std::abs(shape - 1) > 0.02)

@@ -8,6 +8,7 @@
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/fit_view.h"
+#include "core/image_turns.h"
 #include "synth/polygonize.h"
 
 namespace keypose::synth {
@@ -83,7 +84,32 @@ TEST(RoomScore, MasksAreComparedAtAnySize) {
   EXPECT_DOUBLE_EQ(MaskOverlap(truth, half), 1);
   EXPECT_NEAR(MaskOverlap(truth, shifted), 1.0 / 3, 1e-12);
   EXPECT_DOUBLE_EQ(MaskOverlap(Image8(9, 9, 1), Image8(9, 9, 1)), 1);
-  EXPECT_THROW(MaskOverlap(truth, Image8(60, 100, 1)), InputError);
+  EXPECT_THROW(MaskOverlap(truth, Image8(70, 60, 1)), InputError);
+}
+
+TEST(RoomScore, PortraitsThatCaptureTurnedAreComparedAsTheyLie) {
+  const Scene model = Ring(12);
+  Scene truth = model;
+  for (const int i : {3, 8}) {
+    View& view = truth.views[i];  // held the other way up: its top is this picture's left side
+    std::swap(view.camera.width, view.camera.height);
+    view.camera_from_world =
+        Compose({Eigen::Quaterniond(Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitZ())), {0, 0, 0}},
+                view.camera_from_world);
+  }
+  // The picture of a point is rotated clockwise with the camera.
+  const Vector3d point(0.03, 0.02, 0.12);
+  const Vector3d lies = model.views[3].camera_from_world * point,
+                 stands = truth.views[3].camera_from_world * point;
+  EXPECT_NEAR(lies.x(), -stands.y(), 1e-12);
+  EXPECT_NEAR(lies.y(), stands.x(), 1e-12);
+  const RoomCameraScore score = ScoreRoomCameras(truth, Transformed(Somewhere(), model), kMiddle);
+  EXPECT_TRUE(score.wrong.empty());
+  EXPECT_LT(score.median_deg, 1e-5);
+  Image8 portrait(60, 100, 1);
+  for (int y = 5; y < 30; ++y)
+    for (int x = 10; x < 20; ++x) *portrait.at(x, y) = 255;
+  EXPECT_DOUBLE_EQ(MaskOverlap(portrait, QuarterTurned(portrait)), 1);
 }
 
 /// A round body that stands on z = 0, and if asked a slab that was left under it.

@@ -290,6 +290,29 @@ TEST(RoomCommand, WritesPhotographsAndTheirTruthBesideThem) {
   EXPECT_GT(ReadTruth(truth).cameras.points.size(), 100u);
 }
 
+TEST(RoomCommand, ALineLiesOnWhatTouchesTheFigure) {
+  const TestingFolder folder;
+  RoomCommand command;
+  command.output = folder.path();
+  command.room = Small("walk", 5, 6);
+  command.room.second = "touching";
+  RunRoom(command, nullptr);
+  const fs::path truth = folder.path() / "truth/figure";
+  const auto json = nlohmann::json::parse(ReadFile(truth / "room.json"));
+  int lines = 0;
+  for (const auto& photograph : json.at("photographs")) {
+    const auto& beside = photograph.at("beside");
+    if (beside[0] < 0) continue;
+    ++lines;
+    const Image8 parts =
+        ReadImage(truth / "parts" / (photograph["name"].get<std::string>() + ".png"), 1);
+    EXPECT_EQ(beside[1], beside[3]);
+    for (int x = beside[0]; x <= beside[2]; ++x)
+      ASSERT_EQ(*parts.at(x, beside[1].get<int>()), static_cast<int>(Part::kThing));
+  }
+  EXPECT_GE(lines, 4);
+}
+
 TEST(RoomCommand, WithoutExifNoneIsWritten) {
   const TestingFolder folder;
   RoomCommand command;

@@ -1,0 +1,33 @@
+// Cameras that the print under the figure shows to be turned are placed again.
+#pragma once
+
+#include <vector>
+
+#include "reconstruct/sfm/strategy.h"
+
+namespace keypose::reconstruct {
+
+/// What the print under the figure says of cameras.
+struct PrintCheck {
+  Scene scene;  ///< with the cameras turned as the print says
+  int turned = 0, known = 0;
+  std::vector<char> is_turned;  ///< by image of the set
+};
+
+/// Compares what the photographs show of the plane under the figure, from above. Nothing is turned
+/// where there is no plane, or no print on it.
+/// @param regions  by image of the set: where what carries the figure may be seen; see
+/// FindPrintTurns
+PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>& regions,
+                      const Scene& scene);
+
+/// Replaces the verified matches of photographs with cameras by the raw ones that fit these
+/// cameras, in `matched` and in the database.
+void KeepMatchesOf(const StrategyContext& context, const Scene& scene, const SfmFiles& files,
+                   MatchedFeatures& matched);
+
+/// Takes all verified matches of some photographs away, so that they are not placed.
+void ForgetMatchesOf(const std::vector<char>& images, const SfmFiles& files,
+                     MatchedFeatures& matched);
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,157 @@
+#include "reconstruct/surroundings/print_turns.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/parallel.h"
+#include "reconstruct/testing/known_scenes.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using Eigen::Vector2d, Eigen::Vector3d;
+
+constexpr int kViews = 12;
+
+/// A white mat of radius 1 on a dark table: a scale with 36 ticks and four marks that a quarter of
+/// a turn brings onto each other; if asked three coloured spots that are there once.
+Vector3d MatColour(const Vector2d& x, bool with_spots) {
+  const double radius = x.norm(), angle = std::atan2(x.y(), x.x());
+  if (radius > 1) return {70, 55, 40};
+  const double tick = std::remainder(angle, 2 * kPi / 36) * radius;
+  if (radius > 0.82 && radius < 0.92 && std::abs(tick) < 0.018) return {20, 20, 20};
+  const double quarter = std::remainder(angle, kPi / 2);
+  if ((Vector2d(std::cos(quarter), std::sin(quarter)) * radius - Vector2d(0.6, 0.1)).norm() < 0.1)
+    return {20, 20, 20};
+  if (with_spots) {
+    const auto spot = [&](double at, double from, double size) {
+      return (x - from * Vector2d(std::cos(at), std::sin(at))).norm() < size;
+    };
+    if (spot(0.9, 0.6, 0.09)) return {200, 40, 50};
+    if (spot(2.7, 0.7, 0.07)) return {40, 60, 190};
+    if (spot(4.4, 0.45, 0.08)) return {30, 140, 60};
+  }
+  return {225, 225, 220};
+}
+
+struct Set {
+  Scene scene;
+  std::vector<Image8> pictures, regions;
+  SupportPlane plane;
+};
+
+/// The mat from twelve sides, at 25 to 50 degrees above it.
+Set MakeSet(bool with_spots) {
+  Set set;
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 3);
+  Camera camera;
+  camera.width = 480, camera.height = 360;
+  camera.fx = camera.fy = 700, camera.cx = 240, camera.cy = 180;
+  for (int k = 0; k < kViews; ++k) {
+    const double angle = 2 * kPi * k / kViews, above = (25 + 25 * (k % 2)) * kDegree;
+    const Vector3d eye = 4 * Vector3d(std::cos(angle) * std::cos(above),
+                                      std::sin(angle) * std::cos(above), std::sin(above));
+    const View view = testing::LookFrom(eye, camera, std::to_string(100 + k));
+    Image8 picture(camera.width, camera.height, 3);
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const Vector3d ray = view.camera_from_world.rotation.conjugate() *
+                             camera.Unproject(Vector2d(x + 0.5, y + 0.5));
+        const Vector3d center = view.Center();
+        const Vector3d on = center - center.z() / ray.z() * ray;
+        const Vector3d colour = MatColour(on.head<2>(), with_spots);
+        for (int c = 0; c < 3; ++c)
+          picture.at(x, y)[c] =
+              static_cast<std::uint8_t>(std::clamp(colour[c] + noise(random), 0.0, 255.0));
+      }
+    set.scene.views.push_back(view);
+    set.pictures.push_back(std::move(picture));
+  }
+  set.regions.resize(kViews);
+  set.plane.normal = Vector3d::UnitZ();
+  set.plane.foot = {0.04, -0.03, 0};  // the figure does not stand on the mat's very middle
+  set.plane.distance = 4;
+  return set;
+}
+
+PrintTurns Find(const Set& set) {
+  return FindPrintTurns(set.scene, set.pictures, set.regions, set.plane);
+}
+
+int Known(const PrintTurns& found) {
+  return static_cast<int>(std::count(found.knows.begin(), found.knows.end(), 1));
+}
+
+TEST(PrintTurns, RightCamerasAreNotTurned) {
+  const PrintTurns found = Find(MakeSet(true));
+  EXPECT_EQ(Known(found), kViews);
+  EXPECT_EQ(found.turn, std::vector<double>(kViews, 0));
+  EXPECT_LT(found.middle.norm(), 0.02);
+}
+
+TEST(PrintTurns, CamerasThatATickOrAQuarterTurnedAreTurnedBack) {
+  Set set = MakeSet(true);
+  const Vector3d middle = Vector3d::Zero();
+  std::vector<double> wrong(kViews, 0);
+  wrong[2] = wrong[3] = 30 * kDegree, wrong[7] = -10 * kDegree, wrong[9] = kPi / 2;
+  const std::vector<View> truth = set.scene.views;
+  for (int k = 0; k < kViews; ++k)
+    set.scene.views[k] = TurnedWithPrint(truth[k], wrong[k], Vector3d::UnitZ(), middle);
+  const PrintTurns found = Find(set);
+  for (int k = 0; k < kViews; ++k) {
+    EXPECT_NEAR(found.turn[k], -wrong[k], 1 * kDegree) << k;
+    const View back =
+        TurnedWithPrint(set.scene.views[k], found.turn[k], Vector3d::UnitZ(), found.middle);
+    EXPECT_LT((back.Center() - truth[k].Center()).norm(), 0.1) << k;
+  }
+}
+
+TEST(PrintTurns, AScaleAloneTellsNothing) {
+  Set set = MakeSet(false);
+  set.scene.views[4] =
+      TurnedWithPrint(set.scene.views[4], 30 * kDegree, Vector3d::UnitZ(), Vector3d::Zero());
+  const PrintTurns found = Find(set);
+  EXPECT_EQ(Known(found), 0);
+  EXPECT_EQ(found.turn, std::vector<double>(kViews, 0));
+}
+
+TEST(PrintTurns, WhatStandsOnThePrintIsLeftOut) {
+  Set set = MakeSet(true);
+  // A grey pillar, where its points are: twelve pictures that all have it in the same place.
+  for (int k = 0; k < kViews; ++k)
+    for (int y = 40; y < 200; ++y)
+      for (int x = 205; x < 275; ++x)
+        for (int c = 0; c < 3; ++c)
+          set.pictures[k].at(x, y)[c] = static_cast<std::uint8_t>(60 + 130 * ((x + y) / 9 % 2));
+  for (double height = 0.05; height < 1; height += 0.04)
+    for (int side = 0; side < 12; ++side) {
+      SparsePoint point =
+          testing::PointAt({0.15 * std::cos(side * 0.52), 0.15 * std::sin(side * 0.52), height});
+      point.views.clear();
+      for (int k = 0; k < kViews; ++k) point.views.push_back(k);
+      set.scene.points.push_back(point);
+    }
+  const PrintTurns found = Find(set);
+  EXPECT_EQ(Known(found), kViews);
+  EXPECT_EQ(found.turn, std::vector<double>(kViews, 0));
+}
+
+TEST(PrintTurns, SameBitsForAnyThreadCount) {
+  const Set set = MakeSet(true);
+  SetThreadCount(1);
+  const PrintTurns one = Find(set);
+  SetThreadCount(4);
+  const PrintTurns four = Find(set);
+  SetThreadCount(0);
+  EXPECT_EQ(one.turn, four.turn);
+  EXPECT_EQ(one.middle, four.middle);
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
