@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <opencv2/calib3d.hpp>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "core/io/image_set.h"
 #include "core/io/reduced_image.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/tuned.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/numerics/epipolar.h"
@@ -93,30 +95,121 @@ void TurnWithOthers(const Scene& scene, PrintTurns& found) {
   }
 }
 
+/// Places on the plane, and the rays of a photograph on which they are seen.
+struct SeenOnPlane {
+  std::vector<cv::Point3d> places;
+  std::vector<cv::Point2d> rays;  ///< z = 1
+};
+
+/// What a view shows of the plane at its matches with a photograph.
+/// @param of_view, of_image  features' sides of the pair's matches
+void AddSeen(const View& view, const Features& of_view, const Features& of_image,
+             const Camera& lens, const PairMatches& pair, bool view_is_first,
+             const SupportPlane& plane, SeenOnPlane& seen) {
+  const double reach = PrintTurnOptions{}.radius * plane.distance;
+  const Eigen::Quaterniond to_world = view.camera_from_world.rotation.conjugate();
+  const Eigen::Vector3d center = view.Center();
+  for (const auto& [first, second] : pair.features) {
+    const auto f = view_is_first ? first : second, g = view_is_first ? second : first;
+    const Eigen::Vector3d ray =
+        to_world * view.camera.Unproject(of_view.positions.row(f).transpose().cast<double>());
+    const double along = (plane.offset - plane.normal.dot(center)) / plane.normal.dot(ray);
+    const Eigen::Vector3d at = center + along * ray;
+    if (!(along > 0) || (at - plane.foot).norm() > reach) continue;
+    const Eigen::Vector3d sight =
+        lens.Unproject(of_image.positions.row(g).transpose().cast<double>());
+    seen.places.emplace_back(at.x(), at.y(), at.z());
+    seen.rays.emplace_back(sight.x(), sight.y());
+  }
+}
+
+/// The camera that most of these places fit; they may be of another turn of the print.
+std::optional<Rigid3> PoseBy(const SeenOnPlane& seen, double max_error) {
+  constexpr int kTries = 3000, kFewest = 12;
+  if (SizeOf(seen.places) < kFewest) return std::nullopt;
+  const cv::Mat unit = cv::Mat::eye(3, 3, CV_64F);
+  cv::Mat turn, shift, inside, matrix;
+  if (!cv::solvePnPRansac(seen.places, seen.rays, unit, cv::noArray(), turn, shift, false, kTries,
+                          static_cast<float>(max_error), 0.999, inside, cv::SOLVEPNP_EPNP) ||
+      inside.rows < kFewest)
+    return std::nullopt;
+  cv::Rodrigues(turn, matrix);
+  Eigen::Matrix3d rotation;
+  Rigid3 pose;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) rotation(r, c) = matrix.at<double>(r, c);
+    pose.translation[r] = shift.at<double>(r);
+  }
+  if (!rotation.allFinite()) return std::nullopt;
+  pose.rotation = Eigen::Quaterniond(rotation).normalized();
+  return pose;
+}
+
+/// Cameras of photographs that have none, by what others with one show of the plane.
+std::vector<View> GuestsOn(const StrategyContext& context, const Scene& scene,
+                           const MatchedFeatures& matched, const SupportPlane& plane) {
+  const std::vector<int> view_of = context.check.ViewOfImage(scene);
+  const std::size_t images = view_of.size();
+  std::vector<std::optional<View>> guests(images);
+  ParallelFor(std::ssize(view_of), [&](std::int64_t i) {
+    if (view_of[i] >= 0) return;
+    Camera lens = matched.lenses[matched.lens_of_image[i]];
+    // The lens as the model's views of it have it.
+    for (std::size_t k = 0; k < images; ++k)
+      if (view_of[k] >= 0 && matched.lens_of_image[k] == matched.lens_of_image[i])
+        lens = scene.views[view_of[k]].camera;
+    SeenOnPlane seen;
+    for (const PairMatches& pair : matched.matches) {
+      const bool first = pair.second == i && view_of[pair.first] >= 0,
+                 second = pair.first == i && view_of[pair.second] >= 0;
+      if (!first && !second) continue;
+      const int other = first ? pair.first : pair.second;
+      AddSeen(scene.views[view_of[other]], matched.features[other], matched.features[i], lens, pair,
+              first, plane, seen);
+    }
+    if (const auto pose = PoseBy(seen, PrintCheckTuning::kFitsPx / lens.fx))
+      guests[i] = View{context.set.images[i].name, lens, *pose};
+  });
+  std::vector<View> found;
+  for (std::optional<View>& guest : guests)
+    if (guest && plane.normal.dot(guest->Center()) > plane.offset)
+      found.push_back(std::move(*guest));
+  return found;
+}
+
 }  // namespace
 
 PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>& regions,
-                      const Scene& scene) {
-  PrintCheck check{scene, 0, 0, std::vector<char>(context.set.images.size(), 0)};
+                      const Scene& scene, const MatchedFeatures& matched) {
+  PrintCheck check{scene, 0, 0, 0, std::vector<char>(context.set.images.size(), 0)};
   const auto plane = PlaneUnder(context.set, scene);
   if (!plane) return check;
-  const std::size_t views = scene.views.size();
+  Scene all = scene;
+  for (View& guest : GuestsOn(context, scene, matched, *plane))
+    all.views.push_back(std::move(guest));
+  const std::size_t views = all.views.size();
   std::vector<Image8> pictures(views), seen(views);
   std::vector<int> image(views);
-  ParallelFor(std::ssize(scene.views), [&](std::int64_t v) {
-    image[v] = context.set.Find(scene.views[v].name);
+  ParallelFor(std::ssize(all.views), [&](std::int64_t v) {
+    image[v] = context.set.Find(all.views[v].name);
     pictures[v] = ReadReducedTo(context.set.ImagePath(image[v]), 3, PrintCheckTuning::kPicturePx);
     seen[v] = regions[image[v]];
   });
-  PrintTurns found = FindPrintTurns(scene, pictures, seen, *plane);
-  check.known = static_cast<int>(std::count(found.knows.begin(), found.knows.end(), 1));
+  PrintTurns found = FindPrintTurns(all, pictures, seen, *plane);
+  check.known = static_cast<int>(
+      std::count(found.knows.begin(), found.knows.begin() + std::ssize(scene.views), 1));
   TurnWithOthers(scene, found);
   for (std::size_t v = 0; v < views; ++v) {
-    if (found.turn[v] == 0) continue;
-    ++check.turned;
-    check.is_turned[image[v]] = 1;
-    check.scene.views[v] =
-        TurnedWithPrint(scene.views[v], found.turn[v], plane->normal, found.middle);
+    const View view = TurnedWithPrint(all.views[v], found.turn[v], plane->normal, found.middle);
+    if (v >= scene.views.size()) {
+      if (!found.knows[v]) continue;
+      ++check.guests;
+      check.scene.views.push_back(view);
+    } else if (found.turn[v] != 0) {
+      ++check.turned;
+      check.is_turned[image[v]] = 1;
+      check.scene.views[v] = view;
+    }
   }
   return check;
 }

@@ -11,15 +11,17 @@ namespace keypose::reconstruct {
 struct PrintCheck {
   Scene scene;  ///< with the cameras turned as the print says
   int turned = 0, known = 0;
+  int guests = 0;               ///< cameras without one before, which the print confirms
   std::vector<char> is_turned;  ///< by image of the set
 };
 
 /// Compares what the photographs show of the plane under the figure, from above. Nothing is turned
-/// where there is no plane, or no print on it.
+/// where there is no plane, or no print on it. Photographs without a camera get one by what they
+/// share of the plane with others, if their print then agrees at some turn.
 /// @param regions  by image of the set: where what carries the figure may be seen; see
 /// FindPrintTurns
 PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>& regions,
-                      const Scene& scene);
+                      const Scene& scene, const MatchedFeatures& matched);
 
 /// Replaces the verified matches of photographs with cameras by the raw ones that fit these
 /// cameras, in `matched` and in the database.

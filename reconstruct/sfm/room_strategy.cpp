@@ -117,24 +117,31 @@ Placed Place(const Room& room, const ImageSet& set, const std::string& name,
   return placed;
 }
 
-/// Places again the cameras that the print under the figure shows to be turned; what stays turned
-/// is left out.
+/// Places again the cameras that the print under the figure shows to be turned, and such as it
+/// gives to photographs without one; what stays turned is left out.
 /// @return whether there is a print that agrees with them now
 bool PlaceByPrint(const Room& room, const std::vector<Image8>& regions, const std::string& name,
                   Placed& placed) {
   const auto& [stage, set, options, check, watch] = room.context;
+  std::size_t with_guests = 0;  // views after guests came in
   for (int round = 0; round <= RoomStrategyTuning::kPrintRounds; ++round) {
-    const PrintCheck print = CheckPrint(room.context, regions, placed.result.model.scene);
+    const std::size_t views = placed.result.views();
+    const PrintCheck print =
+        CheckPrint(room.context, regions, placed.result.model.scene, placed.matched);
     placed.result.measurements.Add("print_known", print.known);
     placed.result.measurements.Add("print_turned", print.turned);
     watch.Lap(stage, "print");
-    if (print.turned == 0) return 2 * print.known > static_cast<int>(placed.result.views());
+    const bool helps = print.guests > 0 && round < RoomStrategyTuning::kPrintRounds &&
+                       (with_guests == 0 || views > with_guests);
+    if (print.turned == 0 && !helps) return 2 * print.known > static_cast<int>(views);
     stage.Note("sfm: the print under the figure is turned in " + std::to_string(print.turned) +
-               " of " + std::to_string(placed.result.views()) + " photographs");
+               " of " + std::to_string(views) + " photographs, and places " +
+               std::to_string(print.guests) + " more");
     if (round < RoomStrategyTuning::kPrintRounds)
       KeepMatchesOf(room.context, print.scene, room.Files(name), placed.matched);
     else
       ForgetMatchesOf(print.is_turned, room.Files(name), placed.matched);
+    if (print.guests > 0) with_guests = views;
     placed.result = room.place(room.Files(name), placed.matched);
     watch.Lap(stage, "surroundings");
     NotePlaced(room, name, placed.result);
