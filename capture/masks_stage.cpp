@@ -176,6 +176,19 @@ void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& 
   stage.ReportJson("touched", touched.dump());
 }
 
+/// In a room only views tell what the figure is: a photograph without a camera keeps a guess, which
+/// nothing may be made from.
+void DistrustUnplaced(const PosedImages& posed, ImageSet* set) {
+  std::vector<char> placed(set->images.size(), 0);
+  for (const std::size_t i : posed.index) placed[i] = 1;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    CapturedImage& image = set->images[i];
+    if (placed[i] || image.mask_given) continue;
+    image.trusted = false;
+    image.why = "it has no camera, so nothing tells the figure in it from the room";
+  }
+}
+
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
@@ -213,6 +226,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   if (found.in_room) RequireClearFigure(stage, figures, space, found, refined.masks);
   ReportConsensus(stage, posed, refined.consensus, &set);
   ReportTouched(stage, set, posed, refined, found.in_room);
+  if (found.in_room) DistrustUnplaced(posed, &set);
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);
