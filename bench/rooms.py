@@ -93,10 +93,12 @@ def said_of(room):
     if not room.truth or room.args.say == 'nothing':
         return []
     good = [p for p in room.about['photographs'] if not p['cut'] and not p['hand'] and p['inside'][0] >= 0]
+    if not good:
+        return []
     if room.about['second'] == 'touching':
         widest = max(good, key=lambda p: p['beside'][2] - p['beside'][0])
         return ['--not', '%s:%d,%d-%d,%d' % (widest['name'], *widest['beside'])]
-    return ['--at', '%s:%d,%d' % (good[0]['name'], *good[0]['inside'])] if good and room.args.say == 'all' else []
+    return ['--at', '%s:%d,%d' % (good[0]['name'], *good[0]['inside'])] if room.args.say == 'all' else []
 
 
 def latest(project, pattern):
