@@ -54,12 +54,13 @@ class MasksProgram : public testing::Test, public TestingFolder {
   const fs::path root = path();
   /// Points of a room around the ball, in no mask.
   void AddRoom() {
+    const int views = static_cast<int>(ring.views.size());
     for (int k = 0; k < 60; ++k) {
       SparsePoint point;
       const double angle = 0.4 * k;
       point.position = {3 * std::cos(angle), 3 * std::sin(angle), 0.5 + 0.02 * k};
       point.color.setConstant(128);
-      point.views = {k % kRingViews, (k + 1) % kRingViews};
+      point.views = {k % views, (k + 1) % views};
       std::sort(point.views.begin(), point.views.end());
       points.push_back(point);
     }
@@ -166,6 +167,17 @@ TEST_F(MasksProgram, RefusedRoomLeavesASheetOfWhatWasTakenForTheFigure) {
   ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
   EXPECT_TRUE(fs::exists(root / "masked"));
   EXPECT_FALSE(fs::exists(sheet));
+}
+
+TEST_F(MasksProgram, InARoomAPhotographWithoutACameraIsNotTrusted) {
+  ring.views.pop_back();
+  AddRoom();
+  first = "KEYPOSE_ISNET_ONNX=" + (root / "none").string() + " ";
+  ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
+  const ImageSet masked = ReadImageSet(root / "masked");
+  for (std::size_t i = 0; i < kRingViews; ++i)
+    EXPECT_EQ(masked.images[i].trusted, i + 1 < kRingViews) << i;
+  EXPECT_THAT(masked.images.back().why, testing::HasSubstr("no camera"));
 }
 
 TEST_F(MasksProgram, ModelOfOtherPhotographsIsAnInputError) {

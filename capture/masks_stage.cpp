@@ -248,7 +248,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "17",
+    .version = "18",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",
