@@ -411,4 +411,10 @@ Image8 Resized(const Image8& image, int width, int height) {
   return out;
 }
 
+Image8 ResizedMask(const Image8& mask, int width, int height) {
+  Image8 resized = Resized(mask, width, height);
+  for (std::uint8_t& pixel : resized.data) pixel = pixel > 127 ? 255 : 0;
+  return resized;
+}
+
 }  // namespace keypose

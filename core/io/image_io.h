@@ -64,5 +64,7 @@ void WriteLinearImage(const std::filesystem::path& path, const ImageF& linear, i
 /// The image resized to width x height, by a box filter where it shrinks and bilinearly where it
 /// grows, separately for each axis.
 Image8 Resized(const Image8& image, int width, int height);
+/// The same of a mask: 255 where it is above 127, else 0.
+Image8 ResizedMask(const Image8& mask, int width, int height);
 
 }  // namespace keypose

@@ -97,9 +97,8 @@ void AddStretched(const ObjectCrop& crop, bool lies_across, const fs::path& fold
   place.y0 *= by_y, place.pixels_y /= by_y;
   const int width = by_x * crop.image.width, height = by_y * crop.image.height;
   WritePgm(folder / "images" / stretched.name, Resized(crop.image, width, height));
-  Image8 mask = Resized(crop.mask, width, height);
-  for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
-  WriteGreyMaskPng(folder / "masks" / (stretched.name + ".png"), mask);
+  WriteGreyMaskPng(folder / "masks" / (stretched.name + ".png"),
+                   ResizedMask(crop.mask, width, height));
   pictures.push_back(stretched);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <opencv2/calib3d.hpp>
 #include <optional>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/surroundings/print_turns.h"
 #include "reconstruct/surroundings/support_plane.h"
+#include "views/placement/picture_pose.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -95,13 +95,18 @@ void TurnWithOthers(const Scene& scene, PrintTurns& found) {
   }
 }
 
-/// Places on the plane, and the rays of a photograph on which they are seen.
+/// Places on the plane, and where a photograph shows them.
 struct SeenOnPlane {
-  std::vector<cv::Point3d> places;
-  std::vector<cv::Point2d> rays;  ///< z = 1
+  std::vector<Eigen::Vector3d> places;
+  std::vector<FeatureMatch> matches;  ///< of places, as vertices
 };
 
-/// What a view shows of the plane at its matches with a photograph.
+/// Without the distortion of the lens.
+Pinhole PinholeOf(const Camera& lens) {
+  return {lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy};
+}
+
+/// Adds what a view shows of the plane at its matches with a photograph.
 /// @param of_view, of_image  features' sides of the pair's matches
 void AddSeen(const View& view, const Features& of_view, const Features& of_image,
              const Camera& lens, const PairMatches& pair, bool view_is_first,
@@ -118,31 +123,23 @@ void AddSeen(const View& view, const Features& of_view, const Features& of_image
     if (!(along > 0) || (at - plane.foot).norm() > reach) continue;
     const Eigen::Vector3d sight =
         lens.Unproject(of_image.positions.row(g).transpose().cast<double>());
-    seen.places.emplace_back(at.x(), at.y(), at.z());
-    seen.rays.emplace_back(sight.x(), sight.y());
+    FeatureMatch match;
+    match.point.vertices.setConstant(SizeOf(seen.places));
+    match.pixel = PinholeOf(lens).Project(sight);
+    seen.places.push_back(at);
+    seen.matches.push_back(match);
   }
 }
 
 /// The camera that most of these places fit; they may be of another turn of the print.
-std::optional<Rigid3> PoseBy(const SeenOnPlane& seen, double max_error) {
-  constexpr int kTries = 3000, kFewest = 12;
-  if (SizeOf(seen.places) < kFewest) return std::nullopt;
-  const cv::Mat unit = cv::Mat::eye(3, 3, CV_64F);
-  cv::Mat turn, shift, inside, matrix;
-  if (!cv::solvePnPRansac(seen.places, seen.rays, unit, cv::noArray(), turn, shift, false, kTries,
-                          static_cast<float>(max_error), 0.999, inside, cv::SOLVEPNP_EPNP) ||
-      inside.rows < kFewest)
-    return std::nullopt;
-  cv::Rodrigues(turn, matrix);
-  Eigen::Matrix3d rotation;
-  Rigid3 pose;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) rotation(r, c) = matrix.at<double>(r, c);
-    pose.translation[r] = shift.at<double>(r);
-  }
-  if (!rotation.allFinite()) return std::nullopt;
-  pose.rotation = Eigen::Quaterniond(rotation).normalized();
-  return pose;
+std::optional<Rigid3> PoseBy(const SeenOnPlane& seen, const Camera& lens) {
+  constexpr int kFewest = 12;
+  PointsX3 places(std::ssize(seen.places), 3);
+  for (Eigen::Index i = 0; i < places.rows(); ++i) places.row(i) = seen.places[i];
+  const PicturePose pose =
+      PlacePicture(PinholeOf(lens), places, seen.matches, PrintCheckTuning::kFitsPx, kFewest);
+  if (!pose.found) return std::nullopt;
+  return pose.camera_from_world;
 }
 
 /// Cameras of photographs that have none, by what others with one show of the plane.
@@ -167,7 +164,7 @@ std::vector<View> GuestsOn(const StrategyContext& context, const Scene& scene,
       AddSeen(scene.views[view_of[other]], matched.features[other], matched.features[i], lens, pair,
               first, plane, seen);
     }
-    if (const auto pose = PoseBy(seen, PrintCheckTuning::kFitsPx / lens.fx))
+    if (const auto pose = PoseBy(seen, lens))
       guests[i] = View{context.set.images[i].name, lens, *pose};
   });
   std::vector<View> found;
@@ -179,7 +176,16 @@ std::vector<View> GuestsOn(const StrategyContext& context, const Scene& scene,
 
 }  // namespace
 
-PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>& regions,
+PrintPictures PicturesForPrint(const ImageSet& set, const std::vector<Image8>& regions) {
+  PrintPictures pictures{std::vector<Image8>(set.images.size()), regions};
+  ParallelFor(std::ssize(set.images), [&](std::int64_t i) {
+    pictures.photographs[i] =
+        ReadReducedTo(set.ImagePath(static_cast<int>(i)), 3, PrintCheckTuning::kPicturePx);
+  });
+  return pictures;
+}
+
+PrintCheck CheckPrint(const StrategyContext& context, const PrintPictures& pictures,
                       const Scene& scene, const MatchedFeatures& matched) {
   PrintCheck check{scene, 0, 0, 0, std::vector<char>(context.set.images.size(), 0)};
   const auto plane = PlaneUnder(context.set, scene);
@@ -188,14 +194,14 @@ PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>&
   for (View& guest : GuestsOn(context, scene, matched, *plane))
     all.views.push_back(std::move(guest));
   const std::size_t views = all.views.size();
-  std::vector<Image8> pictures(views), seen(views);
-  std::vector<int> image(views);
-  ParallelFor(std::ssize(all.views), [&](std::int64_t v) {
-    image[v] = context.set.Find(all.views[v].name);
-    pictures[v] = ReadReducedTo(context.set.ImagePath(image[v]), 3, PrintCheckTuning::kPicturePx);
-    seen[v] = regions[image[v]];
-  });
-  PrintTurns found = FindPrintTurns(all, pictures, seen, *plane);
+  std::vector<Image8> photographs, regions;
+  std::vector<int> image;
+  for (const View& view : all.views) {
+    image.push_back(context.set.Find(view.name));
+    photographs.push_back(pictures.photographs[image.back()]);
+    regions.push_back(pictures.regions[image.back()]);
+  }
+  PrintTurns found = FindPrintTurns(all, photographs, regions, *plane);
   check.known = static_cast<int>(
       std::count(found.knows.begin(), found.knows.begin() + std::ssize(scene.views), 1));
   TurnWithOthers(scene, found);

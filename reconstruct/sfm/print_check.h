@@ -15,12 +15,18 @@ struct PrintCheck {
   std::vector<char> is_turned;  ///< by image of the set
 };
 
+/// Photographs at a size for comparing prints, and where each may show what carries the figure.
+struct PrintPictures {
+  std::vector<Image8> photographs;  ///< RGB, by image of the set
+  std::vector<Image8> regions;      ///< by image of the set; see FindPrintTurns
+};
+
+PrintPictures PicturesForPrint(const ImageSet& set, const std::vector<Image8>& regions);
+
 /// Compares what the photographs show of the plane under the figure, from above. Nothing is turned
 /// where there is no plane, or no print on it. Photographs without a camera get one by what they
 /// share of the plane with others, if their print then agrees at some turn.
-/// @param regions  by image of the set: where what carries the figure may be seen; see
-/// FindPrintTurns
-PrintCheck CheckPrint(const StrategyContext& context, const std::vector<Image8>& regions,
+PrintCheck CheckPrint(const StrategyContext& context, const PrintPictures& pictures,
                       const Scene& scene, const MatchedFeatures& matched);
 
 /// Replaces the verified matches of photographs with cameras by the raw ones that fit these

@@ -76,8 +76,7 @@ ImageSet WithRegions(const Room& room, const std::vector<Image8>& regions,
     image.mask.clear();
     const Image8& region = regions[i];
     if (region.empty() || *std::max_element(region.data.begin(), region.data.end()) == 0) return;
-    Image8 mask = Resized(region, image.width, image.height);
-    for (std::uint8_t& pixel : mask.data) pixel = pixel > 127 ? 255 : 0;
+    const Image8 mask = ResizedMask(region, image.width, image.height);
     const fs::path file = fs::absolute(folder / (std::to_string(i) + ".png"));
     WriteGreyMaskPng(file, mask);
     image.mask = file.string();
@@ -120,14 +119,14 @@ Placed Place(const Room& room, const ImageSet& set, const std::string& name,
 /// Places again the cameras that the print under the figure shows to be turned, and such as it
 /// gives to photographs without one; what stays turned is left out.
 /// @return whether there is a print that agrees with them now
-bool PlaceByPrint(const Room& room, const std::vector<Image8>& regions, const std::string& name,
+bool PlaceByPrint(const Room& room, const PrintPictures& pictures, const std::string& name,
                   Placed& placed) {
   const auto& [stage, set, options, check, watch] = room.context;
-  std::size_t with_guests = 0;  // views after guests came in
+  std::size_t with_guests = 0;  // views when guests last came in
   for (int round = 0; round <= RoomStrategyTuning::kPrintRounds; ++round) {
     const std::size_t views = placed.result.views();
     const PrintCheck print =
-        CheckPrint(room.context, regions, placed.result.model.scene, placed.matched);
+        CheckPrint(room.context, pictures, placed.result.model.scene, placed.matched);
     placed.result.measurements.Add("print_known", print.known);
     placed.result.measurements.Add("print_turned", print.turned);
     watch.Lap(stage, "print");
@@ -163,14 +162,15 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
                     const std::vector<ImagePair>& tripod_pairs) {
   const ImageSet set = WithRegions(room, regions, name);
   Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
-  const bool agrees = PlaceByPrint(room, regions, name, best);
+  const PrintPictures pictures = PicturesForPrint(room.context.set, regions);
+  const bool agrees = PlaceByPrint(room, pictures, name, best);
   // More features cost minutes, and where the print agrees they have placed no photograph more.
   const bool placed =
       agrees ? IsEnough(room.context, best.result) : HasNearlyAll(room.context, best.result);
   if (!placed || !Turns(best.result)) {
     Placed fine = Place(room, set, name + "_fine", {.fine = true, .region = true, .on_table = true},
                         tripod_pairs);
-    PlaceByPrint(room, regions, name + "_fine", fine);
+    PlaceByPrint(room, pictures, name + "_fine", fine);
     if (!Turns(best.result))
       best = std::move(fine);
     else

@@ -272,7 +272,8 @@ std::vector<float> ByTurn(const Polar& first, const Polar& second, const Rings& 
   const cv::Mat1f a = Correlated(first.square, second.known, rings),
                   b = Correlated(first.known, second.square, rings),
                   shared = Correlated(first.known, second.known, rings);
-  const float least = 0.15F * static_cast<float>(rings.angles * rings.rings) * 0.1F;
+  constexpr float kLeastShared = 0.015F;  // of the disc
+  const float least = kLeastShared * static_cast<float>(rings.angles * rings.rings);
   std::vector<float> by_turn(static_cast<std::size_t>(rings.angles), 0);
   for (int t = 0; t < rings.angles; ++t) {
     const float energy = std::sqrt(std::max(0.0F, a(0, t)) * std::max(0.0F, b(0, t)));
@@ -381,7 +382,7 @@ std::vector<int> Settled(const Curves& curves, double least) {
   return turns;
 }
 
-/// The turn that most views have, give or take a little.
+/// The turn that most of these views have, give or take a little.
 int CommonTurn(const std::vector<int>& turns, int angles) {
   constexpr int kSteps = 4;
   int best = 0, most = -1;
@@ -439,17 +440,20 @@ PrintTurns FindPrintTurns(const Scene& scene, const std::vector<Image8>& picture
   const Vector2d middle = MiddleOfPrint(drawn, options);
   const Curves curves = CurvesRound(drawn, middle, rings, true);
   std::vector<int> turns = Settled(curves, options.least);
-  const int common = CommonTurn(turns, options.angles);
-  for (int& turn : turns) turn = (turn - common + options.angles) % options.angles;
   PrintTurns found;
+  std::vector<int> of_knowing;
+  for (int i = 0; i < curves.count; ++i) {
+    found.knows.push_back(Agreement(curves, turns, i, turns[i], options.least) > options.enough);
+    if (found.knows.back()) of_knowing.push_back(turns[i]);
+  }
+  const int common = CommonTurn(of_knowing, options.angles);
+  for (int& turn : turns) turn = (turn - common + options.angles) % options.angles;
   found.middle = sheet.At(middle.x(), middle.y());
   for (int i = 0; i < curves.count; ++i) {
     const double best = Agreement(curves, turns, i, turns[i], options.least),
                  none = Agreement(curves, turns, i, 0, options.least);
-    const bool knows = best > options.enough;
-    found.knows.push_back(knows);
     const int turn = turns[i] > options.angles / 2 ? turns[i] - options.angles : turns[i];
-    const bool is_turned = knows && none < options.clearly * best;
+    const bool is_turned = found.knows[i] && none < options.clearly * best;
     found.turn.push_back(is_turned ? 2 * kPi * turn / options.angles : 0);
   }
   return found;

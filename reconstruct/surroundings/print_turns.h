@@ -27,7 +27,7 @@ struct PrintTurnOptions {
   /// a view is turned where none correlates less than this share of what the best turn does: some
   /// prints look nearly alike when they are turned by a half
   double clearly = 0.6;
-  double enough = 0.04;  ///< and the best turn correlates by so much more than `least`, in the mean
+  double enough = 0.02;  ///< and the best turn correlates by so much more than `least`, in the mean
 };
 
 struct PrintTurns {
