@@ -17,6 +17,7 @@
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/print_check.h"
 #include "reconstruct/sfm/surroundings.h"
+#include "reconstruct/sfm/turning_start.h"
 #include "reconstruct/surroundings/likely_figure.h"
 
 namespace keypose::reconstruct {
@@ -152,6 +153,32 @@ bool Turns(const StrategyResult& result) {
   return MeanTurn(result.model.scene.views) > RoomStrategyTuning::kTurns;
 }
 
+/// Places again by the matches that fit cameras over the print that turns before the tripods: it
+/// needs hardly any, where others misled the mapper or were too few for it.
+/// @return whether that places more photographs
+bool PlaceByTurningPrint(const Room& room, const PrintPictures& pictures, const std::string& name,
+                         Placed& placed) {
+  const auto& [stage, set, options, check, watch] = room.context;
+  const auto scene = CamerasOverTurningPrint(room.context, pictures, placed.matched);
+  watch.Lap(stage, "print");
+  if (!scene || scene->views.size() < 3) return false;
+  const std::vector<int> view_of = check.ViewOfImage(placed.result.model.scene);
+  if (std::all_of(scene->views.begin(), scene->views.end(),
+                  [&](const View& view) { return view_of[set.Find(view.name)] >= 0; }))
+    return false;
+  Placed other = placed;
+  KeepMatchesOf(room.context, *scene, room.Files(name), other.matched);
+  other.result = room.place(room.Files(name), other.matched);
+  watch.Lap(stage, "surroundings");
+  NotePlaced(room, name, other.result);
+  if (!Turns(other.result) ||
+      (Turns(placed.result) && !IsBetter(other.result.evidence, placed.result.evidence)))
+    return false;
+  other.result.measurements.Add("started_by_print", true);
+  placed = std::move(other);
+  return true;
+}
+
 void KeepBetter(Placed other, Placed& best) {
   if (best.result.views() == 0 || IsBetter(other.result.evidence, best.result.evidence))
     best = std::move(other);
@@ -163,7 +190,10 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
   const ImageSet set = WithRegions(room, regions, name);
   Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
   const PrintPictures pictures = PicturesForPrint(room.context.set, regions);
-  const bool agrees = PlaceByPrint(room, pictures, name, best);
+  bool agrees = Turns(best.result) && PlaceByPrint(room, pictures, name, best);
+  if (!tripod_pairs.empty() && !(agrees && HasNearlyAll(room.context, best.result)) &&
+      PlaceByTurningPrint(room, pictures, name, best))
+    agrees = PlaceByPrint(room, pictures, name, best);
   // More features cost minutes, and where the print agrees they have placed no photograph more.
   const bool placed =
       agrees ? IsEnough(room.context, best.result) : HasNearlyAll(room.context, best.result);

@@ -176,8 +176,9 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   const auto& [stage, set, options, check, watch] = context;
   StrategyResult by_surroundings;
   MatchedFeatures whole;
-  if (MayUseSurroundings(context) &&
-      (options.surroundings == "use" || HasSurroundings(context, scratch))) {
+  const bool in_room = MayUseSurroundings(context) &&
+                       (options.surroundings == "use" || HasSurroundings(context, scratch));
+  if (in_room) {
     const auto place = [&](const SfmFiles& files, const MatchedFeatures& found) {
       return PlaceByFeaturesOfAnyFocal(context, files, found, {});
     };
@@ -212,11 +213,16 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   // A figure that was turned over between two placements is not on one turntable: the other
   // strategies' results for both would be wrong.
   if (boards.groups.size() > 1) return best;
-  // In a room masks are doubtful, and what is judged by outlines would search for long.
-  if (by_surroundings.views() > 0) {
-    if (!IsBetter(by_surroundings.evidence, best.evidence)) return best;
-    matched = std::move(whole);
-    return by_surroundings;
+  // In a room masks are doubtful, and what is judged by outlines would search for long: it fits the
+  // masks of a mat that turns with cameras below the table.
+  if (in_room) {
+    if (by_surroundings.views() > 0 && IsBetter(by_surroundings.evidence, best.evidence)) {
+      matched = std::move(whole);
+      return by_surroundings;
+    }
+    best.evidence =
+        check.EvaluateSurroundings(best.model.scene, matched.features, matched.verified);
+    return best;
   }
   return PlaceByTurntable(context, files, matched, std::move(best));
 }
