@@ -15,6 +15,7 @@
 #include "capture/room/first_masks.h"
 #include "capture/room/floor_picture.h"
 #include "capture/room/free_standing.h"
+#include "capture/room/hidden_parts.h"
 #include "capture/room/room_evidence.h"
 #include "capture/room/standing_figure.h"
 #include "capture/room/told_by_depths.h"
@@ -216,6 +217,7 @@ struct ShownByDepths {
   ToldFigure near;  ///< what is far from any depth of the figure is not the figure
   ToldFigure open;  ///< or is not known
   double floor = -std::numeric_limits<double>::infinity();  ///< z
+  std::vector<HiddenPart> hidden;                           ///< by view
 };
 
 /// @return nothing where no plane was found, nothing stands on it, or few photographs show it
@@ -248,6 +250,7 @@ std::optional<ShownByDepths> LookAtDepths(StageContext& stage, const FigureSet& 
   AddStrokes(strokes, shown.near);
   shown.open = TellByDepths(figures.images, figures.views, depths, *standing, floor,
                             {.near = std::numeric_limits<double>::infinity()});
+  shown.hidden = HiddenParts(figures.views, *standing);
   if (standing->support.up.z() > kUpright) shown.floor = standing->support.height;
   if (static_cast<double>(shown.near.fitting.size()) <
       kShownByMost * static_cast<double>(figures.views.size()))
@@ -272,13 +275,18 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
                                    figures.masking.odds_limit);
   }
   if (std::isfinite(shown.floor)) space.floor = shown.floor;
+  FoundFigure found{true, true, {}};
+  for (const HiddenPart& part : shown.hidden) {
+    space.hidden.push_back(part.where);
+    found.hidden.push_back(part.share);
+  }
   TakeTold(figures, told, space, masks);
   // A network's outline would be better; of depths' masks nothing is left for colours to learn.
   space.segmented = !agree;
   stage.Report("figure_by", !figures.strokes.empty() ? "depths and strokes"
                             : agree                  ? "depths and the network"
                                                      : "depths");
-  return {true, true};
+  return found;
 }
 
 }  // namespace

@@ -27,8 +27,9 @@ struct FigureSet {
 };
 
 struct FoundFigure {
-  bool in_room = false;  ///< the photographs show a room, or a person said something
-  bool stands = false;   ///< depths show that it stands free on a plane
+  bool in_room = false;          ///< the photographs show a room, or a person said something
+  bool stands = false;           ///< depths show that it stands free on a plane
+  std::vector<double> hidden{};  ///< by view: share of the figure behind other things, or empty
 };
 
 /// Replaces the masks where the photographs show a room and the masks are doubtful, or where a

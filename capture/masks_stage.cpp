@@ -189,6 +189,28 @@ void DistrustUnplaced(const PosedImages& posed, ImageSet* set) {
   }
 }
 
+/// Where something stands before the figure, an outline would cut off what it hides: such
+/// photographs keep their cameras, and nothing is made from them.
+void DistrustHidden(StageContext& stage, const PosedImages& posed,
+                    const std::vector<double>& hidden, ImageSet* set) {
+  constexpr double kHides = 0.02;  // of the figure; less is within what outlines err by
+  nlohmann::json shares = nlohmann::json::object();
+  std::string names;
+  for (std::size_t v = 0; v < hidden.size(); ++v) {
+    CapturedImage& image = set->images[posed.index[v]];
+    if (hidden[v] < kHides || image.mask_given || !image.trusted) continue;
+    image.trusted = false;
+    image.why = "something before the figure hides " + Percent(hidden[v]) + " of it";
+    shares[image.name] = hidden[v];
+    names += (names.empty() ? "" : ", ") + image.name;
+  }
+  stage.ReportJson("hidden_behind_others", shares.dump());
+  if (!names.empty())
+    stage.Warn("something stands before the figure and hides a part of it in " + names +
+               "; they were left out of shape and texture. Photographs from there without it would "
+               "show more");
+}
+
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
@@ -226,6 +248,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   if (found.in_room) RequireClearFigure(stage, figures, space, found, refined.masks);
   ReportConsensus(stage, posed, refined.consensus, &set);
   ReportTouched(stage, set, posed, refined, found.in_room);
+  DistrustHidden(stage, posed, found.hidden, &set);
   if (found.in_room) DistrustUnplaced(posed, &set);
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
@@ -248,7 +271,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "18",
+    .version = "19",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

@@ -21,6 +21,17 @@ struct SharedSpaceTuning {
   KEYPOSE_TUNED(double, kRoom, 1.5);  ///< half the space's side, over half the masks' diagonal
 };
 
+constexpr std::uint8_t kHidden = 2;
+
+/// Pixels that show something else, behind which anything may be.
+void MarkHidden(const Image8& hidden, const Image8& mask, Image8& contradicted) {
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (*mask.at(x, y) <= 127 &&
+          *hidden.at(x * hidden.width / mask.width, y * hidden.height / mask.height) > 127)
+        *contradicted.at(x, y) = kHidden;
+}
+
 /// The point where the rays through the masks' centroids meet, and the masks' extent around it.
 struct Ball {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
@@ -105,12 +116,15 @@ MaskSample MaskSampler::At(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* p
   const int px = static_cast<int>(std::floor(p.x())), py = static_cast<int>(std::floor(p.y()));
   if (px < 0 || py < 0 || px >= contradicted.width || py >= contradicted.height)
     return MaskSample::kUnseen;
+  const std::uint8_t value = *contradicted.at(px, py);
+  if (value == kHidden) return MaskSample::kUnseen;
   *pixel = {p.x(), p.y(), x.z()};
-  return *contradicted.at(px, py) ? MaskSample::kContradicted : MaskSample::kConsistent;
+  return value ? MaskSample::kContradicted : MaskSample::kConsistent;
 }
 
 std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
-                                        const std::vector<Image8>& masks, double margin_px,
+                                        const std::vector<Image8>& masks,
+                                        const SpaceOptions& options,
                                         const std::vector<char>& inlier) {
   std::vector<MaskSampler> samplers(views.size());
   ParallelFor(std::ssize(views), [&](std::int64_t k) {
@@ -122,7 +136,9 @@ std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
     samplers[i].contradicted = Image8(masks[i].width, masks[i].height, 1, 0);
     for (int y = 0; y < distance.rows; ++y)
       for (int x = 0; x < distance.cols; ++x)
-        *samplers[i].contradicted.at(x, y) = distance.at<float>(y, x) > margin_px;
+        *samplers[i].contradicted.at(x, y) = distance.at<float>(y, x) > options.margin_px;
+    if (i < options.hidden.size() && !options.hidden[i].empty())
+      MarkHidden(options.hidden[i], masks[i], samplers[i].contradicted);
   });
   return samplers;
 }

@@ -18,18 +18,20 @@ enum class MaskSample : std::uint8_t { kUnseen, kContradicted, kConsistent };
 /// Samples one mask at points in space.
 struct MaskSampler {
   const View* view = nullptr;
-  bool inlier = true;   ///< its contradictions count
-  Image8 contradicted;  ///< 1 where the picture is outside of the mask by more than the margin
+  bool inlier = true;  ///< its contradictions count
+  /// 1 where the picture is outside of the mask by more than the margin, 2 where something else
+  /// hides what is behind it
+  Image8 contradicted;
 
   /// @param pixel  set to the point's pixel and depth, if the view sees it
   MaskSample At(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const;
 };
 
 /// One per view; the views must outlive the samplers.
-/// @param margin_px  a mask contradicts points that project outside of it by more than this
-/// @param inlier     one per view, 0 where its contradictions do not count; empty: all count
+/// @param inlier  one per view, 0 where its contradictions do not count; empty: all count
 std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
-                                        const std::vector<Image8>& masks, double margin_px,
+                                        const std::vector<Image8>& masks,
+                                        const SpaceOptions& options,
                                         const std::vector<char>& inlier = {});
 
 /// Voxels, each with the number of masks that contradict it.
@@ -48,8 +50,8 @@ struct Grid {
   }
 };
 
-/// The space around the figure. A point that too few of the views see (SpaceOptions::least_seen) counts as
-/// contradicted by all.
+/// The space around the figure. A point that too few of the views see (SpaceOptions::least_seen)
+/// counts as contradicted by all.
 /// @param told_apart  largest number of contradictions that is counted exactly. With a small number
 /// most voxels are decided early; 1 is enough for the hull without one view's own sample
 /// @throws InputError  the masks have no common space

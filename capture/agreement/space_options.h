@@ -2,9 +2,11 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "capture/agreement/view_colours.h"
 #include "capture/agreement/view_consensus.h"
+#include "core/image.h"
 
 namespace keypose::capture {
 
@@ -22,6 +24,9 @@ struct SpaceOptions {
   double floor = -std::numeric_limits<double>::infinity();
   /// the masks need no new segmentation: others' contradictions alone correct them
   bool segmented = false;
+  /// by view, of any size: 255 where something else hides what is behind it, so that a mask tells
+  /// nothing; empty where nothing does
+  std::vector<Image8> hidden{};
   ConsensusOptions consensus{};
   ColorOptions colors{};
 };

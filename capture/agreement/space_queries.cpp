@@ -86,7 +86,7 @@ std::vector<Image8> ContradictionsByOthers(const std::vector<View>& views,
     throw InputError(
         "masks: fewer than 3 photographs have a mask with anything in it; look at capture's "
         "contact sheet");
-  const std::vector<MaskSampler> samplers = MaskSamplersOf(views, masks, options.margin_px, inlier);
+  const std::vector<MaskSampler> samplers = MaskSamplersOf(views, masks, options, inlier);
   const Grid grid = SharedSpace(views, masks, samplers, options, options.most_contradictions);
   const std::vector<Place> places = PlacesOf(grid, options.most_contradictions);
   std::vector<Image8> pictures(views.size());
@@ -100,7 +100,7 @@ std::vector<Image8> ContradictionsByOthers(const std::vector<View>& views,
 std::vector<Image8> ThicknessOfHull(const std::vector<View>& views,
                                     const std::vector<Image8>& masks, const SpaceOptions& options,
                                     const std::vector<char>& inlier) {
-  const std::vector<MaskSampler> samplers = MaskSamplersOf(views, masks, options.margin_px, inlier);
+  const std::vector<MaskSampler> samplers = MaskSamplersOf(views, masks, options, inlier);
   const Grid grid = SharedSpace(views, masks, samplers, options, 1);
   const int longest = LongestSide(grid);
   std::vector<Image8> pictures(views.size());
@@ -118,8 +118,8 @@ std::vector<Image8> ThicknessOfHull(const std::vector<View>& views,
 
 SpaceSurface SurfaceOfSpace(const std::vector<View>& views, const std::vector<Image8>& masks,
                             const SpaceOptions& options, const std::vector<char>& inlier) {
-  const Grid grid = SharedSpace(
-      views, masks, MaskSamplersOf(views, masks, options.margin_px, inlier), options, 1);
+  const Grid grid =
+      SharedSpace(views, masks, MaskSamplersOf(views, masks, options, inlier), options, 1);
   const auto inside = [&](int x, int y, int z) {
     return x >= 0 && y >= 0 && z >= 0 && x < grid.size.x() && y < grid.size.y() &&
            z < grid.size.z() && grid.contradictions[grid.At(x, y, z)] == 0;

@@ -72,7 +72,7 @@ struct Space {
 
   Space(const std::vector<View>& views, const std::vector<Image8>& masks,
         const SpaceOptions& options, const std::vector<char>& inlier)
-      : samplers(MaskSamplersOf(views, masks, options.margin_px, inlier)),
+      : samplers(MaskSamplersOf(views, masks, options, inlier)),
         grid(SharedSpace(views, masks, samplers, options, 1)) {}
 };
 

@@ -1,5 +1,6 @@
 #include "capture/room/piece_split.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@ constexpr float kStep = 0.05F;         // of a step within one colour
 constexpr float kColourScale = 30.0F;  // grey levels of a step that costs 1 more
 constexpr float kMuchNearer = 0.4F;    // of the way to the other marks: such points are sure
 constexpr float kLargest = 1000;       // capacity between points of one colour
+constexpr float kLeaning = 300;        // of a point that only its place speaks for
 constexpr float kLeast = 50;           // and of any colours: narrow places are cut
 
 /// Differences of colour, relative to their scale, squared.
@@ -54,9 +56,16 @@ std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<in
   const std::vector<float> to_figure = WaysTo(surface, figure), to_other = WaysTo(surface, other);
   MinCut cut(SizeOf(surface.colours));
   for (std::size_t i = 0; i < surface.colours.size(); ++i) {
-    const bool is_figure = to_figure[i] < kMuchNearer * to_other[i],
-               is_other = to_other[i] < kMuchNearer * to_figure[i] || to_other[i] == 0;
-    cut.AddTerminals(static_cast<int>(i), is_other ? kSure : 0, is_figure && !is_other ? kSure : 0);
+    const float lean = surface.lean.empty() ? 0.0F : surface.lean[i];
+    const bool is_figure =
+                   to_figure[i] == 0 || (lean <= 0 && to_figure[i] < kMuchNearer * to_other[i]),
+               is_other =
+                   (lean >= 0 && to_other[i] < kMuchNearer * to_figure[i]) || to_other[i] == 0;
+    const auto leans = [lean](float sign) {
+      return static_cast<std::int64_t>(std::lround(kLeaning * std::max(0.0F, sign * lean)));
+    };
+    cut.AddTerminals(static_cast<int>(i), is_other ? kSure : leans(1),
+                     is_figure && !is_other ? kSure : leans(-1));
     for (const int n : surface.neighbours[i]) {
       if (n <= static_cast<int>(i)) continue;
       const float same =

@@ -10,6 +10,9 @@ namespace keypose::capture {
 struct ColouredSurface {
   std::vector<Eigen::Vector3f> colours;      ///< RGB, 0 to 255
   std::vector<std::vector<int>> neighbours;  ///< by point, symmetric
+  /// by point, how its distance from the other thing's marks speaks for that thing: 1, to -1 for
+  /// the figure; empty: not at all
+  std::vector<float> lean = {};
 };
 
 /// Which points belong to another thing. What is much nearer to one kind of marks than to the

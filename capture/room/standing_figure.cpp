@@ -19,7 +19,13 @@ constexpr double kClear = 1.2;       // thicknesses: what is higher is not the p
 constexpr double kEnd = 0.97;        // of the reach: what goes on to here goes on beyond
 constexpr double kNearStroke = 1.5;  // pixels
 constexpr double kUpperEnd = 0.85;   // of the figure's height
-constexpr int kFewest = 200;         // voxels
+// Of the length of a person's line over another thing, which is about as wide as that: how far from
+// it nothing is known, and beyond which the thing surely does not go.
+constexpr double kThing = 0.75, kBeyondThing = 2.2;
+// Things stand and are often taller than wide: what heights above and below the line count.
+constexpr double kAboveLine = 0.6, kBelowLine = 0.35;
+constexpr int kFewest = 200;  // voxels
+constexpr double kLine = 4;   // voxels: marks as long as this are a line
 
 /// Connected voxels above a plane.
 struct Pieces {
@@ -213,29 +219,74 @@ void JoinAfloat(const VoxelGrid& grid, const std::vector<double>& shares, double
   }
 }
 
-/// The voxels whose samples lie near a person's strokes.
-void AddMarks(const VoxelGrid& grid, const std::vector<DepthSample>& samples,
-              const std::vector<Eigen::Vector2i>& strokes, double near, std::vector<int>& marks) {
-  for (const DepthSample& sample : samples) {
-    const bool marked = std::any_of(strokes.begin(), strokes.end(), [&](const Eigen::Vector2i& s) {
-      return (s.cast<double>() + Eigen::Vector2d(0.5, 0.5) - sample.pixel).norm() <= near;
-    });
-    if (const int voxel = marked ? grid.Find(sample.point) : -1; voxel >= 0) marks.push_back(voxel);
+/// The nearest voxel that a view shows under each of a person's strokes' pixels: other views tell
+/// its depth where this one could not be matched.
+void AddMarks(const VoxelGrid& grid, const View& view, const std::vector<Eigen::Vector2i>& strokes,
+              std::vector<int>& marks) {
+  if (strokes.empty()) return;
+  struct Front {
+    double depth = std::numeric_limits<double>::infinity();
+    int voxel = -1;
+  };
+  std::vector<Front> fronts(strokes.size());
+  for (std::size_t i = 0; i < grid.voxels().size(); ++i) {
+    if (!grid.voxels()[i].several) continue;
+    const Vector3d x = view.camera_from_world * grid.voxels()[i].Point();
+    if (x.z() <= 0) continue;
+    const Eigen::Vector2d p = view.camera.Project(x);
+    const double near = std::max(kNearStroke, 0.6 * grid.side() * view.camera.fx / x.z());
+    for (std::size_t s = 0; s < strokes.size(); ++s) {
+      const Eigen::Vector2d at = strokes[s].cast<double>() + Eigen::Vector2d(0.5, 0.5);
+      if (x.z() < fronts[s].depth && (at - p).lpNorm<Eigen::Infinity>() <= near)
+        fronts[s] = {x.z(), static_cast<int>(i)};
+    }
   }
+  for (const Front& front : fronts)
+    if (front.voxel >= 0) marks.push_back(front.voxel);
+  std::sort(marks.begin(), marks.end());
+  marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
 }
 
-Marks MarksOf(const VoxelGrid& grid, const CoarseDepths& depths,
+Marks MarksOf(const VoxelGrid& grid, const std::vector<View>& views,
               const std::vector<ViewStrokes>& strokes) {
   Marks marks;
   for (std::size_t v = 0; v < strokes.size(); ++v) {
-    AddMarks(grid, depths.views[v], strokes[v].figure, kNearStroke, marks.figure);
-    AddMarks(grid, depths.views[v], strokes[v].other, kNearStroke, marks.other);
+    AddMarks(grid, views[v], strokes[v].figure, marks.figure);
+    AddMarks(grid, views[v], strokes[v].other, marks.other);
   }
   return marks;
 }
 
+/// How long the marks are in space, and how far each member is from them, heights counting less.
+struct FromMarks {
+  double length = 0;
+  std::vector<double> away;
+};
+
+FromMarks AwayFromMarks(const VoxelGrid& grid, const std::vector<int>& members,
+                        const std::vector<int>& marks, const Vector3d& up) {
+  FromMarks from;
+  const auto at = [&](int member) {
+    return grid.voxels()[static_cast<std::size_t>(members[static_cast<std::size_t>(member)])]
+        .Point();
+  };
+  for (const int a : marks)
+    for (const int b : marks) from.length = std::max(from.length, (at(a) - at(b)).norm());
+  for (int l = 0; l < SizeOf(members); ++l) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const int mark : marks) {
+      const Vector3d apart = at(l) - at(mark);
+      const double higher = apart.dot(up), counts = higher > 0 ? kAboveLine : kBelowLine;
+      least = std::min(least, (apart - (1 - counts) * higher * up).norm());
+    }
+    from.away.push_back(least);
+  }
+  return from;
+}
+
 /// Takes away from the figure's piece the part that a person said is another thing. Where nothing
-/// of the figure is marked, its upper end is the figure.
+/// of the figure is marked, its upper end is the figure, and what is too far from the line over
+/// the thing.
 void SplitOff(const VoxelGrid& grid, const Marks& marks, Found& found) {
   std::vector<int> local(grid.voxels().size(), -1), members;
   for (std::size_t i = 0; i < local.size(); ++i)
@@ -252,6 +303,8 @@ void SplitOff(const VoxelGrid& grid, const Marks& marks, Found& found) {
   const std::vector<int> other = in_piece(marks.other);
   std::vector<int> figure = in_piece(marks.figure);
   if (other.empty()) return;
+  const FromMarks from = AwayFromMarks(grid, members, other, found.support.up);
+  const bool is_line = from.length > kLine * grid.side();
   ColouredSurface surface;
   for (std::size_t l = 0; l < members.size(); ++l) {
     const Voxel& voxel = grid.voxels()[static_cast<std::size_t>(members[l])];
@@ -262,14 +315,31 @@ void SplitOff(const VoxelGrid& grid, const Marks& marks, Found& found) {
       if (n >= 0 && local[static_cast<std::size_t>(n)] >= 0)
         surface.neighbours.back().push_back(local[static_cast<std::size_t>(n)]);
     }
-    if (marks.figure.empty() && found.support.Above(voxel.Point()) > kUpperEnd * found.height)
-      figure.push_back(static_cast<int>(l));
+    if (is_line)
+      surface.lean.push_back(
+          static_cast<float>(std::max(-1.0, 1 - from.away[l] / (kThing * from.length))));
+    const bool upper = found.support.Above(voxel.Point()) > kUpperEnd * found.height,
+               beyond = is_line && from.away[l] > kBeyondThing * from.length;
+    if (beyond || (marks.figure.empty() && upper)) figure.push_back(static_cast<int>(l));
   }
   if (figure.empty()) return;
   const std::vector<char> is_other = OtherPart(surface, figure, other);
   for (std::size_t l = 0; l < members.size(); ++l)
     if (is_other[l]) found.pieces.piece[static_cast<std::size_t>(members[l])] = found.pieces.count;
   ++found.pieces.count;
+}
+
+/// Points of the other pieces, without those so small that they may be wrong depths.
+std::vector<Vector3d> OtherThings(const VoxelGrid& grid, const Found& found) {
+  std::vector<int> size(static_cast<std::size_t>(found.pieces.count), 0);
+  for (const int piece : found.pieces.piece)
+    if (piece >= 0) ++size[static_cast<std::size_t>(piece)];
+  std::vector<Vector3d> points;
+  for (std::size_t i = 0; i < grid.voxels().size(); ++i)
+    if (const int piece = found.pieces.piece[i];
+        piece >= 0 && piece != found.piece && size[static_cast<std::size_t>(piece)] >= kFewest)
+      points.push_back(grid.voxels()[i].Point());
+  return points;
 }
 
 Stands StandsOf(const VoxelGrid& grid, const Found& found, const Vector3d& x, double thickness) {
@@ -294,7 +364,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   if (SizeOf(surface.points) < kFewest) return std::nullopt;
   const auto lowest = LargestPlane(surface, views, middle, distance, options.plane);
   if (!lowest) return std::nullopt;
-  const Marks marks = MarksOf(grid, depths, opinions.strokes);
+  const Marks marks = MarksOf(grid, views, opinions.strokes);
   const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, marks, distance, 0, options);
   const double whole = on_lowest ? on_lowest->height : 0;
   std::optional<Found> found;
@@ -309,9 +379,11 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   StandingFigure figure;
   figure.support = found->support;
   figure.height = found->height;
+  figure.spacing = options.voxel * distance;
   figure.on_wall = IsWall(*lowest, views, middle, options.plane);
   for (std::size_t i = 0; i < grid.voxels().size(); ++i)
     if (found->pieces.piece[i] == found->piece) figure.points.push_back(grid.voxels()[i].Point());
+  figure.others = OtherThings(grid, *found);
   const double end = kEnd * options.reach * distance;
   if (std::any_of(figure.points.begin(), figure.points.end(),
                   [&](const Vector3d& x) { return (x - middle).norm() > end; }))

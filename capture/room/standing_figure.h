@@ -31,6 +31,8 @@ enum class Stands : std::uint8_t { kOpen, kFigure, kSupport, kOther };
 struct StandingFigure {
   std::vector<std::vector<Stands>> samples;  ///< by view, as the depths' samples
   std::vector<Eigen::Vector3d> points;       ///< of its surface, evenly spread
+  std::vector<Eigen::Vector3d> others;       ///< of other things on the plane, likewise
+  double spacing = 0;                        ///< of these points
   Support support;
   double height = 0;     ///< of the figure's highest point above the plane
   bool on_wall = false;  ///< the plane is a wall, and the figure a relief on it

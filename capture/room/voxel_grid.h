@@ -28,6 +28,7 @@ class VoxelGrid {
   /// @param reach  samples that are farther from the middle are left out
   VoxelGrid(const CoarseDepths& depths, const Eigen::Vector3d& middle, double side, double reach);
 
+  double side() const { return side_; }
   /// In the order of their first samples.
   const std::vector<Voxel>& voxels() const { return voxels_; }
   /// Index of the voxel that holds the point; -1: none.
