@@ -17,8 +17,8 @@
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/print_check.h"
 #include "reconstruct/sfm/surroundings.h"
-#include "reconstruct/sfm/turning_start.h"
 #include "reconstruct/surroundings/likely_figure.h"
+#include "reconstruct/surroundings/turning_cameras.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;
@@ -159,15 +159,22 @@ bool Turns(const StrategyResult& result) {
 bool PlaceByTurningPrint(const Room& room, const PrintPictures& pictures, const std::string& name,
                          Placed& placed) {
   const auto& [stage, set, options, check, watch] = room.context;
-  const auto scene = CamerasOverTurningPrint(room.context, pictures, placed.matched);
+  const auto turning =
+      CamerasOverTurningPrint({NamesOf(set), LensOfEach(placed.matched), placed.matched.features,
+                               placed.matched.matches, placed.matched.tripod_pairs},
+                              pictures.photographs, pictures.regions);
   watch.Lap(stage, "print");
-  if (!scene || scene->views.size() < 3) return false;
+  if (!turning || turning->scene.views.size() < 3) return false;
+  stage.Note("sfm: a plane turns before " + std::to_string(turning->tripods) +
+             " tripods; its print tells the turns of " +
+             std::to_string(turning->scene.views.size()) + " of " +
+             std::to_string(set.images.size()) + " photographs");
   const std::vector<int> view_of = check.ViewOfImage(placed.result.model.scene);
-  if (std::all_of(scene->views.begin(), scene->views.end(),
+  if (std::all_of(turning->scene.views.begin(), turning->scene.views.end(),
                   [&](const View& view) { return view_of[set.Find(view.name)] >= 0; }))
     return false;
   Placed other = placed;
-  KeepMatchesOf(room.context, *scene, room.Files(name), other.matched);
+  KeepMatchesOf(room.context, turning->scene, room.Files(name), other.matched);
   other.result = room.place(room.Files(name), other.matched);
   watch.Lap(stage, "surroundings");
   NotePlaced(room, name, other.result);

@@ -10,6 +10,7 @@
 #include "core/angles.h"
 #include "core/parallel.h"
 #include "reconstruct/testing/known_scenes.h"
+#include "reconstruct/testing/printed_mat.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -17,27 +18,6 @@ namespace {
 using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr int kViews = 12;
-
-/// A white mat of radius 1 on a dark table: a scale with 36 ticks and four marks that a quarter of
-/// a turn brings onto each other; if asked three coloured spots that are there once.
-Vector3d MatColour(const Vector2d& x, bool with_spots) {
-  const double radius = x.norm(), angle = std::atan2(x.y(), x.x());
-  if (radius > 1) return {70, 55, 40};
-  const double tick = std::remainder(angle, 2 * kPi / 36) * radius;
-  if (radius > 0.82 && radius < 0.92 && std::abs(tick) < 0.018) return {20, 20, 20};
-  const double quarter = std::remainder(angle, kPi / 2);
-  if ((Vector2d(std::cos(quarter), std::sin(quarter)) * radius - Vector2d(0.6, 0.1)).norm() < 0.1)
-    return {20, 20, 20};
-  if (with_spots) {
-    const auto spot = [&](double at, double from, double size) {
-      return (x - from * Vector2d(std::cos(at), std::sin(at))).norm() < size;
-    };
-    if (spot(0.9, 0.6, 0.09)) return {200, 40, 50};
-    if (spot(2.7, 0.7, 0.07)) return {40, 60, 190};
-    if (spot(4.4, 0.45, 0.08)) return {30, 140, 60};
-  }
-  return {225, 225, 220};
-}
 
 struct Set {
   Scene scene;
@@ -49,7 +29,6 @@ struct Set {
 Set MakeSet(bool with_spots) {
   Set set;
   std::mt19937 random(3);
-  std::normal_distribution<double> noise(0, 3);
   Camera camera;
   camera.width = 480, camera.height = 360;
   camera.fx = camera.fy = 700, camera.cx = 240, camera.cy = 180;
@@ -58,20 +37,8 @@ Set MakeSet(bool with_spots) {
     const Vector3d eye = 4 * Vector3d(std::cos(angle) * std::cos(above),
                                       std::sin(angle) * std::cos(above), std::sin(above));
     const View view = testing::LookFrom(eye, camera, std::to_string(100 + k));
-    Image8 picture(camera.width, camera.height, 3);
-    for (int y = 0; y < camera.height; ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        const Vector3d ray = view.camera_from_world.rotation.conjugate() *
-                             camera.Unproject(Vector2d(x + 0.5, y + 0.5));
-        const Vector3d center = view.Center();
-        const Vector3d on = center - center.z() / ray.z() * ray;
-        const Vector3d colour = MatColour(on.head<2>(), with_spots);
-        for (int c = 0; c < 3; ++c)
-          picture.at(x, y)[c] =
-              static_cast<std::uint8_t>(std::clamp(colour[c] + noise(random), 0.0, 255.0));
-      }
     set.scene.views.push_back(view);
-    set.pictures.push_back(std::move(picture));
+    set.pictures.push_back(testing::MatFrom(view, with_spots, random));
   }
   set.regions.resize(kViews);
   set.plane.normal = Vector3d::UnitZ();
