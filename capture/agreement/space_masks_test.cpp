@@ -53,6 +53,31 @@ TEST(AgreementInSpace, IsNearOneWhereMasksAreRightAndLowWhereOneIsNot) {
   EXPECT_LT(agreement[9], agreement[0] - 0.04);
 }
 
+TEST(RefineInSpace, WhatSomethingElseHidesIsUnknownAndNotEmpty) {
+  // In a third of the views something stands before the ball's left half.
+  TestRing ring = MakeTestRing();
+  SpaceOptions options = kCoarse;
+  options.segmented = true;
+  options.hidden.resize(ring.views.size());
+  std::vector<Image8> masks = ring.truths;
+  for (std::size_t v = 0; v < masks.size(); v += 3) {
+    options.hidden[v] = Image8(kRingWidth / 2, kRingHeight / 2, 1, 0);
+    for (int y = 0; y < kRingHeight; ++y)
+      for (int x = 0; x < kRingWidth / 2; ++x) {
+        *masks[v].at(x, y) = 0;
+        *options.hidden[v].at(x / 2, y / 2) = 255;
+      }
+  }
+  const RefinedMasks refined = RefineInSpace(ring.images, masks, ring.views, {}, {}, options);
+  for (std::size_t v = 0; v < masks.size(); ++v) {
+    EXPECT_TRUE(refined.consensus.inlier[v]) << v;
+    EXPECT_GT(Iou(refined.masks[v], masks[v]), 0.97) << v << ": nothing of them is cut off";
+  }
+  options.hidden.clear();
+  EXPECT_THROW(RefineInSpace(ring.images, masks, ring.views, {}, {}, options), InputError)
+      << "without that the views see past all of the ball";
+}
+
 TEST(RefineInSpace, DropsWhatTwoViewsAddAndRestoresWhatOneLacks) {
   const TestRing ring = MakeTestRing();
   ASSERT_LT(Iou(ring.masks[3], ring.truths[3]), 0.95);

@@ -10,6 +10,7 @@
 
 #include "capture/room/coarse_depths.h"
 #include "capture/room/floor_picture.h"
+#include "capture/room/hidden_parts.h"
 #include "capture/room/piece_split.h"
 #include "capture/room/told_by_depths.h"
 #include "capture/testing/test_images.h"
@@ -276,6 +277,37 @@ TEST_F(StandingFigureTest, AClickChoosesTheBoxBesideIt) {
   for (const Vector3d& x : standing->points) EXPECT_GT(x.x(), 0.27);
 }
 
+TEST(HiddenParts, AreWhereSomethingElseIsNearer) {
+  // A plate of 0.4 x 0.4, and a smaller one that stands 0.3 before a part of it.
+  StandingFigure figure;
+  figure.spacing = 0.01;
+  for (double x = -0.2; x < 0.2; x += figure.spacing)
+    for (double z = 0; z < 0.4; z += figure.spacing) figure.points.emplace_back(x, 0, z);
+  for (double x = -0.05; x < 0.1; x += figure.spacing)
+    for (double z = 0; z < 0.2; z += figure.spacing) figure.others.emplace_back(x, -0.3, z);
+  View view;
+  view.camera.width = 640, view.camera.height = 480;
+  view.camera.fx = view.camera.fy = 900, view.camera.cx = 320, view.camera.cy = 240;
+  Eigen::Matrix3d forward_is_y;
+  forward_is_y << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  const Vector3d eye(0, -1.5, 0.2);
+  view.camera_from_world = {Eigen::Quaterniond(forward_is_y), -(forward_is_y * eye)};
+  View from_behind = view;
+  const Eigen::Matrix3d back = Eigen::Vector3d(-1, 1, -1).asDiagonal() * forward_is_y;
+  from_behind.camera_from_world = {Eigen::Quaterniond(back), -(back * Vector3d(0, 1.5, 0.2))};
+  const std::vector<HiddenPart> parts = HiddenParts({view, from_behind}, figure);
+  EXPECT_NEAR(parts[0].share, 0.15 * 1.25 * 0.2 / (0.4 * 0.4), 0.02);
+  EXPECT_EQ(parts[1].share, 0);
+  const auto hidden = [&](const Vector3d& x) {
+    const Eigen::Vector2d pixel = view.Project(x) * parts[0].where.width / view.camera.width;
+    return *parts[0].where.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) > 0;
+  };
+  EXPECT_TRUE(hidden({0.0, 0, 0.1}));
+  EXPECT_TRUE(hidden({0.1, 0, 0.05}));
+  EXPECT_FALSE(hidden({-0.1, 0, 0.1})) << "beside it";
+  EXPECT_FALSE(hidden({0.0, 0, 0.25})) << "above it";
+}
+
 TEST(OtherPart, IsCutAtTheNarrowPlace) {
   // Two squares of one colour, joined by one point.
   constexpr int kSide = 9;
@@ -309,6 +341,21 @@ TEST(OtherPart, IsCutWhereTheColourChanges) {
   }
   const std::vector<char> other = OtherPart(line, {2}, {35});
   for (int i = 0; i < 40; ++i) EXPECT_EQ(other[i], i >= 30) << i;
+}
+
+TEST(OtherPart, FollowsThePlaceWhereNeitherWidthNorColourTells) {
+  // A strip of one colour and width; the line was drawn round its end.
+  ColouredSurface strip;
+  for (int i = 0; i < 40; ++i) {
+    strip.colours.push_back(Eigen::Vector3f::Constant(90));
+    strip.neighbours.emplace_back();
+    strip.lean.push_back(static_cast<float>(std::max(-1.0, (i - 24.5) / 10)));
+    if (i == 0) continue;
+    strip.neighbours[static_cast<std::size_t>(i)].push_back(i - 1);
+    strip.neighbours[static_cast<std::size_t>(i) - 1].push_back(i);
+  }
+  const std::vector<char> other = OtherPart(strip, {2}, {38});
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(other[i], i >= 25) << i;
 }
 
 TEST_F(StandingFigureTest, AWallIsSeenFromTheFrontTheLeftAndTheRight) {
