@@ -27,6 +27,12 @@ float Difference(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return (a - b).squaredNorm() / (3 * kColourScale * kColourScale);
 }
 
+/// Of a border between two points that lie beside each other.
+std::int64_t CostBetween(const ColouredSurface& surface, std::size_t a, std::size_t b) {
+  const float same = std::exp(-Difference(surface.colours[a], surface.colours[b]));
+  return std::lround(kLeast + kLargest * same);
+}
+
 /// The cheapest way from each point to a mark.
 std::vector<float> WaysTo(const ColouredSurface& surface, const std::vector<int>& marks) {
   std::vector<float> way(surface.colours.size(), std::numeric_limits<float>::infinity());
@@ -68,9 +74,7 @@ std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<in
                      is_figure && !is_other ? kSure : leans(-1));
     for (const int n : surface.neighbours[i]) {
       if (n <= static_cast<int>(i)) continue;
-      const float same =
-          std::exp(-Difference(surface.colours[i], surface.colours[static_cast<std::size_t>(n)]));
-      const auto capacity = static_cast<std::int64_t>(std::lround(kLeast + kLargest * same));
+      const std::int64_t capacity = CostBetween(surface, i, static_cast<std::size_t>(n));
       cut.AddEdge(static_cast<int>(i), n, capacity, capacity);
     }
   }
@@ -79,6 +83,15 @@ std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<in
   for (std::size_t i = 0; i < surface.colours.size(); ++i)
     is_other.push_back(cut.WithSource(static_cast<int>(i)));
   return is_other;
+}
+
+double BorderOf(const ColouredSurface& surface, const std::vector<char>& is_other) {
+  double cost = 0;
+  for (std::size_t i = 0; i < is_other.size(); ++i)
+    for (const int n : surface.neighbours[i])
+      if (is_other[i] && !is_other[static_cast<std::size_t>(n)])
+        cost += static_cast<double>(CostBetween(surface, i, static_cast<std::size_t>(n)));
+  return cost;
 }
 
 }  // namespace keypose::capture

@@ -26,4 +26,7 @@ struct ColouredSurface {
 std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<int>& figure,
                             const std::vector<int>& other);
 
+/// What the border between two parts costs: less where it is narrow and colours change across it.
+double BorderOf(const ColouredSurface& surface, const std::vector<char>& is_other);
+
 }  // namespace keypose::capture
