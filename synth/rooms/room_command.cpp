@@ -89,11 +89,17 @@ Seen SeenOf(const Image8& mask) {
 }
 
 /// A level line through the widest place of another thing, within it.
-std::array<int, 4> LineOnThing(const Image8& parts) {
+/// @param second  of the thing that stands nearest to the figure: on a table are others; may be
+/// empty
+std::array<int, 4> LineOnThing(const Image8& parts, const PointsX3& second, const View& view) {
   constexpr auto thing = static_cast<std::uint8_t>(Part::kThing);
-  Image8 mask(parts.width, parts.height, 1);
-  for (std::size_t p = 0; p < parts.data.size(); ++p)
-    mask.data[p] = parts.data[p] == thing ? 255 : 0;
+  Eigen::AlignedBox2d box;
+  for (Eigen::Index i = 0; i < second.rows(); ++i) box.extend(view.Project(second.row(i)));
+  Image8 mask(parts.width, parts.height, 1, 0);
+  for (int y = 0; y < parts.height; ++y)
+    for (int x = 0; x < parts.width; ++x)
+      if (*parts.at(x, y) == thing && (second.rows() == 0 || box.contains(Eigen::Vector2d(x, y))))
+        *mask.at(x, y) = 255;
   const auto [x, y] = SeenOf(mask).inside;
   if (x < 0) return {-1, -1, -1, -1};
   int left = x, right = x;
@@ -205,7 +211,7 @@ std::string RunRoom(const RoomCommand& command, Progress* progress) {
     WriteImage(folders.truth / "masks" / (stand.view.name + ".png"), photograph.mask);
     WriteImage(folders.truth / "parts" / (stand.view.name + ".png"), photograph.parts);
     seen[i] = SeenOf(photograph.mask);
-    seen[i].beside = LineOnThing(photograph.parts);
+    seen[i].beside = LineOnThing(photograph.parts, photographer.set().second, stand.OfFigure());
   });
   WriteRoomTruth(photographer, seen, folders.truth);
   ReportProgress(progress, 1, "done");

@@ -198,6 +198,7 @@ class Furnisher {
     if (plan_.second == "apart") foot += clear * foot.normalized();
     set_.second_gap_m = plan_.second == "apart" ? clear : 0;
     taken_.push_back({foot.head<2>(), Reach(points)});
+    set_.second = points.rowwise() + foot.transpose();
     if (clay)
       set_.clay.push_back(
           std::make_unique<ClayThing>(toy, points.rowwise() + foot.transpose(), Part::kThing));

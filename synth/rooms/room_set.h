@@ -28,6 +28,7 @@ struct RoomSet {
   std::vector<std::unique_ptr<ClayThing>> clay;  ///< in the figure's frame; the figure is the first
   double table_z = 0;                            ///< [m] of the table's top
   double second_gap_m = -1;         ///< from the figure to the second thing; below 0: there is none
+  PointsX3 second;                  ///< of the second thing's surface, in the figure's frame
   World world;                      ///< of the figure
   std::unique_ptr<RayScene> casts;  ///< what casts shadows on mat and table near the figure
   std::unique_ptr<TableLight> table;  ///< light on z = 0 that `casts` leaves
