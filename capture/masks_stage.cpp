@@ -194,17 +194,17 @@ void DistrustUnplaced(const PosedImages& posed, ImageSet* set) {
 void DistrustHidden(StageContext& stage, const PosedImages& posed,
                     const std::vector<double>& hidden, ImageSet* set) {
   constexpr double kHides = 0.02;  // of the figure; less is within what outlines err by
-  nlohmann::json shares = nlohmann::json::object();
+  nlohmann::json photographs = nlohmann::json::array();
   std::string names;
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     CapturedImage& image = set->images[posed.index[v]];
     if (hidden[v] < kHides || image.mask_given || !image.trusted) continue;
     image.trusted = false;
     image.why = "something before the figure hides " + Percent(hidden[v]) + " of it";
-    shares[image.name] = hidden[v];
+    photographs.push_back({{"name", image.name}, {"share", hidden[v]}});
     names += (names.empty() ? "" : ", ") + image.name;
   }
-  stage.ReportJson("hidden_behind_others", shares.dump());
+  stage.ReportJson("hidden_behind_others", photographs.dump());
   if (!names.empty())
     stage.Warn("something stands before the figure and hides a part of it in " + names +
                "; they were left out of shape and texture. Photographs from there without it would "

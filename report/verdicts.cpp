@@ -109,6 +109,11 @@ class Findings {
           "The outlines of " + Bold(Joined(disagreeing)) + " do not fit those of the others.",
           std::string("look at their masks and ") + kOwnMasks +
               ", or take the photographs out of the folder");
+    if (const auto names = NamesOf(s, "hidden_behind_others"); !names.empty())
+      Add(Grade::kNote, s,
+          "Something stands before the figure in " + Bold(Joined(names)) +
+              "; they were not used for the shape.",
+          "");
     if (const auto agreement = s.Number("agreement"))
       Add(Grade::kNote, s,
           "Masks overlap the visual hull of the others by " + Bold(Percent(*agreement)) +
