@@ -7,7 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "capture/room/piece_split.h"
+#include "capture/room/lined_thing.h"
+#include "capture/room/stroke_marks.h"
 #include "core/size_of.h"
 
 namespace keypose::capture {
@@ -15,19 +16,9 @@ namespace {
 
 using Eigen::Vector3d, Eigen::Vector3i;
 
-constexpr double kClear = 1.2;       // thicknesses: what is higher is not the plane
-constexpr double kEnd = 0.97;        // of the reach: what goes on to here goes on beyond
-constexpr double kNearStroke = 1.5;  // pixels
-constexpr double kUpperEnd = 0.85;   // of the figure's height
-// How wide another thing is, in lengths of the line over it; which fits is seen by the border that
-// it leaves. In such widths: how far behind the line its middle is, how far from that it goes
-// likely, surely, and surely not; and what heights above and below the line count, as things stand,
-// and are often taller than wide.
-constexpr double kWidths[] = {0.8, 1.1, 1.5};
-constexpr double kBehind = 0.45, kThing = 0.75, kInThing = 0.4, kBeyondThing = 1.6;
-constexpr double kAboveLine = 0.6, kBelowLine = 0.2;
-constexpr int kFewest = 200;  // voxels
-constexpr double kLine = 4;   // voxels: marks as long as this are a line
+constexpr double kClear = 1.2;  // thicknesses: what is higher is not the plane
+constexpr double kEnd = 0.97;   // of the reach: what goes on to here goes on beyond
+constexpr int kFewest = 200;    // voxels
 
 /// Connected voxels above a plane.
 struct Pieces {
@@ -157,14 +148,8 @@ struct Found {
   double height = 0;
 };
 
-/// Voxels under a person's strokes.
-struct Marks {
-  std::vector<int> figure, other;
-  Vector3d sight = Vector3d::Zero();  ///< the mean direction in which the other things are seen
-};
-
 std::optional<Found> FindOn(const VoxelGrid& grid, const Support& plane, const Vector3d& middle,
-                            const Marks& marks, double distance, double least_height,
+                            const StrokeMarks& marks, double distance, double least_height,
                             const StandingOptions& options) {
   const double thickness = options.plane.thickness * distance, side = options.voxel * distance;
   Found found{plane, PiecesAbove(grid, plane, kClear * thickness), -1, 0};
@@ -222,167 +207,15 @@ void JoinAfloat(const VoxelGrid& grid, const std::vector<double>& shares, double
   }
 }
 
-/// The nearest voxel that a view shows under each of a person's strokes' pixels: other views tell
-/// its depth where this one could not be matched.
-void AddMarks(const VoxelGrid& grid, const View& view, const std::vector<Eigen::Vector2i>& strokes,
-              std::vector<int>& marks) {
-  if (strokes.empty()) return;
-  struct Front {
-    double depth = std::numeric_limits<double>::infinity();
-    int voxel = -1;
-  };
-  std::vector<Front> fronts(strokes.size());
-  for (std::size_t i = 0; i < grid.voxels().size(); ++i) {
-    if (!grid.voxels()[i].several) continue;
-    const Vector3d x = view.camera_from_world * grid.voxels()[i].Point();
-    if (x.z() <= 0) continue;
-    const Eigen::Vector2d p = view.camera.Project(x);
-    const double near = std::max(kNearStroke, 0.6 * grid.side() * view.camera.fx / x.z());
-    for (std::size_t s = 0; s < strokes.size(); ++s) {
-      const Eigen::Vector2d at = strokes[s].cast<double>() + Eigen::Vector2d(0.5, 0.5);
-      if (x.z() < fronts[s].depth && (at - p).lpNorm<Eigen::Infinity>() <= near)
-        fronts[s] = {x.z(), static_cast<int>(i)};
-    }
-  }
-  std::set<int> marked;
-  for (const Front& front : fronts)
-    if (front.voxel >= 0) marked.insert(front.voxel);
-  marks.insert(marks.end(), marked.begin(), marked.end());
-}
-
-Marks MarksOf(const VoxelGrid& grid, const std::vector<View>& views,
-              const std::vector<ViewStrokes>& strokes) {
-  Marks marks;
-  for (std::size_t v = 0; v < strokes.size(); ++v) {
-    AddMarks(grid, views[v], strokes[v].figure, marks.figure);
-    const std::size_t before = marks.other.size();
-    AddMarks(grid, views[v], strokes[v].other, marks.other);
-    for (std::size_t m = before; m < marks.other.size(); ++m) {
-      const Vector3d at = grid.voxels()[static_cast<std::size_t>(marks.other[m])].Point();
-      marks.sight += (at - views[v].Center()).normalized();
-    }
-  }
-  if (!marks.other.empty()) marks.sight /= static_cast<double>(marks.other.size());
-  return marks;
-}
-
-/// Where the thing is likely that a line was drawn over.
-struct LinedThing {
-  Vector3d middle = Vector3d::Zero();
-  double width = 0;  ///< 0: there is no line
-
-  /// From the middle, in widths.
-  double From(const Vector3d& x, const Vector3d& up) const {
-    const Vector3d apart = x - middle;
-    const double higher = apart.dot(up);
-    return (apart - (1 - (higher > 0 ? kAboveLine : kBelowLine)) * higher * up).norm() / width;
-  }
-};
-
-/// The longest level line between marks, without its width's factor; its middle is on the line.
-LinedThing LineOver(const VoxelGrid& grid, const std::vector<int>& marks, const Vector3d& up) {
-  LinedThing thing;
-  for (const int a : marks)
-    for (const int b : marks) {
-      const Vector3d from = grid.voxels()[static_cast<std::size_t>(a)].Point(),
-                     to = grid.voxels()[static_cast<std::size_t>(b)].Point();
-      const double width = FromAxis(to, from, up);
-      if (width > thing.width) thing = {0.5 * (from + to), width};
-    }
-  return thing.width < kLine * grid.side() ? LinedThing{} : thing;
-}
-
-/// The figure's piece, as a surface of its own.
-struct Members {
-  std::vector<int> voxels;
-  ColouredSurface surface;
-  std::vector<int> figure, other;  ///< marked, as indices into voxels
-};
-
-Members MembersOf(const VoxelGrid& grid, const Marks& marks, const Found& found) {
-  Members members;
-  std::vector<int> local(grid.voxels().size(), -1);
-  for (std::size_t i = 0; i < local.size(); ++i)
-    if (found.pieces.piece[i] == found.piece) {
-      local[i] = SizeOf(members.voxels);
-      members.voxels.push_back(static_cast<int>(i));
-    }
-  for (const int v : members.voxels) {
-    const Voxel& voxel = grid.voxels()[static_cast<std::size_t>(v)];
-    members.surface.colours.push_back(voxel.colour / static_cast<float>(voxel.count));
-    members.surface.neighbours.emplace_back();
-    for (int k = 0; k < 27; ++k) {
-      const int n = grid.FindAt(voxel.at + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-      if (n >= 0 && local[static_cast<std::size_t>(n)] >= 0)
-        members.surface.neighbours.back().push_back(local[static_cast<std::size_t>(n)]);
-    }
-  }
-  const auto add = [&local](const std::vector<int>& voxels, std::vector<int>& to) {
-    for (const int voxel : voxels)
-      if (const int l = local[static_cast<std::size_t>(voxel)]; l >= 0) to.push_back(l);
-  };
-  add(marks.figure, members.figure);
-  add(marks.other, members.other);
-  // Where nothing of the figure is marked, its upper end is the figure.
-  for (int l = 0; marks.figure.empty() && l < SizeOf(members.voxels); ++l) {
-    const Voxel& voxel = grid.voxels()[static_cast<std::size_t>(members.voxels[l])];
-    if (found.support.Above(voxel.Point()) > kUpperEnd * found.height) members.figure.push_back(l);
-  }
-  return members;
-}
-
-/// What places say of members, if the thing is where it is said to be. A thing with little texture
-/// has gaps, so that the line may lie on a piece of its own: then what is surely in the thing is
-/// marked.
-void LeanTowards(const LinedThing& thing, const VoxelGrid& grid, const Vector3d& up,
-                 Members& members) {
-  const bool elsewhere = members.other.empty();
-  for (int l = 0; l < SizeOf(members.voxels); ++l) {
-    const double from =
-        thing.From(grid.voxels()[static_cast<std::size_t>(members.voxels[l])].Point(), up);
-    members.surface.lean.push_back(
-        static_cast<float>(std::clamp((kThing - from) / (kThing - kInThing), -1.0, 1.0)));
-    if (from > kBeyondThing) members.figure.push_back(l);
-    if (elsewhere && from < kInThing) members.other.push_back(l);
-  }
-}
-
-/// Which of the members are another thing; empty where nothing is said of one, or all is.
-std::vector<char> OtherMembers(const VoxelGrid& grid, const Marks& marks, const Found& found,
-                               const Members& members) {
-  const Vector3d& up = found.support.up;
-  const LinedThing line = LineOver(grid, marks.other, up);
-  const auto split = [](const Members& marked) {
-    return marked.other.empty() || marked.figure.empty()
-               ? std::vector<char>{}
-               : OtherPart(marked.surface, marked.figure, marked.other);
-  };
-  if (line.width == 0) return split(members);
-  std::vector<char> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double factor : kWidths) {
-    LinedThing thing = line;
-    thing.width *= factor;
-    thing.middle += kBehind * thing.width * (marks.sight - marks.sight.dot(up) * up);
-    Members leaning = members;
-    LeanTowards(thing, grid, up, leaning);
-    std::vector<char> is_other = split(leaning);
-    const double cost = BorderOf(members.surface, is_other);
-    if (is_other.empty() || cost >= least) continue;
-    least = cost;
-    best = std::move(is_other);
-  }
-  return best;
-}
-
 /// Takes away from the figure's piece the part that a person said is another thing.
-void SplitOff(const VoxelGrid& grid, const Marks& marks, Found& found) {
+void SplitOff(const VoxelGrid& grid, const StrokeMarks& marks, Found& found) {
   if (marks.other.empty()) return;
-  const Members members = MembersOf(grid, marks, found);
-  const std::vector<char> is_other = OtherMembers(grid, marks, found, members);
+  std::vector<int> piece;
+  for (std::size_t i = 0; i < grid.voxels().size(); ++i)
+    if (found.pieces.piece[i] == found.piece) piece.push_back(static_cast<int>(i));
+  const std::vector<char> is_other = OtherThingIn(grid, piece, marks, found.support, found.height);
   for (std::size_t l = 0; l < is_other.size(); ++l)
-    if (is_other[l])
-      found.pieces.piece[static_cast<std::size_t>(members.voxels[l])] = found.pieces.count;
+    if (is_other[l]) found.pieces.piece[static_cast<std::size_t>(piece[l])] = found.pieces.count;
   ++found.pieces.count;
 }
 
@@ -421,7 +254,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   if (SizeOf(surface.points) < kFewest) return std::nullopt;
   const auto lowest = LargestPlane(surface, views, middle, distance, options.plane);
   if (!lowest) return std::nullopt;
-  const Marks marks = MarksOf(grid, views, opinions.strokes);
+  const StrokeMarks marks = MarksOf(grid, views, opinions.strokes);
   const std::optional<Found> on_lowest = FindOn(grid, *lowest, middle, marks, distance, 0, options);
   const double whole = on_lowest ? on_lowest->height : 0;
   std::optional<Found> found;
