@@ -197,7 +197,7 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
   const ImageSet set = WithRegions(room, regions, name);
   Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
   const PrintPictures pictures = PicturesForPrint(room.context.set, regions);
-  bool agrees = Turns(best.result) && PlaceByPrint(room, pictures, name, best);
+  bool agrees = PlaceByPrint(room, pictures, name, best);
   if (!tripod_pairs.empty() && !(agrees && HasNearlyAll(room.context, best.result)) &&
       PlaceByTurningPrint(room, pictures, name, best))
     agrees = PlaceByPrint(room, pictures, name, best);
