@@ -127,7 +127,7 @@ std::vector<char> OtherThingIn(const VoxelGrid& grid, const std::vector<int>& pi
     LeanTowards(thing, grid, up, leaning);
     std::vector<char> is_other = split(leaning);
     const double cost = BorderOf(members.surface, is_other);
-    if (is_other.empty() || cost >= least) continue;
+    if (cost >= least) continue;
     least = cost;
     best = std::move(is_other);
   }

@@ -86,12 +86,15 @@ std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<in
 }
 
 double BorderOf(const ColouredSurface& surface, const std::vector<char>& is_other) {
-  double cost = 0;
-  for (std::size_t i = 0; i < is_other.size(); ++i)
+  double cost = 0, others = 0;
+  for (std::size_t i = 0; i < is_other.size(); ++i) {
+    others += is_other[i];
     for (const int n : surface.neighbours[i])
       if (is_other[i] && !is_other[static_cast<std::size_t>(n)])
         cost += static_cast<double>(CostBetween(surface, i, static_cast<std::size_t>(n)));
-  return cost;
+  }
+  const double smaller = std::min(others, static_cast<double>(is_other.size()) - others);
+  return smaller > 0 ? cost / std::sqrt(smaller) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace keypose::capture

@@ -26,7 +26,9 @@ struct ColouredSurface {
 std::vector<char> OtherPart(const ColouredSurface& surface, const std::vector<int>& figure,
                             const std::vector<int>& other);
 
-/// What the border between two parts costs: less where it is narrow and colours change across it.
+/// What the border between two parts costs, over the square root of the smaller part's points, as
+/// borders of parts of one shape go: less where it is narrow and colours change across it. Infinite
+/// where one part is empty.
 double BorderOf(const ColouredSurface& surface, const std::vector<char>& is_other);
 
 }  // namespace keypose::capture

@@ -343,6 +343,26 @@ TEST(OtherPart, IsCutWhereTheColourChanges) {
   for (int i = 0; i < 40; ++i) EXPECT_EQ(other[i], i >= 30) << i;
 }
 
+TEST(BorderOf, SmallPartsOfOneColourCostMore) {
+  // A strip, one point wide; its last ten points have another colour.
+  ColouredSurface strip;
+  for (int i = 0; i < 40; ++i) {
+    strip.colours.push_back(Eigen::Vector3f::Constant(i < 30 ? 60 : 200));
+    strip.neighbours.emplace_back();
+    if (i > 0) strip.neighbours.back().push_back(i - 1);
+    if (i < 39) strip.neighbours.back().push_back(i + 1);
+  }
+  const auto last = [](int count) {
+    std::vector<char> part(40, 0);
+    std::fill(part.end() - count, part.end(), 1);
+    return part;
+  };
+  EXPECT_LT(BorderOf(strip, last(10)), 0.1 * BorderOf(strip, last(8)));
+  EXPECT_NEAR(BorderOf(strip, last(2)), 2 * BorderOf(strip, last(8)), 1e-6);
+  EXPECT_NEAR(BorderOf(strip, last(38)), BorderOf(strip, last(2)), 1e-6);
+  EXPECT_EQ(BorderOf(strip, last(0)), kFar);
+}
+
 TEST(OtherPart, FollowsThePlaceWhereNeitherWidthNorColourTells) {
   // A strip of one colour and width; the line was drawn round its end.
   ColouredSurface strip;

@@ -154,8 +154,9 @@ bool Turns(const StrategyResult& result) {
 }
 
 /// Places again by the matches that fit cameras over the print that turns before the tripods: it
-/// needs hardly any, where others misled the mapper or were too few for it.
-/// @return whether that places more photographs
+/// needs hardly any, where others misled the mapper or were too few for it. Where photographs from
+/// the hand contradict that, they come after, by the print.
+/// @return whether that is better; then the print agrees
 bool PlaceByTurningPrint(const Room& room, const PrintPictures& pictures, const std::string& name,
                          Placed& placed) {
   const auto& [stage, set, options, check, watch] = room.context;
@@ -169,17 +170,22 @@ bool PlaceByTurningPrint(const Room& room, const PrintPictures& pictures, const 
              " tripods; its print tells the turns of " +
              std::to_string(turning->scene.views.size()) + " of " +
              std::to_string(set.images.size()) + " photographs");
-  const std::vector<int> view_of = check.ViewOfImage(placed.result.model.scene);
-  if (std::all_of(turning->scene.views.begin(), turning->scene.views.end(),
-                  [&](const View& view) { return view_of[set.Find(view.name)] >= 0; }))
-    return false;
   Placed other = placed;
+  const auto place = [&] {
+    other.result = room.place(room.Files(name), other.matched);
+    watch.Lap(stage, "surroundings");
+    NotePlaced(room, name, other.result);
+  };
   KeepMatchesOf(room.context, turning->scene, room.Files(name), other.matched);
-  other.result = room.place(room.Files(name), other.matched);
-  watch.Lap(stage, "surroundings");
-  NotePlaced(room, name, other.result);
-  if (!Turns(other.result) ||
-      (Turns(placed.result) && !IsBetter(other.result.evidence, placed.result.evidence)))
+  place();
+  if (!IsEnough(room.context, other.result)) {
+    std::vector<char> by_hand(set.images.size(), 1);
+    for (const View& view : turning->scene.views) by_hand[set.Find(view.name)] = 0;
+    ForgetMatchesOf(by_hand, room.Files(name), other.matched);
+    place();
+  }
+  if (!Turns(other.result) || !PlaceByPrint(room, pictures, name, other)) return false;
+  if (Turns(placed.result) && !IsBetter(other.result.evidence, placed.result.evidence))
     return false;
   other.result.measurements.Add("started_by_print", true);
   placed = std::move(other);
@@ -198,9 +204,8 @@ Placed PlaceRegions(const Room& room, const std::vector<Image8>& regions, const 
   Placed best = Place(room, set, name, {.region = true, .on_table = true}, tripod_pairs);
   const PrintPictures pictures = PicturesForPrint(room.context.set, regions);
   bool agrees = PlaceByPrint(room, pictures, name, best);
-  if (!tripod_pairs.empty() && !(agrees && HasNearlyAll(room.context, best.result)) &&
-      PlaceByTurningPrint(room, pictures, name, best))
-    agrees = PlaceByPrint(room, pictures, name, best);
+  if (!tripod_pairs.empty() && !(agrees && HasNearlyAll(room.context, best.result)))
+    agrees |= PlaceByTurningPrint(room, pictures, name, best);
   // More features cost minutes, and where the print agrees they have placed no photograph more.
   const bool placed =
       agrees ? IsEnough(room.context, best.result) : HasNearlyAll(room.context, best.result);
