@@ -315,6 +315,15 @@ Curves CurvesRound(const std::vector<FromAbove>& drawn, const Vector2d& middle, 
   return curves;
 }
 
+void LeaveOutUnturned(double unturned, Curves& curves) {
+  const auto steps = std::lround(unturned / (2 * kPi) * curves.angles);
+  for (std::vector<float>& curve : curves.of_pair) {
+    if (curve.empty() || steps == 0) continue;
+    std::fill(curve.begin(), curve.begin() + steps + 1, 0.0F);
+    std::fill(curve.end() - steps, curve.end(), 0.0F);
+  }
+}
+
 /// How well prints go with others when they are turned by more than a little: marks that repeat
 /// themselves do so round the print's middle only.
 double GoesWhenTurned(const Curves& curves) {
@@ -438,7 +447,8 @@ PrintTurns FindPrintTurns(const Scene& scene, const std::vector<Image8>& picture
   });
   const Rings rings{options.rings, options.angles};
   const Vector2d middle = MiddleOfPrint(drawn, options);
-  const Curves curves = CurvesRound(drawn, middle, rings, true);
+  Curves curves = CurvesRound(drawn, middle, rings, true);
+  LeaveOutUnturned(options.unturned, curves);
   std::vector<int> turns = Settled(curves, options.least);
   PrintTurns found;
   std::vector<int> of_knowing;

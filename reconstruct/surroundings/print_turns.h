@@ -27,6 +27,9 @@ struct PrintTurnOptions {
   /// a view is turned where none correlates less than this share of what the best turn does: some
   /// prints look nearly alike when they are turned by a half
   double clearly = 0.6;
+  /// [rad] turns of two photographs against each other that are not looked at: what does not turn
+  /// with the print, a shadow or what stands on it, goes with itself where they are not turned
+  double unturned = 0;
   double enough = 0.02;  ///< and the best turn correlates by so much more than `least`, in the mean
 };
 

@@ -27,6 +27,7 @@ struct TurningCamerasTuning {
   KEYPOSE_TUNED(double, kStandsHigh, 0.45);
   KEYPOSE_TUNED(double, kTooNear, 0.03);  ///< radii of places that tell distances, of the distance
   KEYPOSE_TUNED(int, kFewestRadii, 20);
+  KEYPOSE_TUNED(double, kUnturned, 0.2);  ///< [rad]
 };
 
 /// Photographs of one tripod, and the plane that turns before it.
@@ -192,6 +193,7 @@ std::optional<TurningCameras> CamerasOverTurningPrint(const BeforeTripods& set,
   scene.points = Standing(plane.distance, scene.views.size());
   PrintTurnOptions options;
   options.clearly = 2;  // where they are turned now says nothing
+  options.unturned = TurningCamerasTuning::kUnturned;
   const PrintTurns turns = FindPrintTurns(scene, shown, carries, plane, options);
   TurningCameras found;
   found.tripods = SizeOf(tripods);
