@@ -137,14 +137,24 @@ bool PlaceByPrint(const Room& room, const PrintPictures& pictures, const std::st
     stage.Note("sfm: the print under the figure is turned in " + std::to_string(print.turned) +
                " of " + std::to_string(views) + " photographs, and places " +
                std::to_string(print.guests) + " more");
+    const std::vector<PairMatches> verified = placed.matched.verified;
     if (round < RoomStrategyTuning::kPrintRounds)
       KeepMatchesOf(room.context, print.scene, room.Files(name), placed.matched);
     else
       ForgetMatchesOf(print.is_turned, room.Files(name), placed.matched);
     if (print.guests > 0) with_guests = views;
-    placed.result = room.place(room.Files(name), placed.matched);
+    StrategyResult before =
+        std::exchange(placed.result, room.place(room.Files(name), placed.matched));
     watch.Lap(stage, "surroundings");
     NotePlaced(room, name, placed.result);
+    // A cloth's pattern repeats itself and says wrong turns: then fewer pairs agree than before.
+    const CameraEvidence &now = placed.result.evidence, &was = before.evidence;
+    if (IsSure(was) && now.pairs_agree < was.pairs_agree &&
+        now.pairs_agree_share() <= was.pairs_agree_share()) {
+      placed.result = std::move(before);
+      placed.matched.verified = verified;  // the database is not read again
+      return false;
+    }
   }
   return false;
 }
@@ -314,6 +324,8 @@ bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
       static_cast<double>(views) <
           RoomStrategyTuning::kShareOfOther * static_cast<double>(room.context.set.images.size()))
     return false;
+  // Where the first fits its own matches badly, it is of nothing that stands still.
+  if (!IsSure(first.result.evidence)) return true;
   const double turn = MeanTurn(second.result.model.scene.views),
                other = MeanTurn(first.result.model.scene.views);
   if (turn > RoomStrategyTuning::kTurnsMore * other) return true;
