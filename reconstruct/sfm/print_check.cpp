@@ -236,29 +236,30 @@ void KeepMatchesOf(const StrategyContext& context, const Scene& scene, const Sfm
     fitting[k] =
         VerifyPair(matched.features[pair.first], matched.features[pair.second], along, options);
   });
-  std::vector<PairMatches> kept, gone;
-  for (PairMatches& pair : matched.verified) {
-    const bool placed = view_of[pair.first] >= 0 && view_of[pair.second] >= 0;
-    if (placed) pair.features.clear();
-    (placed ? gone : kept).push_back(std::move(pair));
-  }
+  std::vector<PairMatches> kept;
+  for (const PairMatches& pair : matched.verified)
+    if (view_of[pair.first] < 0 || view_of[pair.second] < 0) kept.push_back(pair);
   for (std::optional<Verified>& pair : fitting)
     if (pair) kept.push_back(std::move(pair->inliers));
+  ReplaceVerified(std::move(kept), files, matched);
+}
+
+void ReplaceVerified(std::vector<PairMatches> verified, const SfmFiles& files,
+                     MatchedFeatures& matched) {
+  std::vector<PairMatches> gone = std::move(matched.verified);
+  for (PairMatches& pair : gone) pair.features.clear();
   ColmapDatabase database(files.database);
   database.PutInliers(gone);
-  database.PutInliers(kept);
-  matched.verified = std::move(kept);
+  database.PutInliers(verified);
+  matched.verified = std::move(verified);
 }
 
 void ForgetMatchesOf(const std::vector<char>& images, const SfmFiles& files,
                      MatchedFeatures& matched) {
-  std::vector<PairMatches> gone;
-  std::erase_if(matched.verified, [&](const PairMatches& pair) {
-    if (!images[pair.first] && !images[pair.second]) return false;
-    gone.push_back({pair.first, pair.second, {}});
-    return true;
-  });
-  ColmapDatabase(files.database).PutInliers(gone);
+  std::vector<PairMatches> kept = matched.verified;
+  std::erase_if(kept,
+                [&](const PairMatches& pair) { return images[pair.first] || images[pair.second]; });
+  ReplaceVerified(std::move(kept), files, matched);
 }
 
 }  // namespace keypose::reconstruct

@@ -152,7 +152,7 @@ bool PlaceByPrint(const Room& room, const PrintPictures& pictures, const std::st
     if (IsSure(was) && now.pairs_agree < was.pairs_agree &&
         now.pairs_agree_share() <= was.pairs_agree_share()) {
       placed.result = std::move(before);
-      placed.matched.verified = verified;  // the database is not read again
+      ReplaceVerified(verified, room.Files(name), placed.matched);
       return false;
     }
   }

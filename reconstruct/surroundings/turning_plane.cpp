@@ -11,7 +11,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-using Eigen::Vector2d, Eigen::Vector3d;
+using Eigen::Vector3d;
 
 cv::Point2d PixelOf(const Vector3d& direction, const Camera& lens) {
   return {lens.fx * direction.x(), lens.fx * direction.y()};
