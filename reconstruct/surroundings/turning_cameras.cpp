@@ -11,7 +11,6 @@
 #include "core/angles.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
-#include "core/tuned.h"
 #include "reconstruct/surroundings/print_turns.h"
 #include "reconstruct/surroundings/turning_plane.h"
 
@@ -20,15 +19,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Chosen on a generated room with weak paint on a mat (seed 6).
-struct TurningCamerasTuning {
-  /// of the cameras' distance: what stands in the middle of the print hides what is behind it
-  KEYPOSE_TUNED(double, kStandsWithin, 0.09);
-  KEYPOSE_TUNED(double, kStandsHigh, 0.45);
-  KEYPOSE_TUNED(double, kTooNear, 0.03);  ///< radii of places that tell distances, of the distance
-  KEYPOSE_TUNED(int, kFewestRadii, 20);
-  KEYPOSE_TUNED(double, kUnturned, 0.2);  ///< [rad]
-};
+// Chosen on a generated room with weak paint on a mat (seed 6). What stands in the middle of the
+// print hides what is behind it; its size is of the cameras' distance.
+constexpr double kStandsWithin = 0.09, kStandsHigh = 0.45;
+constexpr double kTooNear = 0.03;  // radii of places that tell distances, of the distance
+constexpr int kFewestRadii = 20;
+constexpr double kUnturned = 0.2;  // [rad]
 
 /// Photographs of one tripod, and the plane that turns before it.
 struct Tripod {
@@ -97,13 +93,13 @@ std::optional<double> RatioOf(const BeforeTripods& set, const Tripod& first, con
     for (std::size_t m = 0; m < flat->first.size(); ++m) {
       const auto a = RadiusOnPlane(first.plane, forth ? flat->first[m] : flat->second[m]),
                  b = RadiusOnPlane(second.plane, forth ? flat->second[m] : flat->first[m]);
-      if (a && b && std::min(*a, *b) > TurningCamerasTuning::kTooNear) found[k].push_back(*a / *b);
+      if (a && b && std::min(*a, *b) > kTooNear) found[k].push_back(*a / *b);
     }
   });
   std::vector<double> ratios;
   for (const std::vector<double>& of_pair : found)
     ratios.insert(ratios.end(), of_pair.begin(), of_pair.end());
-  if (SizeOf(ratios) < TurningCamerasTuning::kFewestRadii) return std::nullopt;
+  if (SizeOf(ratios) < kFewestRadii) return std::nullopt;
   const auto half = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), half, ratios.end());
   return *half;
@@ -137,12 +133,11 @@ std::vector<SparsePoint> Standing(double distance, std::size_t views) {
   for (int up = 1; up <= kUp; ++up)
     for (int ring = 0; ring <= 2; ++ring)
       for (int k = 0; k < kAround; ++k) {
-        const double angle = 2 * kPi * k / kAround,
-                     radius = 0.5 * ring * TurningCamerasTuning::kStandsWithin * distance;
+        const double angle = 2 * kPi * k / kAround, radius = 0.5 * ring * kStandsWithin * distance;
         SparsePoint point;
         point.color.setZero();
         point.position = {radius * std::cos(angle), radius * std::sin(angle),
-                          TurningCamerasTuning::kStandsHigh * distance * up / kUp};
+                          kStandsHigh * distance * up / kUp};
         point.views = all;
         points.push_back(std::move(point));
       }
@@ -193,7 +188,7 @@ std::optional<TurningCameras> CamerasOverTurningPrint(const BeforeTripods& set,
   scene.points = Standing(plane.distance, scene.views.size());
   PrintTurnOptions options;
   options.clearly = 2;  // where they are turned now says nothing
-  options.unturned = TurningCamerasTuning::kUnturned;
+  options.unturned = kUnturned;
   const PrintTurns turns = FindPrintTurns(scene, shown, carries, plane, options);
   TurningCameras found;
   found.tripods = SizeOf(tripods);
