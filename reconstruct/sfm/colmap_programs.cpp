@@ -53,6 +53,23 @@ PicturePlace PlaceOf(const CapturedImage& image, const Image8& picture) {
           static_cast<double>(image.height) / picture.height};
 }
 
+/// Whether features adapt to slanted surfaces.
+bool Adapts(const SfmOptions& options, const FeatureKind& kind) {
+  return options.affine_shape && !kind.on_table && (kind.fine || !kind.whole);
+}
+
+/// Leaves out features whose descriptors COLMAP may not have set: their values were another's, and
+/// not the same in each run.
+/// @param adapted  features adapt to slanted surfaces; all are set then
+void LeaveOutUnset(const Image8& picture, bool adapted, PicturePlace& place) {
+  if (adapted) return;
+  place.width = picture.width;
+  place.height = picture.height;
+  // The last row of the feature's octave, and what halving cut off, in scales of its lowest layer.
+  constexpr double kOctaveEnd = 2;
+  place.scales_to_end = kOctaveEnd;
+}
+
 /// The whole photograph at `whole_px`; at its own size where that is at most `largest_px`, and
 /// COLMAP reduces it.
 /// @param adapted  features adapt to slanted surfaces
@@ -64,12 +81,7 @@ Prepared PrepareWhole(const ImageSet& set, int i, const fs::path& folder, int wh
   const Image8 photo = ReadReducedTo(set.ImagePath(i), 1, large ? whole_px : largest_px);
   WritePgm(folder / "images" / file, photo);
   PicturePlace place = PlaceOf(image, photo);
-  if (adapted) return {{file, place}};
-  place.width = photo.width;
-  place.height = photo.height;
-  // The last row of the feature's octave, and what halving cut off, in scales of its lowest layer.
-  constexpr double kOctaveEnd = 2;
-  place.scales_to_end = kOctaveEnd;
+  LeaveOutUnset(photo, adapted, place);
   return {{file, place}};
 }
 
@@ -95,6 +107,7 @@ void AddStretched(const ObjectCrop& crop, bool lies_across, const fs::path& fold
   PicturePlace& place = stretched.place;
   place.x0 *= by_x, place.pixels_x /= by_x;
   place.y0 *= by_y, place.pixels_y /= by_y;
+  place.width *= by_x, place.height *= by_y;
   const int width = by_x * crop.image.width, height = by_y * crop.image.height;
   WritePgm(folder / "images" / stretched.name, Resized(crop.image, width, height));
   WriteGreyMaskPng(folder / "masks" / (stretched.name + ".png"),
@@ -111,6 +124,7 @@ Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
   PicturePlace place = PlaceOf(image, photo);
   if (image.mask.empty()) {
     WritePgm(folder / "images" / file, photo);
+    LeaveOutUnset(photo, Adapts(options, kind), place);
     return {{file, place}};
   }
   RequireSameSize(set, i);
@@ -122,6 +136,7 @@ Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
   place.y0 = crop.y0;
   WritePgm(folder / "images" / file, crop.image);
   WriteGreyMaskPng(folder / "masks" / (file + ".png"), crop.mask);
+  LeaveOutUnset(crop.image, Adapts(options, kind), place);
   Prepared pictures = {{file, place}};
   if (kind.on_table) AddStretched(crop, LiesAcross(image), folder, pictures);
   return pictures;
@@ -130,10 +145,6 @@ Prepared PrepareFigure(const ImageSet& set, int i, const fs::path& folder,
 /// The longer side to which whole photographs are reduced before features are found.
 int WholeSize(const SfmOptions& options, const FeatureKind& kind) {
   return kind.fine ? options.max_image_size : std::min(options.whole_px, options.max_image_size);
-}
-
-bool Adapts(const SfmOptions& options, const FeatureKind& kind) {
-  return options.affine_shape && !kind.on_table && (kind.fine || !kind.whole);
 }
 
 /// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.

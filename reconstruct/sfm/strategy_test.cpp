@@ -3,13 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
-#include <utility>
-
 #include "core/errors.h"
-#include "core/stage/stage.h"
 #include "reconstruct/sfm/set_lenses.h"
 #include "reconstruct/sfm/turntable_strategies.h"
+#include "reconstruct/testing/reported_stage.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -19,36 +16,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
-
-/// A stage of which only the report is used.
-class Reported final : public StageContext {
- public:
-  bool Has(std::string_view) const override { return false; }
-  std::filesystem::path Input(std::string_view) const override { return {}; }
-  std::vector<std::filesystem::path> Inputs(std::string_view) const override { return {}; }
-  std::filesystem::path Output(std::string_view) override { return {}; }
-  std::filesystem::path Scratch() override { return {}; }
-  Progress* progress() override { return nullptr; }
-  using StageContext::Report;
-  void Report(std::string_view name, double value) override { Put(name, std::to_string(value)); }
-  void Report(std::string_view name, std::int64_t value) override {
-    Put(name, std::to_string(value));
-  }
-  void Report(std::string_view name, bool value) override { Put(name, value ? "true" : "false"); }
-  void Report(std::string_view name, const std::string& value) override { Put(name, value); }
-  void ReportJson(std::string_view name, const std::string& json) override { Put(name, json); }
-  void Note(const std::string&) override {}
-  void Warn(const std::string& sentence) override { warnings.push_back(sentence); }
-  void Verdict(const std::string&, const std::string&, const std::string&) override {}
-
-  std::map<std::string, std::string> values;
-  std::vector<std::string> warnings;
-
- private:
-  void Put(std::string_view name, std::string value) {
-    values[std::string(name)] = std::move(value);
-  }
-};
 
 /// Of 16 photographs, all placed.
 StrategyResult ResultWith(const std::string& method, double hull_overlap) {
@@ -84,7 +51,7 @@ TEST(LensesOf, EachSizeIsALensAlsoIfItWasMadeTheSameSize) {
 }
 
 TEST(PlaceByTurntable, PhotographsOfTwoSizesAreNoRing) {
-  Reported stage;
+  ReportedStage stage;
   const ImageSet set;
   const EvidenceCheck check(set);
   Stopwatch watch;
@@ -128,7 +95,7 @@ TEST(Measurements, ReachTheReportWithTheirKinds) {
   measurements.Add("layout", "18+18");
   measurements.AddJson("sizes", "[3,4]");
   measurements.Warn("look");
-  Reported stage;
+  ReportedStage stage;
   measurements.Report(stage);
   EXPECT_THAT(stage.values,
               ElementsAre(Pair("error_px", "0.500000"), Pair("is_ring", "true"),
@@ -144,7 +111,7 @@ TEST(BetterOf, OnlyTheTakenResultLeavesNumbersInTheReport) {
   for (const bool ring_last : {true, false}) {
     const StrategyResult best = ring_last ? BetterOf(features, ring) : BetterOf(ring, features);
     EXPECT_EQ(best.method, "ring");
-    Reported stage;
+    ReportedStage stage;
     best.measurements.Report(stage);
     EXPECT_THAT(stage.values, ElementsAre(Pair("ring_inliers", "400")));
     EXPECT_THAT(stage.warnings, IsEmpty());
