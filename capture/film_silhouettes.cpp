@@ -260,14 +260,11 @@ class Comparison {
   std::vector<std::vector<Image8>> masks_, denials_;  // of these frames, camera by camera
 };
 
-void Compare(StageContext& stage, const std::filesystem::path& calibration,
-             const std::vector<ShotCamera>& cameras, int working_px,
-             std::vector<CameraFilm>& films) {
-  constexpr std::size_t kFewest = 3;
+/// @param views  of the cameras, for their pictures at working size
+void Compare(StageContext& stage, const std::vector<ShotCamera>& cameras,
+             const std::vector<View>& views, std::vector<CameraFilm>& films) {
   constexpr double kContradicts = 0.05;
-  if (calibration.empty() || cameras.size() < kFewest) return;
   ReportProgress(stage.progress(), 0.35, "comparing cameras");
-  const std::vector<View> views = ViewsOf(stage, calibration, cameras, working_px);
   Comparison comparison(films);
   if (!comparison.Teach(views)) {
     stage.Warn(
@@ -320,7 +317,12 @@ FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
                                           const std::filesystem::path& calibration,
                                           const FilmSilhouettesRequest& request,
                                           const std::filesystem::path& out) {
+  constexpr std::size_t kFewestCompared = 3;
   const Strokes strokes(request.figure, cameras);
+  const bool compared = !calibration.empty() && cameras.size() >= kFewestCompared;
+  // Before the minutes of learning: a calibration of other films is refused.
+  const std::vector<View> views =
+      compared ? ViewsOf(stage, calibration, cameras, request.mask_px) : std::vector<View>();
   std::vector<CameraFilm> films;
   for (const ShotCamera& camera : cameras) films.emplace_back(camera, request);
   {
@@ -333,7 +335,7 @@ FilmSilhouettesCount WriteFilmSilhouettes(StageContext& stage,
                      stage.progress());
     }
   }
-  Compare(stage, calibration, cameras, request.mask_px, films);
+  if (compared) Compare(stage, cameras, views, films);
   for (CameraFilm& film : films) film.masker().EndLearning();
   FilmSilhouettesCount count;
   for (std::size_t i = 0; i < films.size(); ++i) {

@@ -13,9 +13,11 @@
 #include "core/figure_strokes.h"
 #include "core/io/image_io.h"
 #include "core/io/png_io.h"
+#include "core/io/rig_calibration.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
+#include "views/shot/rig.h"
 #include "views/shot/shot.h"
 
 namespace keypose::capture {
@@ -141,7 +143,9 @@ int WriteByPlates(StageContext& stage, const std::vector<ShotCamera>& cameras,
 }
 
 void Run(StageContext& stage, const SilhouettesOptions& options) {
-  const Shot shot = OpenShot(stage.Input("video"));
+  Shot shot = OpenShot(stage.Input("video"));
+  if (stage.Has("calibration"))
+    LeaveOutUncalibrated(stage, ReadRigCalibration(stage.Input("calibration")), shot.cameras);
   const std::vector<ShotCamera> with = Cameras(shot, true), without = Cameras(shot, false);
   const std::filesystem::path out = stage.Output("masked") / "masks";
   const double share = static_cast<double>(with.size()) / SizeOf(shot.cameras);

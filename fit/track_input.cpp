@@ -68,12 +68,12 @@ TrackInput::~TrackInput() = default;
 TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_folder,
                        const TrackInputOptions& options)
     : shot_(ShotWithMasks(stage, shot_folder)) {
+  Match(stage, options);
   if (!shot_.has_masks())
     throw InputError(
         "track: the shot " + shot_folder.filename().string() +
         " has no masks/CAMERA/ for each camera; `keypose silhouettes` makes them from films and "
         "pictures of the empty set");
-  Match(stage, options);
   CountFrames(stage);
   for (const ShotCamera& camera : shot_.cameras) {
     masks_.push_back(std::make_unique<FrameReader>(camera.masks));
@@ -102,6 +102,7 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
 void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
   const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
   for (const std::string& note : rig.notes) stage.Note(note);
+  LeaveOutUncalibrated(stage, rig, shot_.cameras);
   const std::vector<std::string> names = shot_.names();
   views_ = MatchedViews(rig, names, "track");
   metres_per_unit_ = rig.metres_per_unit;

@@ -1,5 +1,8 @@
 #include "views/shot/rig.h"
 
+#include <cstddef>
+#include <utility>
+
 #include "core/errors.h"
 
 namespace keypose {
@@ -22,6 +25,31 @@ std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std:
     views.back().name = cameras[c];
   }
   return views;
+}
+
+std::vector<std::string> TakeOutUncalibrated(const RigCalibration& rig,
+                                             std::vector<ShotCamera>& cameras) {
+  std::vector<std::string> names, out;
+  for (const ShotCamera& camera : cameras) names.push_back(camera.name);
+  const std::vector<int> match = MatchCameraNames(names, rig.views);
+  std::vector<ShotCamera> kept;
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (match[c] >= 0)
+      kept.push_back(cameras[c]);
+    else
+      out.push_back(cameras[c].name);
+  if (kept.size() != rig.views.size()) return {};
+  cameras = std::move(kept);
+  return out;
+}
+
+void LeaveOutUncalibrated(StageContext& stage, const RigCalibration& rig,
+                          std::vector<ShotCamera>& cameras) {
+  const std::vector<std::string> out = TakeOutUncalibrated(rig, cameras);
+  if (!out.empty())
+    stage.Warn("the calibration has no camera " + Listed(out) +
+               ", and what is there is left out: if it is a film of the shot, calibrate its camera "
+               "as well");
 }
 
 Vector3d UpOfCameras(const std::vector<View>& views) {

@@ -7,6 +7,8 @@
 
 #include "core/camera.h"
 #include "core/io/rig_calibration.h"
+#include "core/stage/stage.h"
+#include "views/shot/shot_camera.h"
 
 namespace keypose {
 
@@ -16,6 +18,17 @@ namespace keypose {
 /// @throws InputError  a camera that the calibration does not have; names those that it has
 std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std::string>& cameras,
                                const std::string& stage);
+
+/// Takes folders that are no camera of the calibration out of a shot whose other films are all of
+/// its cameras: people keep boards and notes beside films. Where cameras of the calibration have no
+/// film, a name may be mistaken, and all stay.
+/// @return the names of what was taken out
+std::vector<std::string> TakeOutUncalibrated(const RigCalibration& rig,
+                                             std::vector<ShotCamera>& cameras);
+
+/// The same for a stage, with a warning.
+void LeaveOutUncalibrated(StageContext& stage, const RigCalibration& rig,
+                          std::vector<ShotCamera>& cameras);
 
 /// The world's axis nearest to the direction that is up in most pictures; unit.
 Eigen::Vector3d UpOfCameras(const std::vector<View>& views);

@@ -61,7 +61,10 @@ SyncedFilms::SyncedFilms(StageContext& stage, const FilmsRequest& request) : req
 }
 
 void SyncedFilms::Open(StageContext& stage) {
-  const Shot shot = OpenShot(stage.Input("video"));
+  Shot shot = OpenShot(stage.Input("video"));
+  const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
+  for (const std::string& note : rig.notes) stage.Note(note);
+  LeaveOutUncalibrated(stage, rig, shot.cameras);
   rate_ = shot.frames_per_second;
   std::vector<std::string> names, bare;
   for (const ShotCamera& camera : Chosen(shot, request_)) {
@@ -83,8 +86,6 @@ void SyncedFilms::Open(StageContext& stage) {
     throw InputError(request_.stage + ": there are no masks of camera " + Listed(bare) +
                      "; `keypose silhouettes` makes them from films and pictures of the empty "
                      "set: pass its result as --masks");
-  const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
-  for (const std::string& note : rig.notes) stage.Note(note);
   views_ = MatchedViews(rig, names, request_.stage);
   up_ = rig.up;
   for (CameraFilm& film : films_) {
