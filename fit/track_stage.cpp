@@ -95,7 +95,7 @@ struct TrackOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "8";
+  spec.version = "9";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.inputs = {
       {"video", "folder",
@@ -111,6 +111,8 @@ StageSpec Spec() {
       {"frames", "folder",
        "template poses frame_0000.ply ..., distortion.json, angles.csv, actor.json", "frames",
        false, false},
+      {"reference", "file", "the template upright, arms and legs apart, to pick marks on (.ply)",
+       "reference.ply", true, false},
       {"motion", "file", "the motion (.bvh), y up", "motion.bvh", false, false},
       {"clocks", "file", "offsets between the films' clocks, for video3d (.json)", "clocks.json",
        true, false},
@@ -389,6 +391,10 @@ void WriteFrames(StageContext& stage, const TrackInput& input, const BodyShape& 
     poses.push_back(frames[f].pose);
     writer.Write(folder / FrameFileName(f),
                  BodyPoints(surface, Posed(frames[f].pose, shape)) * units);
+  }
+  if (const std::filesystem::path reference = stage.Output("reference"); !reference.empty()) {
+    mesh.points = BodyPoints(surface, Posed(MarkingPose(), shape)) * units;
+    WriteMesh(reference, mesh);
   }
   // Segments are rigid: area and volume do not change.
   WriteFile(folder / "distortion.json",

@@ -181,7 +181,8 @@ void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh
   WriteImage(path, DrawLandmarks(source, target, drawn, suggestion.dense, picture));
 }
 
-void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion& suggestion) {
+void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion& suggestion,
+            const ProgramOptions& options) {
   stage.Report("known", std::ssize(known.goals));
   stage.Report("suggested", std::ssize(suggestion.pairs));
   stage.Report("distortion", suggestion.distortion);
@@ -192,6 +193,10 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   stage.Report("explanation", suggestion.explanation);
   stage.Note(suggestion.explanation);
   for (const std::string& warning : known.warnings) stage.Warn(warning);
+  if (suggestion.pairs.empty() && options.suggest.count > 0)
+    stage.Warn(
+        "no pair is certain enough to be suggested: the meshes' limbs are too different; pick the "
+        "pairs on both meshes yourself, in the studio");
 }
 
 /// Reads a mesh. If its texture is given, the vertices get the texture's colours.
@@ -227,7 +232,7 @@ void Run(StageContext& stage, const ProgramOptions& options) {
   for (const SuggestedPair& suggested : suggestion.pairs)
     pairs.push_back(PairOf(suggested, FreeName(pairs, number)));
   Accept(options.accept, pairs);
-  Report(stage, known, suggestion);
+  Report(stage, known, suggestion, options);
   WritePicks(stage, "source_picks", source, pairs, &LandmarkPair::source);
   WritePicks(stage, "target_picks", target, pairs, &LandmarkPair::target);
   WriteLandmarkPairs(stage.Output("suggested"), source, target, pairs);

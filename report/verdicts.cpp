@@ -312,6 +312,17 @@ class Findings {
 
   void Put(Finding finding) { out_.push_back(std::move(finding)); }
 
+  /// Steps that read the same input warn of the same: that is one finding.
+  void Warning(Finding finding) {
+    const auto same = std::find_if(out_.begin(), out_.end(), [&](const Finding& f) {
+      return f.pose == finding.pose && f.grade == finding.grade && f.text == finding.text;
+    });
+    if (same == out_.end())
+      Put(std::move(finding));
+    else
+      same->where += ", " + finding.where;
+  }
+
  private:
   void Add(Grade grade, const StepRecord& s, const std::string& text,
            const std::string& cure = "") {
@@ -352,8 +363,8 @@ void FindOnStep(const StepRecord& step, const Contents& contents, std::vector<Fi
   // Capture's warnings are predictions, which later results replace; other stages' warnings are
   // about their results.
   for (const std::string& warning : step.warnings)
-    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where,
-                  AsSentence(Escape(warning)), ""});
+    findings.Warning({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where,
+                      AsSentence(Escape(warning)), ""});
   if (step.stage == "capture") findings.Capture(step);
   if (step.stage == "sfm") findings.Sfm(step);
   if (step.stage == "masks") findings.Masks(step);

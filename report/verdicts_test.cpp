@@ -216,6 +216,13 @@ TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
   EXPECT_EQ(Judged(contents).why, "One is off. p1.jpg is off. Three are. The report lists 2 more.");
 }
 
+TEST(Judge, TheSameWarningOfTwoStepsIsSaidOnce) {
+  Contents contents = Ideal();
+  StepOf(contents, "register").warnings = {"one is off"};
+  StepOf(contents, "cleanup").warnings = {"one is off"};
+  EXPECT_EQ(Judged(contents).why, "One is off.");
+}
+
 TEST(Judge, RegistrationDecidesOnItsPose) {
   for (const auto& [numbers, grade] :
        {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},

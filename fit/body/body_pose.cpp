@@ -40,6 +40,18 @@ Matrix3d TurnJoint(const JointModel& joint, const DofVector& q, const Matrix3d& 
 
 }  // namespace
 
+BodyPose MarkingPose() {
+  constexpr double kLowered = 0.7, kApart = 0.2;  // [rad]
+  BodyPose pose;
+  for (int i = 0; i < kDofs; ++i) {
+    const std::string& name = Dofs()[i].name;
+    const double side = name.starts_with("left_") ? 1 : -1;
+    if (name.ends_with("_shoulder_lower")) pose.q[i] = side * kLowered;
+    if (name.ends_with("_hip_in")) pose.q[i] = -side * kApart;
+  }
+  return pose;
+}
+
 Matrix3d RotationOf(const Vector3d& w) {
   const double angle = w.norm();
   const Matrix3d cross = Cross(w);

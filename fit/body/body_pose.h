@@ -23,6 +23,9 @@ struct BodyPose {
   BodyPose Recharted() const;
 };
 
+/// Upright, arms lowered by 40 degrees, legs apart: as scans stand, to pick marks on.
+BodyPose MarkingPose();
+
 /// exp(w) as a matrix.
 Eigen::Matrix3d RotationOf(const Eigen::Vector3d& w);
 /// J with exp(w + dw) = exp(J dw) exp(w) for small dw.

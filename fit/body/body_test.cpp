@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+#include <tuple>
+
 #include "core/angles.h"
 #include "core/geometry.h"
 #include "core/io/bvh_io.h"
@@ -152,6 +156,18 @@ TEST(PosedBody, ALimbThatIsPosedAnewIsWhereTheWholeBodyHasIt) {
     ASSERT_EQ(body.turns[j].size(), whole.turns[j].size());
     for (std::size_t k = 0; k < body.turns[j].size(); ++k)
       EXPECT_EQ(body.turns[j][k].axis, whole.turns[j][k].axis);
+  }
+}
+
+TEST(MarkingPose, StandsUprightWithItsHandsBesideTheHipsAndItsFeetApart) {
+  const BodyShape shape = AverageShape(1.7);
+  const PosedBody body = Posed(MarkingPose(), shape);
+  EXPECT_GT(body.position[kNeck].z(), body.position[kPelvis].z() + 0.3);
+  for (const auto& [shoulder, wrist, ankle, side] :
+       {std::tuple{kShoulderL, kWristL, kAnkleL, 1.0}, {kShoulderR, kWristR, kAnkleR, -1.0}}) {
+    const Eigen::Vector3d arm = body.position[wrist] - body.position[shoulder];
+    EXPECT_NEAR(std::atan2(-arm.z(), side * arm.x()), 0.7, 0.01);
+    EXPECT_GT(side * body.position[ankle].x(), 0.2);
   }
 }
 
