@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <cmath>
 #include <cstdio>
@@ -101,6 +102,7 @@ void RunningStage::Note(const std::string& line) {
 }
 
 void RunningStage::Warn(const std::string& sentence) {
+  if (std::find(warnings_.begin(), warnings_.end(), sentence) != warnings_.end()) return;
   Note("warning: " + sentence);
   warnings_.push_back(sentence);
 }

@@ -49,7 +49,7 @@ void CopyStage(StageContext& stage, const TestOptions& options) {
   for (int i = 0; i < options.copies; ++i) out += ReadFile(stage.Input("text"));
   WriteFile(stage.Output("copy"), out);
   stage.Report("copies", options.copies);
-  if (options.copies > 2)
+  for (int i = 0; i < options.copies && options.copies > 2; ++i)  // is said once
     stage.Warn("'clay' is copied " + std::to_string(options.copies) + " times");
   stage.Verdict("clay", options.copies > 2 ? "look" : "good", "counted");
   if (options.mode == "fail") throw InputError("told to fail");

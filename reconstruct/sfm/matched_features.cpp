@@ -136,10 +136,10 @@ void LeaveOutRepeated(StageContext& stage, const MatchedFeatures& matched, int l
 /// Verifies matches, and adds those along epipolar lines if asked.
 std::vector<Verified> VerifyAll(StageContext& stage, const MatchedFeatures& matched,
                                 const std::vector<PairMatches>& enough, int longer_side_px,
-                                const SfmOptions& options, Stopwatch& watch) {
+                                const SfmOptions& options, bool without_repeated,
+                                Stopwatch& watch) {
   std::vector<Verified> verified = VerifyPairs(matched.features, enough, options, stage.progress());
-  if (matched.in_room && matched.turning.empty())
-    LeaveOutRepeated(stage, matched, longer_side_px, options, verified);
+  if (without_repeated) LeaveOutRepeated(stage, matched, longer_side_px, options, verified);
   watch.Lap(stage, "verification");
   if (!options.guided_matching) return verified;
   ReportProgress(stage.progress(), 0.65, "matching along epipolar lines");
@@ -226,18 +226,29 @@ MatchedFeatures MatchPhotographs(StageContext& stage, const ImageSet& set, const
 }
 
 void VerifyMatches(StageContext& stage, const SfmFiles& files, const SfmOptions& options,
-                   Stopwatch& watch, MatchedFeatures& matched) {
+                   bool without_repeated, Stopwatch& watch, MatchedFeatures& matched) {
   const auto few = [&](const PairMatches& pair) {
     return SizeOf(pair.features) < options.min_inliers;
   };
   ReportProgress(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = matched.matches;
   std::erase_if(enough, few);
-  std::vector<Verified> verified =
-      VerifyAll(stage, matched, enough, LongerSide(matched.lenses), options, watch);
+  std::vector<Verified> verified = VerifyAll(stage, matched, enough, LongerSide(matched.lenses),
+                                             options, without_repeated, watch);
   ReportMatches(stage, enough.size(), verified);
-  for (Verified& pair : verified) matched.verified.push_back(std::move(pair.inliers));
-  ColmapDatabase(files.database).PutInliers(matched.verified);
+  std::vector<PairMatches> inliers;
+  for (Verified& pair : verified) inliers.push_back(std::move(pair.inliers));
+  ReplaceVerified(std::move(inliers), files, matched);
+}
+
+void ReplaceVerified(std::vector<PairMatches> verified, const SfmFiles& files,
+                     MatchedFeatures& matched) {
+  std::vector<PairMatches> gone = std::move(matched.verified);
+  for (PairMatches& pair : gone) pair.features.clear();
+  ColmapDatabase database(files.database);
+  database.PutInliers(gone);
+  database.PutInliers(verified);
+  matched.verified = std::move(verified);
 }
 
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
@@ -245,7 +256,7 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
                               std::vector<ImagePair> tripod_pairs) {
   MatchedFeatures matched =
       MatchPhotographs(stage, set, files, options, kind, watch, std::move(tripod_pairs));
-  VerifyMatches(stage, files, options, watch, matched);
+  VerifyMatches(stage, files, options, kind.region, watch, matched);
   return matched;
 }
 

@@ -41,9 +41,15 @@ MatchedFeatures MatchPhotographs(StageContext& stage, const ImageSet& set, const
                                  const SfmOptions& options, const FeatureKind& kind,
                                  Stopwatch& watch, std::vector<ImagePair> tripod_pairs = {});
 
-/// Finds the matches that pass the geometric test, and writes them to the database as well.
+/// Finds the matches that pass the geometric test, and writes them to the database as well, in
+/// place of those found before.
+/// @param without_repeated  pairs that match by what repeats itself are left out
 void VerifyMatches(StageContext& stage, const SfmFiles& files, const SfmOptions& options,
-                   Stopwatch& watch, MatchedFeatures& matched);
+                   bool without_repeated, Stopwatch& watch, MatchedFeatures& matched);
+
+/// Puts these verified matches in place of all, in `matched` and in the database.
+void ReplaceVerified(std::vector<PairMatches> verified, const SfmFiles& files,
+                     MatchedFeatures& matched);
 
 /// Both, one after the other.
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,

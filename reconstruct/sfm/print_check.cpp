@@ -244,16 +244,6 @@ void KeepMatchesOf(const StrategyContext& context, const Scene& scene, const Sfm
   ReplaceVerified(std::move(kept), files, matched);
 }
 
-void ReplaceVerified(std::vector<PairMatches> verified, const SfmFiles& files,
-                     MatchedFeatures& matched) {
-  std::vector<PairMatches> gone = std::move(matched.verified);
-  for (PairMatches& pair : gone) pair.features.clear();
-  ColmapDatabase database(files.database);
-  database.PutInliers(gone);
-  database.PutInliers(verified);
-  matched.verified = std::move(verified);
-}
-
 void ForgetMatchesOf(const std::vector<char>& images, const SfmFiles& files,
                      MatchedFeatures& matched) {
   std::vector<PairMatches> kept = matched.verified;

@@ -34,10 +34,6 @@ PrintCheck CheckPrint(const StrategyContext& context, const PrintPictures& pictu
 void KeepMatchesOf(const StrategyContext& context, const Scene& scene, const SfmFiles& files,
                    MatchedFeatures& matched);
 
-/// Puts these verified matches in place of all, in `matched` and in the database.
-void ReplaceVerified(std::vector<PairMatches> verified, const SfmFiles& files,
-                     MatchedFeatures& matched);
-
 /// Takes all verified matches of some photographs away, so that they are not placed.
 void ForgetMatchesOf(const std::vector<char>& images, const SfmFiles& files,
                      MatchedFeatures& matched);

@@ -334,15 +334,31 @@ bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
          RoomStrategyTuning::kLikelier * LikelyFigure(room, first.matched);
 }
 
+/// Places again without pairs that match by what repeats itself: a cloth's pattern matches a period
+/// off, with more matches than the figure has, and then most pairs deny right cameras.
+void PlaceWithoutRepeated(const Room& room, const SfmFiles& files, Placed& best) {
+  const auto& [stage, set, options, check, watch] = room.context;
+  Placed other = best;
+  VerifyMatches(stage, files, options, true, watch, other.matched);
+  other.result = room.place(files, other.matched);
+  watch.Lap(stage, "surroundings");
+  NotePlaced(room, "whole, without what repeats itself", other.result);
+  if (IsBetter(other.result.evidence, best.result.evidence))
+    best = std::move(other);
+  else
+    ReplaceVerified(best.matched.verified, files, best.matched);
+}
+
 /// The whole photographs, and what moves otherwise in them if that is the figure.
 Placed PlaceWhole(const Room& room, const SfmFiles& files, MatchedFeatures matched) {
   const auto& [stage, set, options, check, watch] = room.context;
   Placed first;
-  VerifyMatches(stage, files, options, watch, matched);
+  VerifyMatches(stage, files, options, false, watch, matched);
   first.result = room.place(files, matched);
   first.matched = std::move(matched);
   watch.Lap(stage, "surroundings");
   NotePlaced(room, "whole", first.result);
+  if (!IsSure(first.result.evidence)) PlaceWithoutRepeated(room, files, first);
   const bool goes_round = IsSure(first.result.evidence) &&
                           MeanTurn(first.result.model.scene.views) > RoomStrategyTuning::kGoesRound;
   if (first.result.views() >= 3 && !goes_round) {
