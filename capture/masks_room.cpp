@@ -289,6 +289,45 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
   return found;
 }
 
+/// Share of the pixels that lie in the mask, or within two pixels of it.
+double ShareIn(const Image8& mask, const std::vector<Eigen::Vector2i>& pixels) {
+  constexpr int kReach = 2;
+  const auto near = [&](const Eigen::Vector2i& at) {
+    for (int y = std::max(0, at.y() - kReach); y <= std::min(mask.height - 1, at.y() + kReach); ++y)
+      for (int x = std::max(0, at.x() - kReach); x <= std::min(mask.width - 1, at.x() + kReach);
+           ++x)
+        if (*mask.at(x, y) > 127) return true;
+    return false;
+  };
+  return static_cast<double>(std::count_if(pixels.begin(), pixels.end(), near)) /
+         static_cast<double>(pixels.size());
+}
+
+/// Warns where the masks are not what a person said.
+void WarnOfUnheeded(StageContext& stage, const FigureSet& figures,
+                    const std::vector<Image8>& masks) {
+  constexpr double kMost = 0.5;
+  if (figures.strokes.empty()) return;
+  const std::vector<ViewStrokes> strokes = StrokesOf(stage, figures);
+  int unheeded = 0;
+  for (std::size_t v = 0; v < strokes.size(); ++v) {
+    const std::string& photograph = figures.set.images[figures.index[v]].name;
+    const bool lost = !strokes[v].figure.empty() && ShareIn(masks[v], strokes[v].figure) < kMost,
+               kept = !strokes[v].other.empty() && ShareIn(masks[v], strokes[v].other) > kMost;
+    if (lost)
+      stage.Warn("what was said to be the figure in " + photograph +
+                 " is not in its mask: the other photographs show something else there; look at "
+                 "masks.jpg, and say it in two or three more photographs, or take it back "
+                 "(keypose figure --pose POSE --clear)");
+    if (kept)
+      stage.Warn("what was said not to be the figure in " + photograph +
+                 " is in its mask: it cannot be told from the figure by what the other photographs "
+                 "show; look at masks.jpg, and draw a line over all of it, in two photographs");
+    unheeded += lost || kept;
+  }
+  stage.Report("photographs_unlike_said", unheeded);
+}
+
 }  // namespace
 
 FoundFigure FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptions& space,
@@ -332,6 +371,7 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
                         const FoundFigure& found, const std::vector<Image8>& masks) {
   const double left = Mean(LeftByOthers(figures.views, masks, space));
   const std::string percent = std::to_string(static_cast<int>(std::lround(100 * left))) + " %";
+  WarnOfUnheeded(stage, figures, masks);
   const std::string advice = Advice(figures.set.images[figures.index[0]].name);
   stage.Report("figure_unclear", left < kHardly);
   const Attachment attachment =

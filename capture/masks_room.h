@@ -44,7 +44,8 @@ FoundFigure FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptio
 
 /// Warns where masks of a room do not agree well, and refuses where they do not agree at all, or
 /// where the figure does not stand free and no person said what it is. Reports figure_unclear,
-/// goes_on_beside, goes_on_beyond.
+/// goes_on_beside, goes_on_beyond. Warns, too, where the masks are not what a person said;
+/// reports photographs_unlike_said.
 /// @throws InputError  as said, with such a sheet
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
                         const FoundFigure& found, const std::vector<Image8>& masks);

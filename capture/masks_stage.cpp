@@ -271,7 +271,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "19",
+    .version = "20",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

@@ -177,6 +177,7 @@ bool Write(const fs::path& project, const FigureOptions& options) {
   const Step& step = FigureStep(session.graph(), pose);
   const auto before = options.clear ? std::vector<FigureStroke>() : FigureStrokesOf(step);
   const auto strokes = WithStrokes(before, SaidNow(session, pose, options));
+  RequireNoContradiction(strokes);
   const std::string edited =
       WithFigure(ParsePipelineFile(text, "pipeline.yaml"), text, step, strokes);
   if (edited == text) return false;

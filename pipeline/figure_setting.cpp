@@ -119,6 +119,16 @@ void RequireWithin(const FigureStroke& stroke, PictureSize size) {
           point.x(), point.y(), stroke.picture, size.width, size.height));
 }
 
+void RequireNoContradiction(const std::vector<FigureStroke>& strokes) {
+  for (const FigureStroke& one : strokes)
+    for (const FigureStroke& other : strokes)
+      if (one.figure && !other.figure && one.picture == other.picture && one.points == other.points)
+        throw UsageError(fmt::format(
+            "{}:{},{} is said both to be the figure and not to be it; take back what is wrong with "
+            "--clear, and say the rest again",
+            one.picture, one.points.front().x(), one.points.front().y()));
+}
+
 std::vector<FigureStroke> WithStrokes(std::vector<FigureStroke> strokes,
                                       const std::vector<FigureStroke>& more) {
   for (const FigureStroke& stroke : more)

@@ -39,6 +39,9 @@ std::string PhotographMeant(const std::vector<std::string>& files, const std::st
 /// @throws UsageError  a point lies outside of it
 void RequireWithin(const FigureStroke& stroke, PictureSize size);
 
+/// @throws UsageError  a place that is said both to be the figure and not to be it
+void RequireNoContradiction(const std::vector<FigureStroke>& strokes);
+
 /// Adds strokes that are not there yet.
 std::vector<FigureStroke> WithStrokes(std::vector<FigureStroke> strokes,
                                       const std::vector<FigureStroke>& more);

@@ -102,6 +102,17 @@ poses:
   EXPECT_EQ(shown.text, more.text.substr(0, more.text.find("masks/rest has")));
 }
 
+TEST_F(Figure, APlaceIsNotBothTheFigureAndNot) {
+  const std::string before = ReadFile(Yaml());
+  const Ended said =
+      Say({"--pose", "rest", "--at", "IMG_1.jpg:12,20", "--not", "IMG_1.jpg:12,20"});
+  EXPECT_EQ(said.code, 2);
+  EXPECT_THAT(said.text, HasSubstr("IMG_1.jpg:12,20 is said both to be the figure and not"));
+  EXPECT_EQ(ReadFile(Yaml()), before);
+  ASSERT_EQ(Say({"--pose", "rest", "--at", "IMG_1.jpg:12,20"}).code, 0);
+  EXPECT_EQ(Say({"--pose", "rest", "--not", "IMG_1.jpg:12,20"}).code, 2);
+}
+
 TEST_F(Figure, TheStepIsToldAndOnlyItAndWhatFollowsRunsAgain) {
   ASSERT_EQ(Run().code, 0);
   EXPECT_EQ(Told("rest"), "");

@@ -220,6 +220,14 @@ TEST_F(RigTest, QualisysCameraWithoutALensIsLeftOutAndNamed) {
   EXPECT_NE(rig.notes[0].find("camera marker9 has no lens"), std::string::npos);
 }
 
+TEST_F(RigTest, QualisysThatEndsInTheMiddleIsAnError) {
+  const std::string text = Qualisys(Ring(), false, false);
+  for (const double share : {0.3, 0.7, 0.98})
+    EXPECT_THROW(ReadRigCalibration(Put(
+                     "rig.qca.txt", text.substr(0, static_cast<std::size_t>(share * text.size())))),
+                 InputError);
+}
+
 TEST_F(RigTest, QualisysOfARealRoomHasThePicturesSize) {
   const char* data = std::getenv("KEYPOSE_DATA");
   const fs::path file =

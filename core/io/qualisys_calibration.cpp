@@ -174,6 +174,8 @@ std::vector<QualisysCamera> CamerasOf(const std::string& text, const std::string
 }  // namespace
 
 void AddQualisys(const std::string& text, const std::string& file, RigCalibration* rig) {
+  if (text.find("</calibration>") == std::string::npos)
+    throw InputError(file + " ends in the middle, before </calibration>; export or copy it again");
   std::vector<QualisysCamera> cameras = CamerasOf(text, file), usable;
   for (QualisysCamera& camera : cameras)
     if (camera.has_lens && camera.has_place)

@@ -1,5 +1,6 @@
 #include "views/shot/rig.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -27,18 +28,40 @@ std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std:
   return views;
 }
 
+namespace {
+
+/// Whether name or number of a film are those of a camera; one film and one camera need none.
+bool IsNamed(const std::string& film, const RigCalibration& rig) {
+  return rig.views.size() > 1 && MatchCameraNames({film}, rig.views).front() >= 0;
+}
+
+/// "cam01 = front, cam02 = left" where films are matched by nothing but their order; else empty.
+std::string TakenInOrder(const RigCalibration& rig, const std::vector<ShotCamera>& cameras) {
+  if (cameras.size() != rig.views.size() || cameras.size() < 2) return "";
+  std::string text;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    if (IsNamed(cameras[c].name, rig)) return "";
+    text += (c > 0 ? ", " : "") + cameras[c].name + " = " + rig.views[c].name;
+  }
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::string> TakeOutUncalibrated(const RigCalibration& rig,
                                              std::vector<ShotCamera>& cameras) {
-  std::vector<std::string> names, out;
-  for (const ShotCamera& camera : cameras) names.push_back(camera.name);
-  const std::vector<int> match = MatchCameraNames(names, rig.views);
+  constexpr int kShort = 4;  // times shorter than the longest film is no film of the shot
+  int longest = 0;
+  for (const ShotCamera& camera : cameras) longest = std::max(longest, camera.frames());
+  std::vector<std::string> out;
   std::vector<ShotCamera> kept;
-  for (std::size_t c = 0; c < cameras.size(); ++c)
-    if (match[c] >= 0)
-      kept.push_back(cameras[c]);
+  for (ShotCamera& camera : cameras) {
+    if (IsNamed(camera.name, rig) || !camera.pictures.video.empty() ||
+        kShort * camera.frames() >= longest)
+      kept.push_back(std::move(camera));
     else
-      out.push_back(cameras[c].name);
-  if (kept.size() != rig.views.size()) return {};
+      out.push_back(camera.name);
+  }
   cameras = std::move(kept);
   return out;
 }
@@ -47,9 +70,14 @@ void LeaveOutUncalibrated(StageContext& stage, const RigCalibration& rig,
                           std::vector<ShotCamera>& cameras) {
   const std::vector<std::string> out = TakeOutUncalibrated(rig, cameras);
   if (!out.empty())
-    stage.Warn("the calibration has no camera " + Listed(out) +
-               ", and what is there is left out: if it is a film of the shot, calibrate its camera "
-               "as well");
+    stage.Warn(Listed(out) +
+               " is left out: the calibration has no such camera, and there are few pictures for a "
+               "film of this shot");
+  if (const std::string order = TakenInOrder(rig, cameras); !order.empty())
+    stage.Warn(
+        "no film has the name or number of a camera of the calibration, so they are taken "
+        "in order: " +
+        order + "; where that is wrong, give them the same names");
 }
 
 Vector3d UpOfCameras(const std::vector<View>& views) {

@@ -19,14 +19,14 @@ namespace keypose {
 std::vector<View> MatchedViews(const RigCalibration& rig, const std::vector<std::string>& cameras,
                                const std::string& stage);
 
-/// Takes folders that are no camera of the calibration out of a shot whose other films are all of
-/// its cameras: people keep boards and notes beside films. Where cameras of the calibration have no
-/// film, a name may be mistaken, and all stay.
+/// Takes folders of pictures out of a shot that are no camera of the calibration and have far fewer
+/// pictures than its films: people keep boards and notes beside films.
 /// @return the names of what was taken out
 std::vector<std::string> TakeOutUncalibrated(const RigCalibration& rig,
                                              std::vector<ShotCamera>& cameras);
 
-/// The same for a stage, with a warning.
+/// The same for a stage, with a warning; and one where films and cameras are matched by nothing but
+/// their order.
 void LeaveOutUncalibrated(StageContext& stage, const RigCalibration& rig,
                           std::vector<ShotCamera>& cameras);
 

@@ -20,10 +20,11 @@ RigCalibration RigOf(const std::vector<std::string>& names) {
   return rig;
 }
 
-std::vector<ShotCamera> Films(const std::vector<std::string>& names) {
-  std::vector<ShotCamera> films;
-  for (const std::string& name : names) films.push_back({name, {}, {}, {}});
-  return films;
+ShotCamera Film(const std::string& name, int frames, bool video = true) {
+  FrameSource source;
+  if (video) source.video = name + ".mp4";
+  source.frames = frames;
+  return {name, source, {}, {}};
 }
 
 std::vector<std::string> NamesOf(const std::vector<ShotCamera>& films) {
@@ -32,22 +33,26 @@ std::vector<std::string> NamesOf(const std::vector<ShotCamera>& films) {
   return names;
 }
 
-TEST(TakeOutUncalibrated, BoardsBesideTheFilmsOfAllCamerasAreNoCamera) {
-  std::vector<ShotCamera> films = Films({"boards", "cam01", "cam02"});
-  EXPECT_THAT(TakeOutUncalibrated(RigOf({"cam01", "cam02"}), films), ElementsAre("boards"));
-  EXPECT_THAT(NamesOf(films), ElementsAre("cam01", "cam02"));
+TEST(TakeOutUncalibrated, BoardsBesideTheFilmsAreNoCamera) {
+  for (const auto& calibrated : {RigOf({"cam01", "cam02"}), RigOf({"left", "right", "top"})}) {
+    std::vector<ShotCamera> films = {Film("boards", 4, false), Film("cam01", 100),
+                                     Film("cam02", 100)};
+    EXPECT_THAT(TakeOutUncalibrated(calibrated, films), ElementsAre("boards"));
+    EXPECT_THAT(NamesOf(films), ElementsAre("cam01", "cam02"));
+  }
 }
 
-TEST(TakeOutUncalibrated, AFilmThatMayBeAMissingCameraStaysAndIsAnError) {
-  std::vector<ShotCamera> films = Films({"cam01", "left"});
-  const RigCalibration rig = RigOf({"cam01", "cam02", "cam03"});
-  EXPECT_THAT(TakeOutUncalibrated(rig, films), IsEmpty());
-  EXPECT_THAT(NamesOf(films), ElementsAre("cam01", "left"));
-  EXPECT_THROW(MatchedViews(rig, NamesOf(films), "track"), InputError);
+TEST(TakeOutUncalibrated, AFilmThatTheCalibrationLacksStaysAndIsAnError) {
+  for (const bool video : {true, false}) {
+    std::vector<ShotCamera> films = {Film("cam01", 100, video), Film("cam02", 90, video)};
+    const RigCalibration rig = RigOf({"cam01"});
+    EXPECT_THAT(TakeOutUncalibrated(rig, films), IsEmpty());
+    EXPECT_THROW(MatchedViews(rig, NamesOf(films), "track"), InputError);
+  }
 }
 
-TEST(TakeOutUncalibrated, CamerasWithoutAFilmAreNotMissed) {
-  std::vector<ShotCamera> films = Films({"cam01", "cam02"});
+TEST(TakeOutUncalibrated, AShortFilmOfACalibratedCameraStays) {
+  std::vector<ShotCamera> films = {Film("cam01", 5, false), Film("cam02", 100)};
   EXPECT_THAT(TakeOutUncalibrated(RigOf({"cam01", "cam02", "cam03"}), films), IsEmpty());
   EXPECT_THAT(NamesOf(films), ElementsAre("cam01", "cam02"));
 }
