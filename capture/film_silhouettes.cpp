@@ -1,6 +1,7 @@
 #include "capture/film_silhouettes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -277,13 +278,12 @@ void Compare(StageContext& stage, const std::vector<ShotCamera>& cameras,
     const double denied = comparison.Denied(c);
     most = std::max(most, denied);
     if (denied < kContradicts) continue;
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        ": of its masks %.0f %% lie where other cameras see nothing of the actor; look at "
-        "them, and click what is not the actor (--figure '!%s/FRAME:X,Y')",
-        100 * denied, cameras[c].name.c_str());
-    stage.Warn("camera " + cameras[c].name + text);
+    const std::string& name = cameras[c].name;
+    stage.Warn("camera " + name + ": of its masks " + std::to_string(std::lround(100 * denied)) +
+               " % lie where other cameras see nothing of the actor; look at them, and click what "
+               "is not the actor (--figure '!" +
+               name + "/FRAME:X,Y', in a project keypose figure --shot SHOT --not " + name +
+               "/FRAME:X,Y)");
   }
   stage.Report("contradicted_share", most);
 }

@@ -317,12 +317,13 @@ void WarnOfUnheeded(StageContext& stage, const FigureSet& figures,
     if (lost)
       stage.Warn("what was said to be the figure in " + photograph +
                  " is not in its mask: the other photographs show something else there; look at "
-                 "masks.jpg, and say it in two or three more photographs, or take it back "
+                 "masks_agreed.jpg, and say it in two or three more photographs, or take it back "
                  "(keypose figure --pose POSE --clear)");
     if (kept)
-      stage.Warn("what was said not to be the figure in " + photograph +
-                 " is in its mask: it cannot be told from the figure by what the other photographs "
-                 "show; look at masks.jpg, and draw a line over all of it, in two photographs");
+      stage.Warn(
+          "what was said not to be the figure in " + photograph +
+          " is in its mask: it cannot be told from the figure by what the other photographs "
+          "show; look at masks_agreed.jpg, and draw a line over all of it, in two photographs");
     unheeded += lost || kept;
   }
   stage.Report("photographs_unlike_said", unheeded);

@@ -48,13 +48,14 @@ void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& op
   std::string names;
   for (const json& name : NotPlaced(set, scene))
     names += (names.empty() ? "" : ", ") + name.get<std::string>();
-  throw InputError("sfm: the photographs do not join: only " + std::to_string(scene.views.size()) +
-                   " of " + std::to_string(set.images.size()) +
-                   " could be placed in one model. Not placed: " + names +
-                   ". Take more photographs between these (15 degrees apart or less, rings 20 "
-                   "degrees apart), in focus and evenly lit, or give the "
-                   "surface more texture (speckles, fingerprints); masks that miss parts of the "
-                   "object also cause this (see contact_sheet.jpg)");
+  throw InputError(
+      "sfm: the photographs do not join: only " + std::to_string(scene.views.size()) + " of " +
+      std::to_string(set.images.size()) + " could be placed in one model. Not placed: " + names +
+      ". Take more photographs between these (15 degrees apart or less, rings 20 "
+      "degrees apart), in focus and evenly lit, or give the "
+      "surface more texture (speckles, fingerprints); masks that miss parts of the "
+      "object also cause this (see contact_sheet.jpg, in a project out/POSE/masks.jpg), and "
+      "photographs of different figures");
 }
 
 /// Advice on the number of photographs and their distance, for any figure.
@@ -87,15 +88,16 @@ void RequireRight(StageContext& stage, const StrategyResult& found, const Camera
   if (found.model.scale_source != "none") {
     stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " +
                std::string(overlap) + "); the cameras come from the " + found.model.scale_source +
-               ", so look at the masks (contact_sheet.jpg)");
+               ", so look at the masks (contact_sheet.jpg, in a project out/POSE/masks.jpg)");
     return;
   }
-  throw InputError(
-      "sfm: no cameras fit these photographs: under the best ones that were found (" +
-      found.method +
-      ") the outlines do not belong to one figure (overlap of masks and their hull " + overlap +
-      "). " + kWhatToShoot +
-      ". Masks that contain other things or miss parts also cause this: look at contact_sheet.jpg");
+  throw InputError("sfm: no cameras fit these photographs: under the best ones that were found (" +
+                   found.method +
+                   ") the outlines do not belong to one figure (overlap of masks and their hull " +
+                   overlap + "). " + kWhatToShoot +
+                   ". Masks that contain other things or miss parts also cause this: look at "
+                   "contact_sheet.jpg, in a project "
+                   "at out/POSE/masks.jpg");
 }
 
 void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
@@ -209,7 +211,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   }
   const CameraEvidence evidence =
       matched.in_room ? check.EvaluateSurroundings(scene, matched.features, matched.verified)
-                    : check.Evaluate(scene, matched.features, matched.verified);
+                      : check.Evaluate(scene, matched.features, matched.verified);
   ReportEvidence(stage, evidence);
   watch.Lap(stage, "hull_check");
   RequireRight(stage, found, evidence, options);

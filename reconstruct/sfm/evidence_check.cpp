@@ -140,7 +140,8 @@ void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {
   // Only a note: these masks have not been compared with each other yet, and most such views are
   // correct. `masks` compares them, and warns.
   stage.Note("the outlines of these photographs do not fit the other ones: " + names +
-             "; look at their masks (contact_sheet.jpg), and whether they were cropped, turned, or "
+             "; look at their masks (contact_sheet.jpg; in a project out/POSE/masks.jpg), and "
+             "whether they were cropped, turned, or "
              "shot with another zoom");
 }
 
