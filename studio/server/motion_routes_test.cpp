@@ -38,6 +38,7 @@ while [ $# -gt 1 ]; do
     --textures) cp -r "$here/$name.textures" "$2" ;;
     --unwrapped) cp "$here/$name.obj" "$2" ;;
     --motion|--picture|--film) echo made > "$2" ;;
+    --reference) if [ ! -e "$2" ]; then echo made > "$2"; fi ;;
     --report) echo '{"schema": 1, "measurements": {}}' > "$2" ;;
   esac
   shift 2
@@ -93,9 +94,10 @@ class MotionRoutes : public testing::Test, public TestingFolder {
     WriteMesh(folder_ / "scan.ply", scan);
     WriteFile(folder_ / "marks.json", "{}");
     AddTool("track", {"video", "masks", "calibration", "actor"},
-            json::array(
-                {Folder("frames"), File("motion", "motion.bvh"), File("picture", "tracked.jpg")}));
-    AddTool("transfer", {"template", "target", "marks", "pins"}, json::array({Folder("frames")}));
+            json::array({Folder("frames"), File("reference", "reference.ply"),
+                         File("motion", "motion.bvh"), File("picture", "tracked.jpg")}));
+    AddTool("transfer", {"template", "reference", "target", "marks", "pins"},
+            json::array({Folder("frames")}));
     AddFrames("track", body);
     AddFrames("transfer", scan);
     for (const char* file : {"actor.json", "angles.csv"})
