@@ -90,12 +90,18 @@ CameraEvidence EvidenceCheck::EvaluateSurroundings(const Scene& scene,
                                                    const std::vector<PairMatches>& verified) const {
   CameraEvidence evidence = Evaluate(scene, {}, {});
   evidence.by_surroundings = true;
-  const std::vector<char> agrees = AgreementOfPairs(scene, ViewOfImage(scene), features, verified,
-                                                    EvidenceCheckTuning::kMaxError_px);
+  const std::vector<char> agrees = Agreement(scene, features, verified);
   evidence.pairs =
       static_cast<int>(std::count_if(agrees.begin(), agrees.end(), [](char a) { return a >= 0; }));
   evidence.pairs_agree = static_cast<int>(std::count(agrees.begin(), agrees.end(), 1));
   return evidence;
+}
+
+std::vector<char> EvidenceCheck::Agreement(const Scene& scene,
+                                           const std::vector<Features>& features,
+                                           const std::vector<PairMatches>& verified) const {
+  return AgreementOfPairs(scene, ViewOfImage(scene), features, verified,
+                          EvidenceCheckTuning::kMaxError_px);
 }
 
 Scene EvidenceCheck::WithoutContradicted(const Scene& scene, const std::vector<Features>& features,

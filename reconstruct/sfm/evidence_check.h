@@ -31,6 +31,9 @@ class EvidenceCheck {
   /// count.
   CameraEvidence EvaluateSurroundings(const Scene& scene, const std::vector<Features>& features,
                                       const std::vector<PairMatches>& verified) const;
+  /// By pair: AgreementOfPairs.
+  std::vector<char> Agreement(const Scene& scene, const std::vector<Features>& features,
+                              const std::vector<PairMatches>& verified) const;
   /// The scene without views that most of their pairs contradict: wrong ones.
   Scene WithoutContradicted(const Scene& scene, const std::vector<Features>& features,
                             const std::vector<PairMatches>& verified) const;

@@ -334,6 +334,28 @@ bool IsOfFigure(const Room& room, const Placed& second, const Placed& first) {
          RoomStrategyTuning::kLikelier * LikelyFigure(room, first.matched);
 }
 
+/// Where what does not repeat itself confirms the cameras, those pairs count again that agree with
+/// them: on a print most are right.
+void TakeBackAgreeing(const Room& room, const std::vector<PairMatches>& before,
+                      const SfmFiles& files, Placed& placed) {
+  const CameraEvidence& evidence = placed.result.evidence;
+  if (evidence.pairs_agree < SizeOf(placed.result.model.scene.views) ||
+      evidence.pairs_agree_share() < CameraEvidenceTuning::kSurePairShare)
+    return;
+  const std::vector<char> agrees =
+      room.context.check.Agreement(placed.result.model.scene, placed.matched.features, before);
+  std::vector<PairMatches> verified = placed.matched.verified;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (agrees[k] == 1 && std::none_of(placed.matched.verified.begin(),
+                                       placed.matched.verified.end(), [&](const PairMatches& pair) {
+                                         return pair.first == before[k].first &&
+                                                pair.second == before[k].second;
+                                       }))
+      verified.push_back(before[k]);
+  ReplaceVerified(std::move(verified), files, placed.matched);
+  placed.result = room.context.WithEvidence(std::move(placed.result), placed.matched);
+}
+
 /// Places again without pairs that match by what repeats itself: a cloth's pattern matches a period
 /// off, with more matches than the figure has, and then most pairs deny right cameras.
 void PlaceWithoutRepeated(const Room& room, const SfmFiles& files, Placed& best) {
@@ -342,6 +364,7 @@ void PlaceWithoutRepeated(const Room& room, const SfmFiles& files, Placed& best)
   VerifyMatches(stage, files, options, true, watch, other.matched);
   other.result = room.place(files, other.matched);
   watch.Lap(stage, "surroundings");
+  TakeBackAgreeing(room, best.matched.verified, files, other);
   NotePlaced(room, "whole, without what repeats itself", other.result);
   if (IsBetter(other.result.evidence, best.result.evidence))
     best = std::move(other);
