@@ -69,7 +69,8 @@ class StageContext {
   /// Writes a line to the log, for the user.
   virtual void Note(const std::string& line) = 0;
   /// A warning that the user should read before they trust the result: one sentence that says what
-  /// is wrong, where, and what to do. It is written to the log and to `warnings` of the report, once.
+  /// is wrong, where, and what to do. It is written once, to the log and to `warnings` of the
+  /// report.
   /// `keypose run` repeats it at its end, also when the step comes from the cache.
   virtual void Warn(const std::string& sentence) = 0;
   /// The verdict on a pose, or on another object that the user asks about. It is written to
