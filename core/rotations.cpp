@@ -10,7 +10,7 @@ namespace keypose {
 namespace {
 
 // Chosen on bends and twists with known answers and on real keys (docs/results/interpolation.md,
-// docs/decisions/turn-by-twist-and-swing.md); sensitivity: docs/results/sensitivity.md.
+// docs/algorithms/interpolate.md); sensitivity: docs/results/sensitivity.md.
 struct RotationsTuning {
   // rad: below it, a rotation vector amplifies noise less than twofold
   KEYPOSE_TUNED(double, kTrustedTurn, 3.5);

@@ -25,7 +25,7 @@ double AngleOfDifference(double sine2);
 /// becomes uncertain, and at 360 degrees it is undefined. There the result is one Newton step from
 /// `before` to the rotation, damped across the axis, and only nearly a vector of it.
 /// Source: as-consistent-as-possible axis-angle, Gao et al., TVCG 2019, for the lift; the damped
-/// step is our own (docs/decisions/turn-by-twist-and-swing.md).
+/// step is our own (docs/algorithms/interpolate.md).
 Eigen::Vector3d TurnAfter(const Eigen::Vector3d& before, const Eigen::Quaterniond& before_rotation,
                           const Eigen::Quaterniond& rotation);
 

@@ -16,7 +16,7 @@ namespace keypose::capture {
 namespace {
 
 /// Tuned on the plush dog, the skull and synthetic sets of 16 to 36 views
-/// (docs/decisions/masks-twice.md); no record of single values. Sensitivity:
+/// (docs/algorithms/masks.md); no record of single values. Sensitivity:
 /// docs/results/sensitivity.md.
 struct SpaceMaskTuning {
   /// views from which odds for the figure count as much as odds against it, and the least share to

@@ -23,7 +23,7 @@ constexpr int kWindowReach = 5;  // of the window of samples
 constexpr double kSigma = 1.5;   // of the window's weights, pixels
 
 // Tuned on the synthetic rings of weak and rich texture, 36 photographs of 1440 x 1080
-// (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity: docs/results/sensitivity.md.
+// (docs/algorithms/masks.md). Sensitivity: docs/results/sensitivity.md.
 struct BoundaryMattingTuning {
   KEYPOSE_TUNED(float, kBand, 1.5F);  // px beside the border, decided again
   // between the two sides, as a share of full linear light

@@ -46,7 +46,7 @@ std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab,
                                    const Image8& trimap);
 
 /// Tuned on the skull and the plush dog, of which 0.7 and 1.4 % look like the empty set, and the
-/// synthetic weak ring (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity:
+/// synthetic weak ring (docs/algorithms/masks.md). Sensitivity:
 /// docs/results/sensitivity.md.
 struct EmptySetTuning {
   /// share of a figure; if at least so much looks like the empty set, the figure has such colours

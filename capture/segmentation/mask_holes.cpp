@@ -22,7 +22,7 @@ constexpr double kLargestShare = 0.3;  // of the mask
 constexpr int kAround = 5;             // pixels around a hole that are used
 
 // Tuned on the holes, eyes and mouths of the synthetic rings of weak and rich texture, 36
-// photographs of 1440 x 1080 (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity:
+// photographs of 1440 x 1080 (docs/algorithms/masks.md). Sensitivity:
 // docs/results/sensitivity.md.
 struct MaskHoleTuning {
   // least share of the empty set's lightness in the figure's shadow

@@ -31,7 +31,7 @@ void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
 }
 
 // Tuned on the plush dog, the skull and the synthetic weak ring
-// (docs/decisions/mask-holes-and-boundary-matting.md and masks-twice.md); of kHole there is no
+// (docs/algorithms/masks.md); of kHole there is no
 // record. Sensitivity: docs/results/sensitivity.md.
 struct SetRoundTuning {
   // of the largest depth of a mask, from which a pixel is well inside

@@ -10,7 +10,7 @@
 namespace keypose::cleanup {
 
 /// kExponent and kGrowth: tuned on the plush dog
-/// (docs/decisions/edges-by-the-third-root-of-curvature.md). The others: no record of the data;
+/// (docs/algorithms/cleanup.md). The others: no record of the data;
 /// those of limbs are for eight faces around a rod.
 struct EdgeSizeTuning {
   KEYPOSE_TUNED(double, kExponent, 1.0 / 3);  ///< sizes are proportional to curvature^-kExponent

@@ -14,7 +14,7 @@ namespace keypose {
 namespace {
 
 // kNear was chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md), kGrowthQuantile on 42
-// damaged registration pairs (docs/decisions/scale-of-cut-targets.md); sensitivity:
+// damaged registration pairs (docs/algorithms/register.md); sensitivity:
 // docs/results/sensitivity.md.
 struct LandmarkCoordinatesTuning {
   // of the source's diagonal: keeps relative differences finite near a landmark

@@ -16,7 +16,7 @@ namespace keypose {
 
 namespace {
 
-// No record of the data (docs/decisions/volume-along-one-field.md); sensitivity:
+// No record of the data (docs/algorithms/interpolate.md); sensitivity:
 // docs/results/sensitivity.md.
 struct VolumeCorrectionTuning {
   KEYPOSE_TUNED(double, kMostReach, 0.25);  // of the diagonal: largest displacement of a vertex

@@ -20,7 +20,7 @@ namespace keypose::interpolation {
 namespace {
 
 // Chosen on bends and twists with known answers and on real keys (docs/results/interpolation.md,
-// docs/decisions/turn-by-twist-and-swing.md); sensitivity: docs/results/sensitivity.md.
+// docs/algorithms/interpolate.md); sensitivity: docs/results/sensitivity.md.
 struct TurnsTuning {
   // rad: smaller smooth turns fade out, their axis is noise
   KEYPOSE_TUNED(double, kSmallTurn, 0.1);

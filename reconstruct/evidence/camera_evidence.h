@@ -40,7 +40,7 @@ struct CameraEvidence {
 
 /// Tuned on eight synthetic sets, the plush dog and the skull, and on wrong cameras of a heap of
 /// balls and of a ring with two photographs upside down
-/// (docs/decisions/one-evidence-for-all-cameras.md). Sensitivity: docs/results/sensitivity.md.
+/// (docs/algorithms/sfm.md). Sensitivity: docs/results/sensitivity.md.
 struct CameraEvidenceTuning {
   /// IoU; in tests, no cameras below this overlap were right, and none above it far from right
   KEYPOSE_TUNED(double, kLeastHullOverlap, 0.88);

@@ -15,7 +15,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// Measured on two halves of 16 photographs (docs/decisions/join-by-outlines.md); no record of
+/// Measured on two halves of 16 photographs (docs/algorithms/sfm.md); no record of
 /// single values. Sensitivity: docs/results/sensitivity.md.
 struct JoinByOutlinesTuning {
   KEYPOSE_TUNED(double, kMost_px, 12);  ///< farther away the gradient of the distance is not useful

@@ -18,7 +18,7 @@ constexpr int kFewestPoints = 100;
 constexpr std::int64_t kPointGrain = 2048;
 
 // kThinning was tuned on the wrong patch of meshing_test.cpp and on the masks of a set that the
-// record does not name (docs/decisions/confidence-is-weight.md); of the others there is no record.
+// record does not name (docs/algorithms/mesh.md); of the others there is no record.
 // Sensitivity: docs/results/sensitivity.md.
 struct MeshPointTuning {
   // Least share of a point's neighbours that face alike. On a thin sheet half of them are on the

@@ -23,7 +23,7 @@ constexpr double kBeyond = 0.75;  // pixels beyond an edge without any other sur
 constexpr double kHullSlack = 1;  // pixels by which a constraint may leave the hull
 
 // Tuned on the synthetic rings of weak and rich texture, the plush dog and the skull
-// (docs/decisions/occluding-contour-terms.md, frontier-points-and-silhouette-violations.md).
+// (docs/algorithms/refine.md).
 // Sensitivity: docs/results/sensitivity.md.
 struct OutlineConstraintTuning {
   // px; largest distance of a contour inside of its neighbours on the outline

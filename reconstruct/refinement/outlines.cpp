@@ -16,7 +16,7 @@ namespace keypose::reconstruct {
 namespace {
 
 // Tuned on the plush dog with 34 views and the synthetic rings
-// (docs/decisions/occluding-contour-terms.md); of kNeighbourFacing there is no record. Sensitivity:
+// (docs/algorithms/refine.md); of kNeighbourFacing there is no record. Sensitivity:
 // docs/results/sensitivity.md.
 struct OutlineTuning {
   KEYPOSE_TUNED(double, kNeighbourFacing, 0.7);  // cosine between neighbours' normals

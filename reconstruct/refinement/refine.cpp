@@ -33,7 +33,7 @@ constexpr int kHullResolution = 200;  // it only bounds rays
 constexpr int kGrain = 1024;
 
 // No record of the data; the room's tests are on rendered balls, its results on the synthetic rings
-// and the plush dog (docs/decisions/profiles-not-gradients.md). Sensitivity:
+// and the plush dog (docs/algorithms/refine.md). Sensitivity:
 // docs/results/sensitivity.md.
 struct ProfileTuning {
   // smaller weights are reduced more than proportionally [of a minimum: cost per squared footprint]

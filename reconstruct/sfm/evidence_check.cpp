@@ -13,7 +13,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// Values with which the overlaps of docs/decisions/one-evidence-for-all-cameras.md were measured;
+/// Values with which the overlaps of docs/algorithms/sfm.md were measured;
 /// no record that others were tried. Sensitivity: docs/results/sensitivity.md.
 struct EvidenceCheckTuning {
   KEYPOSE_TUNED(double, kSide_px, 500);  ///< longer side to which masks are reduced

@@ -18,7 +18,7 @@ namespace keypose::reconstruct {
 namespace {
 
 // Measured on 36 photographs of weak and rich clay
-// (docs/decisions/sfm-coarse-features-and-patches.md); no record of single values. Sensitivity:
+// (docs/algorithms/sfm.md); no record of single values. Sensitivity:
 // docs/results/sensitivity.md.
 struct FinalAdjustmentTuning {
   KEYPOSE_TUNED(int, kFewestPoints, 40);  // with fewer the features' model stays

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kLeastConfirmed = 4, kLeastMasked = 16;  // pixels of a cell, of 16
 
-// Tuned on the synthetic weak ring (docs/decisions/gap-fill-by-quadrics.md). Sensitivity:
+// Tuned on the synthetic weak ring (docs/algorithms/dense.md). Sensitivity:
 // docs/results/sensitivity.md.
 struct GapFillTuning {
   // px of depth; largest depth change by the quadratic terms over the reach

@@ -20,7 +20,7 @@ using Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Measured on rings of weak clay (docs/decisions/ring-after-mapper.md); no record of single values.
+// Measured on rings of weak clay (docs/algorithms/sfm.md); no record of single values.
 // Sensitivity: docs/results/sensitivity.md.
 struct RingSilhouetteTuning {
   // at the search's size: for outlines farther away the gradient is not useful

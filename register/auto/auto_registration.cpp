@@ -21,7 +21,7 @@ namespace {
 
 // Chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md) and the seven registration pairs
 // (docs/results/registration.md), the scale on damaged copies of these pairs
-// (docs/decisions/scale-of-cut-targets.md); sensitivity: docs/results/sensitivity.md.
+// (docs/algorithms/register.md); sensitivity: docs/results/sensitivity.md.
 // Lengths assume a target whose diagonal is 2.
 struct AutoRegistrationTuning {
   // Stiffness of the shape term, relative to the surface.

@@ -21,7 +21,7 @@ constexpr int kQualitySamples = 6000;
 constexpr double kCovered = 0.01;    // of the diagonal
 constexpr double kWorstRatio = 1e6;  // for a face that has collapsed to a line
 
-// Chosen on the seven registration pairs (docs/decisions/flipped-face-repair.md). Sensitivity:
+// Chosen on the seven registration pairs (docs/algorithms/register.md). Sensitivity:
 // docs/results/sensitivity.md.
 struct FlippedFaceTuning {
   // of the diagonal: the accuracy of a good registration. In a crease, a wall that is farther by

@@ -29,7 +29,7 @@ using Eigen::Vector3f;
 /// With fewer photographs, none is held out.
 constexpr int kLeastForHoldOut = 12;
 /// Tuned on held-out photographs of the synthetic character, the plush dog and the skull: best of
-/// 0.03 to 20 (docs/decisions/one-photograph-in-common-light.md).
+/// 0.03 to 20 (docs/algorithms/bake.md).
 struct CommonLightTuning {
   /// weight of the mean of all views, in squared jumps between views; small, so that the mean
   /// determines colours over several rings of faces, and detail stays

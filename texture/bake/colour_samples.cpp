@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 /// Samples are compared by their colour, and by the mean colour over 2^3 times the width.
 constexpr float kBandLevels = 3;
 /// Tuned on held-out photographs of the synthetic character, the plush dog and the skull
-/// (docs/decisions/one-photograph-in-common-light.md) and on the glossy sphere of bake_test.
+/// (docs/algorithms/bake.md) and on the glossy sphere of bake_test.
 struct AgreementTuning {
   /// square root of linear light: smaller colour differences from the median keep full agreement
   /// (shading that turns with the table, and single hairs); removing more of these makes the

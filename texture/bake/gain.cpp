@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 /// Tuned on held-out photographs of the skull, whose exposures differ threefold, the plush dog,
-/// whose do not, and the synthetic character (docs/decisions/one-photograph-in-common-light.md).
+/// whose do not, and the synthetic character (docs/algorithms/bake.md).
 struct GainTuning {
   /// factor: a larger gain between two photographs of one pose is an error of this estimate
   KEYPOSE_TUNED(double, kMostGain, 3);

@@ -19,7 +19,7 @@ using Eigen::Vector3f;
 using Candidates = std::vector<std::vector<LabelCandidate>>;
 
 /// Chosen on held-out photographs of the synthetic character, the plush dog and the skull
-/// (docs/decisions/one-photograph-in-common-light.md); no record of single values.
+/// (docs/algorithms/bake.md); no record of single values.
 struct LabelTuning {
   /// cost of a border of one mean edge length, in faces painted from a view of 1/e of the best
   /// quality

@@ -18,7 +18,7 @@ using Eigen::Vector3f;
 
 /// kSure and kMeanWeight: chosen on held-out photographs of the synthetic character, the plush dog
 /// and the skull and on the glossy sphere of bake_test
-/// (docs/decisions/one-photograph-in-common-light.md). kSureTrust: no record of the data.
+/// (docs/algorithms/bake.md). kSureTrust: no record of the data.
 struct PaintTuning {
   /// agreement in (0, 1]: if a chosen view's is lower on a face or beside it, every texel is
   /// compared with all views

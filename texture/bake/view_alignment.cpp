@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Chosen on held-out photographs of the plush dog and the skull
-/// (docs/decisions/one-photograph-in-common-light.md) and on the cameras of bake_test that are 1.3
+/// (docs/algorithms/bake.md) and on the cameras of bake_test that are 1.3
 /// px off; no record of single values.
 struct AlignmentTuning {
   /// square root of linear light: differences of this size have a quarter of the weight (other

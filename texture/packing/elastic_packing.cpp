@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector2d;
 
 // Tuned on the charts of the armadillo, the plush dog and the skull by their utilisation
-// (docs/decisions/elastic-packing.md); the limits of distortion leave room to those that are wanted
+// (docs/algorithms/unwrap.md); the limits of distortion leave room to those that are wanted
 // (1.15, 10 %).
 struct ElasticPackingTuning {
   KEYPOSE_TUNED(double, kDepth, 0.012);   // of the square's side: largest overlap that is resolved

@@ -19,7 +19,7 @@ namespace keypose::texture {
 namespace {
 
 // kLargestShare: tuned on the armadillo, the plush dog and the skull
-// (docs/decisions/elastic-packing.md). The others: no record of the data.
+// (docs/algorithms/unwrap.md). The others: no record of the data.
 struct ChartSizeTuning {
   // Largest share of the surface in one chart. Large charts have few seams; if they pack badly,
   // smaller ones are tried.

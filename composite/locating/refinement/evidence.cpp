@@ -16,7 +16,7 @@ namespace {
 struct EvidenceTuning {
   // Neighbouring residuals err alike: one independent residual for each length of outline [px] and
   // each area of grey values [px^2]. A baked texture may lie a pixel beside its place over whole
-  // limbs (docs/decisions/outlines-before-textures.md), so a good matte must outweigh it.
+  // limbs (docs/algorithms/locate.md), so a good matte must outweigh it.
   KEYPOSE_TUNED(double, kOutlineCorrelation, 8);
   KEYPOSE_TUNED(double, kGreyCorrelation, 700);
   KEYPOSE_TUNED(double, kEdgeWeight, 0.3);        // of inner edges over outlines
