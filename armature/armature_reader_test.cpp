@@ -16,9 +16,9 @@
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/errors.h"
-#include "core/io/serial_port.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/serial_port.h"
+#include "core/testing/folder.h"
 
 namespace keypose::armature {
 namespace {

@@ -12,8 +12,8 @@
 #include "armature/description/description_file.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

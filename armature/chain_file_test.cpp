@@ -5,7 +5,7 @@
 
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

@@ -8,9 +8,9 @@
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
 #include "armature/recording/curves.h"
-#include "core/angles.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
+#include "core/values/angles.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
 
 namespace keypose::armature {

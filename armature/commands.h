@@ -4,7 +4,7 @@
 namespace keypose::armature {
 
 /// Each gets the command line without the words before the subcommand's own (argv[0] is the
-/// program), and returns the exit code. Errors are thrown (core/errors.h).
+/// program), and returns the exit code. Errors are thrown (core/values/errors.h).
 int CheckCommand(int argc, char** argv);
 int SimulateCommand(int argc, char** argv);
 int CalibrateCommand(int argc, char** argv);

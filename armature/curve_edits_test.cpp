@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "armature/example/theropod.h"
-#include "core/angles.h"
-#include "core/errors.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

@@ -13,10 +13,10 @@
 #include "armature/live/puppet_files.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/line_input.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/text/line_input.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

@@ -5,9 +5,9 @@
 #include "armature/description/description_file.h"
 #include "armature/recording/curve_edits.h"
 #include "armature/recording/flipbook.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/size_of.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 
 namespace keypose::armature {

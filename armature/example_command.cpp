@@ -10,12 +10,12 @@
 #include "armature/example/theropod_body.h"
 #include "armature/example/theropod_set.h"
 #include "armature/puppet.h"
-#include "core/errors.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/shot_io.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/shot_io.h"
 
 namespace keypose::armature {
 namespace {

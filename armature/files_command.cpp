@@ -12,9 +12,9 @@
 #include "armature/description/description_file.h"
 #include "armature/puppet.h"
 #include "armature/recording/curves.h"
-#include "core/errors.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "armature/example/theropod.h"
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::armature {
 namespace {

@@ -23,10 +23,10 @@
 #include "armature/puppet.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::armature {
 namespace {

@@ -16,13 +16,14 @@
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
 #include "armature/recording/curves.h"
-#include "core/camera.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/testing/paths.h"
+#include "core/values/camera.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
 
 namespace keypose::armature {
 namespace {
@@ -50,7 +51,7 @@ class LivePrograms : public testing::Test {
   }
   /// @return the exit code; what it printed is in out and err
   int Run(const std::string& command, const std::string& input = "/dev/null") {
-    const int status = std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-armature " + command +
+    const int status = std::system((BinFolder() + "/keypose-armature " + command +
                                     " <" + input + " >" + Path("out") + " 2>" + Path("err"))
                                        .c_str());
     return WEXITSTATUS(status);
@@ -349,7 +350,7 @@ TEST_F(LivePrograms, RecordedPosesAreKeysForInterpolate) {
       << Err();
   const auto keys = NumberedFrames(folder_ / "keys", "test");
   ASSERT_EQ(keys.size(), 4u);
-  std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-interpolate";
+  std::string command = BinFolder() + "/keypose-interpolate";
   for (const fs::path& key : keys) command += " --keys " + key.string();
   command += " --timeline " + Path("timeline.json") + " --frames " + Path("frames") + " 2> " +
              Path("err") + " > " + Path("out");
@@ -436,7 +437,7 @@ TEST_F(LivePrograms, LiveTellsAPageAllThatItShows) {
                               " --port simulated --simulated frames --faults wrap@0 --mesh " +
                               Path("t/theropod.ply") + " --session " + Path("session") +
                               " --page_rate 20 --rate 60 --page " + Path("page");
-  const std::string shell = "sh " + Path("typing") + " | " + KEYPOSE_BIN_DIR +
+  const std::string shell = "sh " + Path("typing") + " | " + BinFolder() +
                             "/keypose-armature " + command + " > " + Path("out") + " 2> " +
                             Path("err");
   ASSERT_EQ(WEXITSTATUS(std::system(shell.c_str())), 0) << Err();

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "armature/commands.h"
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

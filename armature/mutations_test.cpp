@@ -10,7 +10,7 @@
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

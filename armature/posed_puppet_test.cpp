@@ -12,10 +12,10 @@
 #include "armature/live/pose_text.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/skinning/stick_mesh.h"
-#include "core/errors.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 namespace {

@@ -12,7 +12,7 @@
 #include "armature/controller/calibration.h"
 #include "armature/description/armature.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/io/line_input.h"
+#include "core/io/text/line_input.h"
 
 namespace CLI {
 class App;

@@ -11,14 +11,14 @@
 #include "armature/example/theropod_body.h"
 #include "armature/live/page_stream.h"
 #include "armature/live/posed_puppet.h"
-#include "core/geometry.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/shot_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/shot_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 namespace {

@@ -13,7 +13,7 @@
 #include "armature/recording/curve_edits.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

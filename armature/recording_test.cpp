@@ -6,10 +6,10 @@
 #include "armature/recording/flipbook.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/errors.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
 
 namespace keypose::armature {
 namespace {

@@ -14,8 +14,8 @@
 #include "armature/recording/curve_edits.h"
 #include "armature/recording/curves.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

@@ -5,8 +5,9 @@
 
 #include <cstdlib>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::armature {
 namespace {
@@ -41,7 +42,7 @@ class TakeFit : public testing::Test {
   /// @return the exit code; what it printed is in `said_`
   int Run(const std::string& command, const std::string& description) {
     const std::string line =
-        "cd " + folder_.path().string() + " && " KEYPOSE_BIN_DIR "/keypose-armature " + command +
+        "cd " + folder_.path().string() + " && " + BinFolder() + "/keypose-armature " + command +
         " --description " + description + " --curves curves.json > said.txt 2>&1";
     const int status = std::system(line.c_str());
     said_ = ReadFile(folder_.path() / "said.txt");

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

@@ -52,7 +52,7 @@ class Project:
         (root / 'share/keypose').mkdir(parents=True)
         shutil.copy(build / 'bin/keypose', root / 'bin/keypose')
         for stage in ('gather', 'join', 'merge'):
-            shutil.copy(build / 'pipeline/testing/pipeline_text_stage', root / f'bin/keypose-{stage}')
+            shutil.copy(build / 'bin/testing/pipeline_text_stage', root / f'bin/keypose-{stage}')
         (root / 'share/keypose/pipeline.yaml').write_text(PIPELINE)
         self.fill(self.folder)
         self.spoilt_results = set()

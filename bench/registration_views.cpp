@@ -15,13 +15,13 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/kd_tree.h"
-#include "core/render.h"
-#include "core/same_faces.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/numbers/kd_tree.h"
+#include "core/pictures/render.h"
+#include "core/values/same_faces.h"
 
 namespace keypose {
 namespace {

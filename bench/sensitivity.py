@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Halves and doubles each tuned constant (core/tuned.h) and measures how the result changes.
+"""Halves and doubles each tuned constant (core/values/tuned.h) and measures how the result changes.
 
     sensitivity.py run --results FILE.jsonl --work DIR [--bin build/sensitive/bin]
                        [--inputs-bin DIR] [--only REGEX] [--scenes NAME,...] [--budget MINUTES]

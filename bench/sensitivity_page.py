@@ -5,13 +5,13 @@ import textwrap
 
 NO_CHANGE = 5e-4  # relative; less is shown as none
 KINDS = ('half', 'double')
-ROW = re.compile(r'^\| `([^`]+)` \| `([^`]+)` \| ([^|]+) \| ([^|]*)' + 3 * r' \| ([^|]+)' + r' \|$',
+ROW = re.compile(r'^\| `([^`]+)` \| `([^`]+)`' + 4 * r' \| ([^|]+)' + r' \|$',
                  re.MULTILINE)
 SCENE = re.compile(r'^\| (\w+)\*? \| ([-+.e0-9]+) \| (.+) \|$', re.MULTILINE)
 
 TEXT = '''# Sensitivity to tuned constants
 
-Constants of `core/tuned.h`, halved and doubled:
+Constants of `core/values/tuned.h`, halved and doubled:
 
     cmake --preset release -B build/sensitive -DKEYPOSE_SENSITIVITY=ON
     cmake --build build/sensitive --target programs score_views
@@ -20,21 +20,23 @@ Constants of `core/tuned.h`, halved and doubled:
 
 {counts}
 
-Figures are errors (`+`: worse; `-`: below 0.05 %) of one set each; scatter is not measured.{slow}
+Figures are errors (`+`: worse; `-`: below 0.05 %) of one set each; scatter is not measured. What a constant means stands beside it in its source.{slow}
 
 | figure | as it is | what |
 |---|---|---|
 {scenes}
 
-| algorithm | constant | value | meaning | figure | half | double |
-|---|---|---|---|---|---|---|
-{constants}
+## Over 5 %
 
-## Rest
+{large}
 
-{unread}
+## Up to 5 %
 
-{left}
+{small}
+
+## Not measured
+
+All that stand in no row.{unread}
 '''
 
 
@@ -80,7 +82,7 @@ def change_text(row, base):
 def table_rows(known, rows, old_page):
     """(constant, figure, half, double) of all that were measured; with an asterisk: of old_page."""
     old = {f'{file}:{name}': (value, figure.rstrip('*'), half, double)
-           for file, name, value, _, figure, half, double in ROW.findall(old_page)}
+           for file, name, value, figure, half, double in ROW.findall(old_page)}
     found = []
     for constant in known:
         now = measured(constant, rows)
@@ -125,16 +127,15 @@ def summary(known, rows, scenes):
             f'scene of their room, {len(left(known, rows, scenes))} are left')
 
 
-def by_file(names):
-    files = {}
-    for name in names:
-        file, _, constant = name.rpartition(':')
-        files.setdefault(file, []).append(f'`{constant}`')
-    return '\n'.join(f"| `{file}` | {' '.join(found)} |" for file, found in sorted(files.items()))
+def table(rows):
+    lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {figure} | {half} | {double} |"
+             for c, figure, half, double in rows]
+    return '\n'.join(['| algorithm | constant | value | figure | half | double |', '|---' * 6 + '|'] + lines)
 
 
-def names_text(text, names):
-    return f'{text}\n\n| algorithm | constants |\n|---|---|\n{by_file(names)}' if names else text
+def unread_text(ids):
+    names = ', '.join(f'`{constant}`' for constant in sorted(ids))
+    return f' Read by no scene of their room: {names}.' if ids else ''
 
 
 def largest(cells):
@@ -164,14 +165,11 @@ def page(known, rows, old_page, scenes):
               for name, row in scenes_of(rows).items()]
     scenes += [f'| {name}* | {error} | {what} |' for name, error, what in SCENE.findall(old_page)
                if name in kept and f'| {name}* |' not in '\n'.join(scenes)]
-    lines = [f"| `{c['file']}` | `{c['name']}` | {c['value']:g} | {c['comment']} | {figure} "
-             f'| {half} | {double} |'
-             for c, figure, half, double in sorted(shown, key=lambda r: (r[1], r[0]['file']))]
+    ordered = sorted(shown, key=lambda r: (r[1], r[0]['file']))
     slow = any(cell.startswith('over ') for row in shown for cell in row[2:])
     return TEXT.format(
         counts=counts_text(known, shown, aside, rest), scenes='\n'.join(scenes),
         slow=' `over N s`: ended after so much CPU time.' if slow else '',
-        constants='\n'.join(lines),
-        unread=names_text('Unread:', aside) if aside
-        else '',
-        left=names_text('Left:', rest) if rest else '')
+        large=table([row for row in ordered if largest(row[2:]) > 5]),
+        small=table([row for row in ordered if largest(row[2:]) <= 5]),
+        unread=unread_text(aside))

@@ -4,11 +4,11 @@
 #include <map>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::bench {
 namespace fs = std::filesystem;

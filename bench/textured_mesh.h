@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 
 namespace keypose::bench {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/image_quality.h"
-#include "core/parallel.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/pictures/image_quality.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
 
 namespace keypose::bench {
 namespace {

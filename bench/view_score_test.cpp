@@ -7,9 +7,9 @@
 #include <fstream>
 #include <random>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
 
 namespace keypose::bench {
 namespace {

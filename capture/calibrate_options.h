@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "capture/board/board_survey.h"
-#include "core/options.h"
+#include "core/values/options.h"
 
 namespace keypose::capture {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "capture/segmentation/mask_options.h"
-#include "core/calibration_board.h"
-#include "core/figure_strokes.h"
-#include "core/options.h"
+#include "core/values/calibration_board.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/options.h"
 
 namespace keypose::capture {
 

@@ -10,11 +10,12 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/painted_masks.h"
-#include "core/sha256.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/painted_masks.h"
+#include "core/numbers/sha256.h"
+#include "core/testing/paths.h"
 
 namespace keypose::capture {
 namespace {
@@ -177,7 +178,7 @@ TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
 TEST_F(CaptureProgram, PrintsTheBoardAlone) {
   const fs::path pdf = root / "board.pdf";
   const std::string program =
-      std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " + pdf.string();
+      BinFolder() + "/keypose-capture --print-board " + pdf.string();
   EXPECT_EQ(std::system((program + " > /dev/null 2>&1").c_str()), 0);
   EXPECT_EQ(ReadFile(pdf).substr(0, 5), "%PDF-");
   EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())),
@@ -187,7 +188,7 @@ TEST_F(CaptureProgram, PrintsTheBoardAlone) {
 TEST_F(CaptureProgram, PrintsABoardOfTheAskedSizeAndPaper) {
   const auto board = [&](const std::string& options) {
     const fs::path pdf = root / "board.pdf";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " +
+    const std::string command = BinFolder() + "/keypose-capture --print-board " +
                                 pdf.string() + " " + options + " > /dev/null 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << options;
     return ReadFile(pdf);

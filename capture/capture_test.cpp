@@ -11,9 +11,9 @@
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/testing/test_images.h"
-#include "core/errors.h"
-#include "core/exif_focal.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/exif_focal.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

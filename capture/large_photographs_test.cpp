@@ -8,10 +8,10 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/image_turns.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
+#include "core/pictures/image_turns.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "capture/agreement/space_options.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/figure_strokes.h"
-#include "core/options.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/options.h"
 
 namespace keypose::capture {
 

@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "capture/testing/test_ring.h"
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/testing_folder.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::capture {
 namespace {
@@ -43,7 +44,7 @@ class MasksProgram : public testing::Test, public TestingFolder {
   int Run(const std::string& options = "") const {
     fs::create_directories(root / "model");
     WriteColmapModel(root / "model", Scene{ring.views, points});
-    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-masks --images " +
+    const std::string command = first + BinFolder() + "/keypose-masks --images " +
                                 set.folder.string() + " --model " + (root / "model").string() +
                                 " --masked " + (root / "masked").string() + " " + options +
                                 " --report " + (root / "report.json").string() + " > " +

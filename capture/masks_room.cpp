@@ -20,11 +20,11 @@
 #include "capture/room/standing_figure.h"
 #include "capture/room/told_by_depths.h"
 #include "capture/salience/salience_network.h"
-#include "core/errors.h"
-#include "core/figure_strokes.h"
-#include "core/io/image_io.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/figure_strokes.h"
+#include "core/io/pictures/image_io.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "core/stage/failure_picture.h"
 
 namespace keypose::capture {

@@ -7,9 +7,9 @@
 #include "capture/agreement/space_options.h"
 #include "capture/board/board_detection.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/io/image_set.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/io/pictures/image_set.h"
 #include "core/stage/stage.h"
 
 namespace keypose::capture {
@@ -23,7 +23,7 @@ struct FigureSet {
   const std::vector<std::size_t>& index;  ///< of each view's photograph in the set
   const ImageSet& set;
   MaskOptions masking;
-  std::string strokes;  ///< as core/figure_strokes.h reads them
+  std::string strokes;  ///< as core/values/figure_strokes.h reads them
 };
 
 struct FoundFigure {

@@ -13,12 +13,12 @@
 #include "capture/pictures/working_image.h"
 #include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/memory.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/memory.h"
+#include "core/numbers/parallel.h"
 #include "core/stage/stage.h"
 
 namespace {

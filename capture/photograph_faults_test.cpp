@@ -8,8 +8,8 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
 
 namespace keypose::capture {
 namespace {

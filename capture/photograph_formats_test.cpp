@@ -11,11 +11,11 @@
 #include "capture/shoot/record/side_file.h"
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/testing_dng.h"
-#include "core/srgb.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/testing/dng.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::capture {
 namespace {

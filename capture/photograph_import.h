@@ -13,8 +13,8 @@
 #include "capture/photographs.h"
 #include "capture/room/stroke_masks.h"
 #include "capture/shoot/record/side_file.h"
-#include "core/image.h"
-#include "core/io/image_set.h"
+#include "core/values/image.h"
+#include "core/io/pictures/image_set.h"
 #include "core/stage/stage_context.h"
 
 namespace keypose::capture {

@@ -6,13 +6,13 @@
 
 #include "capture/photographs.h"
 #include "capture/shoot/develop/photograph.h"
-#include "core/errors.h"
-#include "core/exif_focal.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/photograph_files.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/exif_focal.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "capture/segmentation/region_cut.h"
-#include "core/figure_strokes.h"
+#include "core/values/figure_strokes.h"
 
 namespace keypose::capture {
 namespace {

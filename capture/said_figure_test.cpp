@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "capture/testing/capture_program.h"
-#include "core/image_turns.h"
+#include "core/pictures/image_turns.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/testing/capture_program.h"
-#include "core/io/image_set.h"
+#include "core/io/pictures/image_set.h"
 
 namespace keypose::capture {
 namespace {

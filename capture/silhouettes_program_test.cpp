@@ -9,9 +9,10 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "views/shot/shot.h"
 
 namespace keypose::capture {
@@ -37,7 +38,7 @@ TEST(SilhouettesProgram, MasksGoWithTheRateOfTheFilms) {
   ASSERT_TRUE(writer.isOpened());
   for (int f = 0; f < kFrames; ++f) writer.write(Picture(f));
   writer.release();
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-silhouettes --video " +
+  const std::string command = BinFolder() + "/keypose-silhouettes --video " +
                               (root / "shot").string() + " --masked " + (root / "masked").string() +
                               " > " + (root / "log.txt").string() + " 2>&1";
   ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << ReadFile(root / "log.txt");
@@ -84,7 +85,7 @@ TEST(SilhouettesProgram, FilmWithoutThePictureOfTheEmptySetIsMaskedByWhatMoves) 
     std::snprintf(name, sizeof name, "%03d.png", f);
     WriteImage(root / "shot/cam1" / name, image);
   }
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-silhouettes --video " +
+  const std::string command = BinFolder() + "/keypose-silhouettes --video " +
                               (root / "shot").string() + " --masked " + (root / "masked").string() +
                               " --network false --figure 'cam1/3:55,70' > " +
                               (root / "log.txt").string() + " 2>&1";
@@ -110,7 +111,7 @@ TEST(SilhouettesProgram, StrokeInACameraThatIsNotThereIsAUsageError) {
   fs::create_directories(root / "shot/cam1");
   for (const char* name : {"000.png", "001.png"})
     WriteImage(root / "shot/cam1" / name, Image8(kWidth, kHeight, 3, 90));
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-silhouettes --video " +
+  const std::string command = BinFolder() + "/keypose-silhouettes --video " +
                               (root / "shot").string() + " --masked " + (root / "masked").string() +
                               " --figure 'cam7/0:5,5' > " + (root / "log.txt").string() + " 2>&1";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);

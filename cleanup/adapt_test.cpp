@@ -12,9 +12,9 @@
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/testing/damage.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -11,9 +11,10 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/mesh_io.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/mesh_io.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -21,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path Data() {
-  const char* data = std::getenv("KEYPOSE_DATA");
-  return data ? data : KEYPOSE_SOURCE_DIR "/../shared/data";
+  return DataFolder();
 }
 
 std::vector<fs::path> BadMeshes() {

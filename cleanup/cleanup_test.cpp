@@ -14,10 +14,10 @@
 #include "cleanup/repair/soup.h"
 #include "cleanup/strategies/damage.h"
 #include "cleanup/testing/damage.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -12,13 +12,14 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/testing/damage.h"
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/io/testing_shots.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/testing/shots.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -141,7 +142,7 @@ TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {
   WriteMesh(folder / "pawn.ply", WithCap());
   const std::string at = folder.string();
   const auto lowest = [&](const std::string& more) {
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at +
+    const std::string command = BinFolder() + "/keypose-cleanup --surface " + at +
                                 "/pawn.ply --images " + at + "/images --model " + at +
                                 "/model --faces 4000 --clean " + at + "/clean.ply --report " + at +
                                 "/report.json " + more + " > " + at + "/log 2>&1";

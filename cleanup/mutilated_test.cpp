@@ -10,8 +10,8 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/testing/damage.h"
-#include "core/errors.h"
-#include "core/geometry.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -14,16 +14,17 @@
 #include "cleanup/repair/handles.h"
 #include "cleanup/repair/topology.h"
 #include "cleanup/strategies/cleanup.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/io/testing_shots.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/shots.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -174,7 +175,7 @@ TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {
   WriteMesh(folder / "slab.ply", Slab({kNarrow, kBroad}));
   const std::string at = folder.string();
   const auto run = [&](const std::string& more) {
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at +
+    const std::string command = BinFolder() + "/keypose-cleanup --surface " + at +
                                 "/slab.ply --clean " + at + "/clean.ply --report " + at +
                                 "/report.json " + more + " > " + at + "/log 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));

@@ -7,8 +7,8 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/testing/damage.h"
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -8,13 +8,14 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/io/testing_shots.h"
-#include "core/testing_shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/shots.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -77,7 +78,7 @@ TEST(CleanupProgram, SaysHowMuchPhotographsOfOneSideDoNotSee) {
   MaskShot shot = MasksOf(ball, Ring({0, 0, 1}, 20, 4));
   WriteShot(own.path(), shot);
   WriteMesh(own.path() / "ball.ply", ball);
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at +
+  const std::string command = BinFolder() + "/keypose-cleanup --surface " + at +
                               "/ball.ply --images " + at + "/images --model " + at +
                               "/model --clean " + at + "/clean.ply --report " + at +
                               "/report.json > " + at + "/log 2>&1";

@@ -5,7 +5,7 @@ find_package(Threads REQUIRED)
 add_library(keypose_flags INTERFACE)
 target_include_directories(keypose_flags INTERFACE ${CMAKE_SOURCE_DIR})
 option(KEYPOSE_FUZZ "libFuzzer programs for the readers; see tests/fuzz" OFF)
-# Constants of core/tuned.h can be set from outside; only for bench/sensitivity.py.
+# Constants of core/values/tuned.h can be set from outside; only for bench/sensitivity.py.
 option(KEYPOSE_SENSITIVITY "tuned constants can be replaced by an environment variable" OFF)
 if(KEYPOSE_SENSITIVITY)
   target_compile_definitions(keypose_flags INTERFACE KEYPOSE_SENSITIVITY)
@@ -14,13 +14,12 @@ endif()
 # Contraction off: a fused multiply-add would give other bits on other processors.
 target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor $<IF:$<CXX_COMPILER_ID:Clang>,-w,-Werror> -ffp-contract=off)
 target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)
-# Libraries that a program does not call are not loaded: a mesh stage starts in a tenth of the time without the image libraries.
-target_link_options(keypose_flags INTERFACE -Wl,--as-needed)
-find_program(KEYPOSE_GOLD ld.gold)
-if(KEYPOSE_GOLD AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")  # it warns of each of address sanitizer's symbols
-  # A quarter of bfd's time. mold 1.10 is as fast but cannot be trusted: programs that fail to load with relro, links that never end without.
-  target_link_options(keypose_flags INTERFACE -fuse-ld=gold)
-endif()
+# Each function in a section of its own, and none kept that a program does not call: then libraries which only those
+# need are not loaded either. A mesh stage starts in a tenth of the time without the image libraries.
+target_compile_options(keypose_flags INTERFACE -ffunction-sections -fdata-sections)
+target_link_options(keypose_flags INTERFACE -Wl,--as-needed -Wl,--gc-sections)
+# lld looks at what is kept before it says which libraries are needed; bfd and gold look before, and would load them all.
+target_link_options(keypose_flags INTERFACE -fuse-ld=lld)
 find_program(KEYPOSE_CCACHE ccache)
 if(KEYPOSE_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
@@ -28,23 +27,26 @@ if(KEYPOSE_CCACHE)
 endif()
 
 # With this on, a room's sources are compiled sixteen at a time: most of a source's time goes to the headers that it shares with its neighbours
-# (docs/decisions/sources-in-batches.md). A source with flags of its own stays alone. OFF: each source by itself.
+# (docs/decisions/sources-in-batches.md), and so are a test's. A source with flags of its own stays alone. OFF: each source by itself.
 option(KEYPOSE_BATCHES "compile the sources of a room in batches" OFF)
 
-# keypose_room(NAME [FILES] SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
+# keypose_room(NAME [FILES] [WORDS] SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
 # A room or sub-room: one static library keypose_NAME of one concern. LINK stays private to its sources; the
 # keypose_ targets in it are all that they may include besides core, and only those with FILES, and programs,
 # touch files. tests/include_rule_test.cpp holds the sources to both, by build/PRESET/rooms.txt.
 function(keypose_room name)
-  cmake_parse_arguments(ARG "FILES" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
+  cmake_parse_arguments(ARG "FILES;WORDS" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
   add_library(keypose_${name} STATIC ${ARG_SOURCES})
   set_target_properties(keypose_${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 16)
   if(KEYPOSE_BATCHES)  # a batch includes its sources, and the warning takes what is included for a header
     target_compile_options(keypose_${name} PRIVATE -Wno-subobject-linkage)
   endif()
+  if(ARG_WORDS)
+    target_compile_options(keypose_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   target_link_libraries(keypose_${name} PUBLIC keypose_flags PRIVATE ${ARG_LINK})
   target_include_directories(keypose_${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
-  if(NOT name STREQUAL core)
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${CMAKE_SOURCE_DIR}/core/")
     target_link_libraries(keypose_${name} PUBLIC keypose_core)
   endif()
   list(FILTER ARG_LINK INCLUDE REGEX "^keypose_")
@@ -98,15 +100,21 @@ endif()
 function(keypose_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;SYSTEM_INCLUDES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 16)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(KEYPOSE_BATCHES)
+    target_compile_options(${name} PRIVATE -Wno-subobject-linkage)
+  endif()
   target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} ${KEYPOSE_GTEST})
-  target_compile_definitions(${name} PRIVATE KEYPOSE_BIN_DIR="${CMAKE_BINARY_DIR}/bin" KEYPOSE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} keypose_testing_paths ${KEYPOSE_GTEST})
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
   math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * ${KEYPOSE_SLOWER}")
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
+    # Debian's python3, also where another stands first: Blender takes the libraries of the first.
+    ENVIRONMENT_MODIFICATION "PATH=path_list_prepend:/usr/bin")
 endfunction()
 
 # keypose_bench(NAME SOURCES foo_bench.cpp ... LINK keypose_room ...): a Google Benchmark program, run by ./dev bench.

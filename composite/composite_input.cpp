@@ -7,15 +7,15 @@
 #include <set>
 
 #include "composite/layer/linear_light.h"
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/image_levels.h"
-#include "core/io/mesh_io.h"
-#include "core/same_faces.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/values/same_faces.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

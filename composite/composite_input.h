@@ -9,7 +9,7 @@
 #include "composite/composing/film_lessons.h"
 #include "composite/film/film_files.h"
 #include "composite/passing_plates.h"
-#include "core/io/shot_io.h"
+#include "core/io/project/shot_io.h"
 #include "core/stage/stage.h"
 
 namespace keypose::composite {

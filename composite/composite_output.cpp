@@ -8,14 +8,14 @@
 
 #include "composite/blender/blender_scene.h"
 #include "composite/layer/linear_light.h"
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_levels.h"
-#include "core/io/png_io.h"
-#include "core/sha256.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
+#include "core/io/pictures/png_io.h"
+#include "core/numbers/sha256.h"
+#include "core/values/size_of.h"
 #include "views/film/mp4.h"
 
 namespace keypose::composite {

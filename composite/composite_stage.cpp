@@ -6,9 +6,9 @@
 
 #include "composite/composite_input.h"
 #include "composite/composite_output.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/size_of.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 
 namespace {

@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/json_pick.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/text/json_pick.h"
 
 namespace keypose::composite {
 namespace {

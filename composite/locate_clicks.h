@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "composite/locating/clicks/clicked_place.h"
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

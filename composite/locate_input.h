@@ -7,8 +7,8 @@
 
 #include "composite/film/film_files.h"
 #include "composite/locating/search/locate_shot.h"
-#include "core/io/shot_io.h"
-#include "core/options.h"
+#include "core/io/project/shot_io.h"
+#include "core/values/options.h"
 #include "core/stage/stage.h"
 
 namespace keypose::composite {

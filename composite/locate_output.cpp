@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/plan/camera_path.h"
-#include "core/geometry.h"
-#include "core/render.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "composite/locate_input.h"
-#include "core/filmed_shot.h"
+#include "core/values/filmed_shot.h"
 
 namespace keypose::composite {
 

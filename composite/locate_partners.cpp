@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::composite {
 

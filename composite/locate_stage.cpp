@@ -6,10 +6,10 @@
 
 #include "composite/locate_input.h"
 #include "composite/locate_output.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 
 namespace keypose::composite {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "composite/plate/plate_between.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_levels.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_levels.h"
 
 namespace keypose::composite {
 

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/name_list.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/values/name_list.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "export/formats.h"
 #include "export/read_scene.h"

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <utility>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/values/size_of.h"
 #include "export/blender/blender_files.h"
 #include "export/caches/caches.h"
 #include "export/fbx/fbx.h"

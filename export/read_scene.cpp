@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/same_faces.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/values/same_faces.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "fit/cameras/cameras_around.h"
 #include "fit/cameras/late_cameras.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "fit/bending/bend.h"
 #include "fit/cameras/find_cameras.h"
 #include "fit/cameras/rig_motions.h"

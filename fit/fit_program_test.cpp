@@ -7,15 +7,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/kd_tree.h"
-#include "core/ray_scene.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/numbers/kd_tree.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/testing/paths.h"
 
 namespace keypose::fit {
 namespace {
@@ -24,7 +25,7 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 int Call(const std::string& program, const std::string& words, const fs::path& log) {
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-" + program + " " + words +
+  const std::string command = BinFolder() + "/keypose-" + program + " " + words +
                               " > " + log.string() + " 2>&1";
   return std::system(command.c_str()) >> 8;
 }

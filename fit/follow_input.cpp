@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "core/errors.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/same_faces.h"
-#include "core/seams.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/same_faces.h"
+#include "core/surfaces/seams.h"
+#include "core/values/size_of.h"
 #include "views/atlas/atlas.h"
 #include "views/shot/rig.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "core/stage/stage.h"
 #include "fit/following/follow.h"
 #include "views/shot/synced_films.h"

@@ -8,15 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/cut_in_charts.h"
 #include "fit/testing/breathing_ball.h"
 
 namespace keypose::fit {
@@ -54,8 +56,7 @@ class Follow : public testing::Test, public TestingFolder {
   int Run(const std::string& more = "") {
     const std::string command =
         "cd '" + folder_.string() +
-        "' && '" KEYPOSE_BIN_DIR
-        "/keypose-follow' --frames frames --video shot --calibration rig.yml --followed out "
+        "' && '" + BinFolder() + "/keypose-follow' --frames frames --video shot --calibration rig.yml --followed out "
         "--overwrite --report report.json " +
         more + " > log.txt 2>&1";
     const int status = std::system(command.c_str());

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "fit/contours/contours.h"
 
 namespace keypose::fit {

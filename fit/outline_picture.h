@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "fit/bending/bend.h"
 
 namespace keypose::fit {

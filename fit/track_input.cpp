@@ -4,11 +4,11 @@
 #include <cmath>
 #include <set>
 
-#include "core/errors.h"
-#include "core/io/rig_calibration.h"
-#include "core/name_list.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/values/name_list.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "fit/tracking/camera_turns.h"
 #include "views/shot/filmed_view.h"
 #include "views/shot/rig.h"

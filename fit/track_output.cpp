@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/seams.h"
-#include "core/size_of.h"
+#include "core/surfaces/seams.h"
+#include "core/values/size_of.h"
 
 namespace keypose::interpolation {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "interpolate/timing/rules.h"
 
 namespace keypose::interpolation {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "interpolate/sequence.h"
 #include "interpolate/testing/played_poses.h"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 #include "interpolate/surface/arap.h"
 
 namespace keypose::interpolation {

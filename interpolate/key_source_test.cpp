@@ -8,10 +8,10 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/camera.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/testing/played_poses.h"
 #include "interpolate/timing/easing.h"

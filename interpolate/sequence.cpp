@@ -4,11 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/size_of.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/key_source.h"
 #include "interpolate/surface/paper_arap.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "interpolate/surface/frame_source.h"
 #include "interpolate/timing/rules.h"
 #include "interpolate/timing/timeline.h"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/surface/key_source.h"
 
 namespace {

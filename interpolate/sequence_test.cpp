@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/distortion.h"
 #include "interpolate/testing/played_poses.h"
 

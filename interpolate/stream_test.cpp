@@ -9,11 +9,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 
 namespace keypose {
 namespace {
@@ -38,7 +39,7 @@ class InterpolateProgram : public testing::Test, public TestingFolder {
   }
 
   std::string Command(const std::string& arguments) const {
-    return "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-interpolate' " +
+    return "cd '" + folder_.string() + "' && '" + BinFolder() + "/keypose-interpolate' " +
            arguments + " > log.txt 2>&1";
   }
   int Run(const std::string& arguments, const std::string& before = "") const {
@@ -139,8 +140,7 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
   const int files = Files() + 1;
   const pid_t child = ::fork();
   if (child == 0) {
-    const std::string command = "exec '" KEYPOSE_BIN_DIR
-                                "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 "
+    const std::string command = "exec '" + BinFolder() + "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 "
                                 "--frames frames > log.txt 2>&1";
     if (::chdir(folder_.c_str()) != 0) ::_exit(1);
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);

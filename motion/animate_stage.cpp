@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 #include "motion/testing/rigged_scan.h"
 #include "motion/transfer.h"
 

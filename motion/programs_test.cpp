@@ -7,16 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/angles.h"
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/angles.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/cut_in_charts.h"
 #include "deform/levels/geodesics.h"
 #include "motion/root/feet.h"
 #include "motion/testing/rigged_scan.h"
@@ -30,7 +32,7 @@ namespace fs = std::filesystem;
 class Programs : public testing::Test, public TestingFolder {
  protected:
   int Run(const std::string& program, const std::string& arguments) {
-    const std::string command = "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-" +
+    const std::string command = "cd '" + folder_.string() + "' && '" + BinFolder() + "/keypose-" +
                                 program + "' " + arguments + " > log.txt 2>&1";
     const int status = std::system(command.c_str());
     log_ = ReadFile(folder_ / "log.txt");
@@ -302,8 +304,7 @@ TEST_F(Programs, AnimateWarnsOfWhatAClipLacks) {
 class LibraryWalk : public Programs {
  protected:
   bool Prepare() {
-    const char* data = std::getenv("KEYPOSE_DATA");
-    const fs::path motion = fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion";
+    const fs::path motion = DataFolder() / "motion";
     if (!fs::exists(motion)) return false;
     const fs::path human = motion / "human/makehuman";
     EXPECT_EQ(Run("animate", "--clip '" + (motion / "bvh/131_01.bvh").string() + "' --mesh '" +

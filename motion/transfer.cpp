@@ -5,13 +5,13 @@
 #include <future>
 #include <span>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 #include "motion/fields/rest_turns.h"
 #include "motion/reconstruct/kept_volume.h"
 #include "motion/reconstruct/literal_transfer.h"

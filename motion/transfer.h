@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "motion/fields/mark_fields.h"
 #include "motion/fields/mark_turns.h"
 #include "motion/fields/marks.h"

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "motion/testing/rigged_scan.h"
 
 namespace keypose::motion {

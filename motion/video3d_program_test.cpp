@@ -8,13 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/size_of.h"
 #include "motion/testing/filmed_ball.h"
 
 namespace keypose::motion {
@@ -49,7 +50,7 @@ class Video3d : public testing::Test, public TestingFolder {
     WriteFile(folder_ / "rig.yml", OpenCvYaml(views));
   }
   int Run(const std::string& program, const std::string& arguments) {
-    const std::string command = "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-" +
+    const std::string command = "cd '" + folder_.string() + "' && '" + BinFolder() + "/keypose-" +
                                 program + "' " + arguments + " > log.txt 2>&1";
     const int status = std::system(command.c_str());
     log_ = ReadFile(folder_ / "log.txt");

@@ -4,14 +4,14 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "motion/films/video3d_input.h"
 #include "motion/video3d/free_view.h"

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/cloud_picture.h"
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/png_io.h"
-#include "core/size_of.h"
+#include "core/pictures/cloud_picture.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/png_io.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/dense.h"

@@ -5,12 +5,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct {
@@ -39,8 +40,7 @@ class DenseStage : public ::testing::Test, public TestingFolder {
 
   int Run(const std::string& more = "") {
     const std::string command = "cd '" + folder_.string() +
-                                "' && '" KEYPOSE_BIN_DIR
-                                "/keypose-dense' --images images --model model --cloud cloud.ply " +
+                                "' && '" + BinFolder() + "/keypose-dense' --images images --model model --cloud cloud.ply " +
                                 "--report report.json --hull_resolution 64 " + more +
                                 " >log.txt 2>&1";
     const int status = std::system(command.c_str());

@@ -2,13 +2,13 @@
 #include <memory>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_set.h"
-#include "core/io/mesh_io.h"
-#include "core/io/sight_io.h"
-#include "core/memory.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/sight_io.h"
+#include "core/values/memory.h"
 #include "core/stage/stage.h"
 #include "reconstruct/meshing/surface.h"
 #include "views/hull/silhouettes.h"

@@ -1,8 +1,8 @@
 // keypose-refine: moves a surface to the best agreement with the photographs.
 #include <malloc.h>
 
-#include "core/io/colmap_io.h"
-#include "core/io/mesh_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/stage/stage.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/refinement/refine.h"

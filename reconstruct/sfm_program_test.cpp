@@ -11,11 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/testing_folder.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -33,7 +34,7 @@ class SfmProgram : public testing::Test, public TestingFolder {
   Outcome Run(const std::string& environment, const std::string& program,
               const std::string& arguments) const {
     const fs::path log = root / "log.txt";
-    const std::string command = environment + " " + KEYPOSE_BIN_DIR + "/" + program + " " +
+    const std::string command = environment + " " + BinFolder() + "/" + program + " " +
                                 arguments + " > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
@@ -46,8 +47,8 @@ class SfmProgram : public testing::Test, public TestingFolder {
   }
 
   static bool CanShoot() {
-    return fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") &&
-           fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture");
+    return fs::exists(BinFolder() + "/keypose-synth") &&
+           fs::exists(BinFolder() + "/keypose-capture");
   }
 
   /// Twenty photographs of the clay figure in one ring, as `images`.
@@ -182,7 +183,7 @@ int DrawnNumber(const std::string& name, double step_deg) {
 }
 
 TEST_F(SfmProgram, AnglesOfASessionPlaceARingWithGapsThatNamesAloneDoNot) {
-  if (!CanShoot() || !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-shoot"))
+  if (!CanShoot() || !fs::exists(BinFolder() + "/keypose-shoot"))
     GTEST_SKIP() << "keypose-synth, keypose-capture and keypose-shoot are not built here";
   // So small that features alone do not do.
   ASSERT_EQ(Run("", "keypose-synth",
@@ -257,8 +258,8 @@ TEST_F(SfmProgram, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
 }
 
 TEST_F(SfmProgram, BoardGivesCamerasInMetresOfAFigureWithoutTexture) {
-  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") ||
-      !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
+  if (!fs::exists(BinFolder() + "/keypose-synth") ||
+      !fs::exists(BinFolder() + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
   ASSERT_EQ(Run("", "keypose-synth",
                 "photos --output " + root.string() +

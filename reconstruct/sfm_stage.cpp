@@ -6,12 +6,12 @@
 #include <set>
 #include <string>
 
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/memory.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/memory.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "reconstruct/sfm/colmap_programs.h"
 #include "reconstruct/sfm/evidence_check.h"

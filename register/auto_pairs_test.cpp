@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/paths.h"
 #include "register/auto/auto_registration.h"
 #include "register/landmarks/landmarks.h"
 #include "register/quality/flipped_faces.h"
@@ -51,7 +52,7 @@ std::vector<std::string> Cells(const std::string& row) {
 
 /// The numbers of the first table that has the pair; that is the one with 12 landmarks.
 Figures DocumentedFigures(const std::string& pair) {
-  std::istringstream page(ReadFile(KEYPOSE_SOURCE_DIR "/docs/results/registration.md"));
+  std::istringstream page(ReadFile(SourceFolder() + "/docs/results/registration.md"));
   for (std::string line; std::getline(page, line);) {
     if (!line.starts_with("| " + pair + " | keypose auto |")) continue;
     // | pair | program | mean | 95 % | largest | Hausdorff | flipped | itself | true | CPU s |
@@ -100,9 +101,8 @@ Figures Measure(const Mesh& source, const PointsX3& registered, const Mesh& targ
 class RealPair : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealPair, IsRegisteredAsWellAsDocumented) {
-  const char* data = std::getenv("KEYPOSE_DATA");
   const fs::path folder =
-      fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" / GetParam();
+      DataFolder() / "pairs" / GetParam();
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");
   std::vector<PickedPair> picked;

@@ -4,13 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/regions_io.h"
-#include "core/io/stiffness_io.h"
-#include "core/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/regions_io.h"
+#include "core/io/project/stiffness_io.h"
+#include "core/surfaces/mesh_checks.h"
 #include "core/stage/stage.h"
 
 namespace keypose::registration {

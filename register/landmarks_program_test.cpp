@@ -7,10 +7,11 @@
 #include <filesystem>
 #include <string>
 
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "register/testing/limbed_bodies.h"
 
 namespace keypose::registration {
@@ -24,8 +25,7 @@ class LandmarksProgram : public testing::Test, public TestingFolder {
   }
   int Run(const std::string& arguments) {
     const std::string command = "cd '" + folder_.string() +
-                                "' && '" KEYPOSE_BIN_DIR
-                                "/keypose-landmarks' suggest --source a.ply --target b.ply " +
+                                "' && '" + BinFolder() + "/keypose-landmarks' suggest --source a.ply --target b.ply " +
                                 arguments + " > log.txt 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

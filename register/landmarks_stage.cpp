@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/pictures/render.h"
 #include "core/stage/stage.h"
 #include "register/intrinsic/suggest.h"
 #include "register/landmarks/landmark_picture.h"

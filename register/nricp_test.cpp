@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/stiffness_map.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/project/stiffness_map.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/alignment.h"
 #include "register/quality/quality.h"

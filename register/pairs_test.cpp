@@ -5,9 +5,10 @@
 #include <filesystem>
 #include <sstream>
 
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/paths.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/nricp.h"
 #include "register/quality/quality.h"
@@ -18,9 +19,8 @@ namespace {
 class Pairs : public testing::TestWithParam<const char*> {};
 
 TEST_P(Pairs, AreFiniteAndLieOnTheTarget) {
-  const char* data = std::getenv("KEYPOSE_DATA");
   const std::filesystem::path folder =
-      std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" /
+      DataFolder() / "pairs" /
       GetParam();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");

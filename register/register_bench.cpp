@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "register/auto/auto_registration.h"
 #include "register/nricp/nricp.h"
 #include "register/quality/quality.h"

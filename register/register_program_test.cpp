@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
@@ -34,7 +35,7 @@ class Program : public testing::Test, public TestingFolder {
   }
   int Run(const std::string& arguments) {
     const std::string line = "cd '" + folder_.string() +
-                             "' && '" KEYPOSE_BIN_DIR "/keypose-register' --target target.ply " +
+                             "' && '" + BinFolder() + "/keypose-register' --target target.ply " +
                              arguments + " > log.txt 2>&1";
     const int status = std::system(line.c_str());
     log_ = ReadFile(folder_ / "log.txt");

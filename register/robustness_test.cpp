@@ -12,11 +12,11 @@
 #include <tuple>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/geometry.h"
-#include "core/seams.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/seams.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "deform/arap/rigid_pieces.h"
 #include "register/auto/auto_registration.h"
 #include "register/quality/quality.h"

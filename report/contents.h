@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 #include "report/distortion.h"
 #include "report/run_record.h"
 #include "report/surface_distance.h"

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::report {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "report/limits.h"
 
 namespace keypose::report {

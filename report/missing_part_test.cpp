@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "core/fit_view.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/fit_view.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "report/view_evidence.h"
 
 namespace keypose::report {

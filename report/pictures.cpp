@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/cloud_picture.h"
-#include "core/geometry.h"
-#include "core/render.h"
+#include "core/pictures/cloud_picture.h"
+#include "core/surfaces/geometry.h"
+#include "core/pictures/render.h"
 #include "report/html.h"
 
 namespace keypose::report {

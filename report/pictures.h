@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "report/contents.h"
 
 namespace keypose::report {

@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "report/html.h"
 
 namespace keypose::report {

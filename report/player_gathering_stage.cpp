@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
-#include "core/same_faces.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/same_faces.h"
+#include "core/values/size_of.h"
 #include "report/player_data.h"
 
 namespace keypose::report {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
 #include "report/contents.h"
 #include "report/player_data.h"
 #include "report/sections.h"

@@ -10,13 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 
 namespace keypose::report {
 namespace {
@@ -100,7 +101,7 @@ class Project : public TestingFolder {
 
   int Report() const {
     const std::string f = folder_.string();
-    return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f + " --report " +
+    return std::system((BinFolder() + "/keypose-report --run " + f + " --report " +
                         f + "/report --report " + f + "/stage.json --compared_px " +
                         std::to_string(kWidth) + " > " + f + "/log 2>&1")
                            .c_str()) >>

@@ -9,8 +9,9 @@
 #include <regex>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
 #include "report/contents.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -332,7 +333,7 @@ TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
   std::filesystem::create_directories(folder / "run");
   std::ofstream(folder / "run/run.json") << kRun;
   const std::string f = folder.string();
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f +
+  const std::string command = BinFolder() + "/keypose-report --run " + f +
                               "/run --report " + f + "/report --report " + f + "/stage.json > " +
                               f + "/log 2>&1";
   std::ostringstream log;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::report {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/parallel.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::report {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ray_scene.h"
-#include "core/surface_distance.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/surface_distance.h"
 
 namespace keypose::report {
 

@@ -2,7 +2,7 @@
 // a coloured picture.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::report {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/image_quality.h"
-#include "core/render.h"
+#include "core/pictures/image_quality.h"
+#include "core/pictures/render.h"
 #include "report/limits.h"
 
 namespace keypose::report {

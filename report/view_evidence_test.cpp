@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "report/limits.h"
 #include "report/shots_stage.h"
 #include "report/view_evidence.h"

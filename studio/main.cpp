@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "core/errors.h"
-#include "pipeline/project_paths.h"
+#include "core/values/errors.h"
+#include "pipeline/disk/project_paths.h"
 #include "studio/runs/children.h"
 #include "studio/server/server.h"
 

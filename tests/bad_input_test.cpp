@@ -10,12 +10,12 @@
 #include <fstream>
 #include <memory>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

@@ -6,14 +6,14 @@
 #include <numbers>
 
 #include "capture/board/testing/seen_board.h"
-#include "core/errors.h"
-#include "core/fit_view.h"
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/known_points_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/pictures/fit_view.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/known_points_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/testing/folder.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

@@ -2,7 +2,7 @@
 // colour profiles, keyed frames, numbers that are missing.
 #include <gmock/gmock.h>
 
-#include "core/io/image_levels.h"
+#include "core/io/pictures/image_levels.h"
 #include "tests/generated_shot.h"
 
 namespace keypose::tests {

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/composing/join.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/png_io.h"
-#include "core/io/shot_io.h"
-#include "core/io/testing_folder.h"
-#include "synth/shot_command.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/png_io.h"
+#include "core/io/project/shot_io.h"
+#include "core/testing/folder.h"
+#include "synth/commands/shot_command.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -61,13 +62,13 @@ class ExportedGlb : public ::testing::Test {
   std::string Glb() const { return animation_ / "character.glb"; }
 
   RunResult Validate() {
-    return RunProgram({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Glb()},
+    return RunProgram({"node", SourceFolder() + "/tests/validate_gltf.mjs", Glb()},
                       folder_.path());
   }
   RunResult ImportInBlender(int shape_keys, int vertices, int texture_width) {
     return RunProgram(
         {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-         KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), std::to_string(shape_keys),
+         SourceFolder() + "/tests/check_blender.py", "--", Glb(), std::to_string(shape_keys),
          std::to_string(vertices), std::to_string(texture_width)},
         folder_.path());
   }
@@ -106,7 +107,7 @@ class ExportedGlbOnTwos : public ExportedGlb {
 };
 
 bool HasValidator() {
-  return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator");
+  return HasProgram("node") && fs::exists(SourceFolder() + "/node_modules/gltf-validator");
 }
 
 TEST_F(ExportedGlb, PlaysAtTheRateOfItsFramesUnlessAnotherIsGiven) {
@@ -175,7 +176,7 @@ TEST_F(ExportedGlbOnTwos, BlenderStepsToo) {
   if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
   const auto steps_in_blender = [&](const std::string& expected) {
     return RunProgram({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                       KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), "2",
+                       SourceFolder() + "/tests/check_blender.py", "--", Glb(), "2",
                        std::to_string(vertices_), "64", expected},
                       folder_.path());
   };

@@ -10,11 +10,11 @@
 #include <memory>
 #include <random>
 
-#include "core/camera.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/values/size_of.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

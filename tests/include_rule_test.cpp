@@ -2,16 +2,17 @@
 
 #include <set>
 
-#include "core/io/files.h"
+#include "core/io/text/files.h"
+#include "core/testing/paths.h"
 #include "tests/include_rules.h"
 
 namespace keypose::tests {
 namespace {
 
-const std::filesystem::path kRoot = KEYPOSE_SOURCE_DIR;
+const std::filesystem::path kRoot = SourceFolder();
 
 Rooms OurRooms() {
-  return ParseRooms(ReadFile(std::filesystem::path(KEYPOSE_BIN_DIR).parent_path() / "rooms.txt"));
+  return ParseRooms(ReadFile(std::filesystem::path(BinFolder()).parent_path() / "rooms.txt"));
 }
 
 std::map<std::string, std::string> OurTexts() {
@@ -48,7 +49,13 @@ TEST(IncludeRules, NoUnitReachesItself) {
 }
 
 const char* const kHouse =
-    "keypose_core core files\n"
+    "keypose_core_values core/values values\n"
+    "keypose_core_surfaces core/surfaces values keypose_core_values\n"
+    "keypose_io_text core/io/text files keypose_core_values\n"
+    "keypose_io_meshes core/io/meshes files keypose_io_text keypose_core_values\n"
+    "keypose_core_stage core/stage files keypose_io_text keypose_core_values\n"
+    "keypose_pipeline_graph pipeline/graph files\n"
+    "keypose_pipeline_run pipeline/run files keypose_pipeline_graph\n"
     "keypose_deform_arap deform/arap values\n"
     "keypose_register_nricp register/nricp values keypose_deform_arap\n"
     "keypose_register_auto register/auto values keypose_register_nricp\n"
@@ -65,21 +72,26 @@ void ExpectBreach(const std::string& file, const std::string& line, bool breach)
 TEST(IncludeRules, StageRoomsDoNotIncludeEachOtherOrLookUp) {
   ExpectBreach("register/nricp/nricp.cpp", "#include \"cleanup/repair/holes.h\"", true);
   ExpectBreach("register/register_stage.cpp", "#include \"cleanup/repair/holes.h\"", true);
-  ExpectBreach("register/nricp_test.cpp", "#include \"synth/world.h\"", true);
-  ExpectBreach("register/nricp/nricp.cpp", "#include \"pipeline/graph.h\"", true);
+  ExpectBreach("register/nricp_test.cpp", "#include \"synth/worlds/world.h\"", true);
+  ExpectBreach("register/nricp/nricp.cpp", "#include \"pipeline/graph/graph.h\"", true);
   ExpectBreach("deform/arap/arap_fit.cpp", "#include \"register/nricp/nricp.h\"", true);
-  ExpectBreach("core/geometry.cpp", "#include \"core/io/mesh_io.h\"", true);
-  ExpectBreach("core/io/mesh_io.cpp", "#include \"core/stage/stage.h\"", true);
-  ExpectBreach("core/stage/stage.cpp", "#include \"core/io/mesh_io.h\"", true);
-  ExpectBreach("core/stage/stage.cpp", "#include \"core/io/files.h\"", false);
-  ExpectBreach("pipeline/graph.cpp", "#include \"core/stage/stage.h\"", true);
-  ExpectBreach("pipeline/graph.cpp", "#include \"studio/server/server.h\"", true);
-  ExpectBreach("studio/server/routes.cpp", "#include \"pipeline/graph.h\"", false);
+  ExpectBreach("core/surfaces/geometry.cpp", "#include \"core/io/meshes/mesh_io.h\"", true);
+  ExpectBreach("core/io/meshes/mesh_io.cpp", "#include \"core/stage/stage.h\"", true);
+  ExpectBreach("core/stage/stage.cpp", "#include \"core/io/meshes/mesh_io.h\"", true);
+  ExpectBreach("core/stage/stage.cpp", "#include \"core/io/text/files.h\"", false);
+  ExpectBreach("core/values/mesh.cpp", "#include \"core/surfaces/geometry.h\"", true);
+  ExpectBreach("core/surfaces/geometry.cpp", "#include \"core/values/mesh.h\"", false);
+  ExpectBreach("core/surfaces/geometry_test.cpp", "#include \"core/io/meshes/mesh_io.h\"", false);
+  ExpectBreach("pipeline/graph/graph.cpp", "#include \"pipeline/run/plan.h\"", true);
+  ExpectBreach("pipeline/run/plan.cpp", "#include \"pipeline/graph/graph.h\"", false);
+  ExpectBreach("pipeline/graph/graph.cpp", "#include \"core/stage/stage.h\"", true);
+  ExpectBreach("pipeline/graph/graph.cpp", "#include \"studio/server/server.h\"", true);
+  ExpectBreach("studio/server/routes.cpp", "#include \"pipeline/graph/graph.h\"", false);
   ExpectBreach("studio/server/routes.cpp", "#include \"register/nricp/nricp.h\"", true);
-  ExpectBreach("pipeline/graph.cpp", "#include \"core/io/files.h\"", false);
-  ExpectBreach("register/nricp/nricp.cpp", "#include \"core/geometry.h\"", false);
+  ExpectBreach("pipeline/graph/graph.cpp", "#include \"core/io/text/files.h\"", false);
+  ExpectBreach("register/nricp/nricp.cpp", "#include \"core/surfaces/geometry.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"register/nricp/nricp.h\"", false);
-  ExpectBreach("core/io/io_test.cpp", "#include \"core/stage/stage.h\"", false);
+  ExpectBreach("core/io/project/io_test.cpp", "#include \"core/stage/stage.h\"", false);
 }
 
 TEST(IncludeRules, SubRoomsIncludeWhatTheyLink) {
@@ -99,12 +111,12 @@ TEST(IncludeRules, SubRoomsIncludeWhatTheyLink) {
 }
 
 TEST(IncludeRules, OnlyProgramsTestsAndDeclaredRoomsTouchFiles) {
-  ExpectBreach("cleanup/repair/holes.cpp", "#include \"core/io/mesh_io.h\"", true);
-  ExpectBreach("cleanup/repair/holes.h", "#include \"core/io/mesh_io.h\"", true);
-  ExpectBreach("cleanup/cleanup_stage.cpp", "#include \"core/io/mesh_io.h\"", false);
-  ExpectBreach("cleanup/repair/holes_test.cpp", "#include \"core/io/mesh_io.h\"", false);
-  ExpectBreach("reconstruct/sfm/strategies.cpp", "#include \"core/io/mesh_io.h\"", false);
-  ExpectBreach("interpolate/sequence.cpp", "#include \"core/io/mesh_io.h\"", true);
+  ExpectBreach("cleanup/repair/holes.cpp", "#include \"core/io/meshes/mesh_io.h\"", true);
+  ExpectBreach("cleanup/repair/holes.h", "#include \"core/io/meshes/mesh_io.h\"", true);
+  ExpectBreach("cleanup/cleanup_stage.cpp", "#include \"core/io/meshes/mesh_io.h\"", false);
+  ExpectBreach("cleanup/repair/holes_test.cpp", "#include \"core/io/meshes/mesh_io.h\"", false);
+  ExpectBreach("reconstruct/sfm/strategies.cpp", "#include \"core/io/meshes/mesh_io.h\"", false);
+  ExpectBreach("interpolate/sequence.cpp", "#include \"core/io/meshes/mesh_io.h\"", true);
 }
 
 TEST(IncludeRules, HeavyLibrariesStayInsideSources) {
@@ -117,11 +129,11 @@ TEST(IncludeRules, HeavyLibrariesStayInsideSources) {
 }
 
 TEST(IncludeRules, HeadersOfCoreNeedOnlyEigenAndTheStandardLibrary) {
-  ExpectBreach("core/mesh.h", "#include <nlohmann/json.hpp>", true);
-  ExpectBreach("core/mesh.h", "#include <Eigen/Core>", false);
-  ExpectBreach("core/mesh.h", "#include <vector>", false);
-  ExpectBreach("core/io/mesh_io.h", "#include <nlohmann/json.hpp>", true);
-  ExpectBreach("core/mesh.cpp", "#include <nlohmann/json.hpp>", false);
+  ExpectBreach("core/values/mesh.h", "#include <nlohmann/json.hpp>", true);
+  ExpectBreach("core/values/mesh.h", "#include <Eigen/Core>", false);
+  ExpectBreach("core/values/mesh.h", "#include <vector>", false);
+  ExpectBreach("core/io/meshes/mesh_io.h", "#include <nlohmann/json.hpp>", true);
+  ExpectBreach("core/values/mesh.cpp", "#include <nlohmann/json.hpp>", false);
 }
 
 TEST(IncludeRules, ProjectHeadersAreNamedFromTheRoot) {

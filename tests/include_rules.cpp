@@ -28,7 +28,7 @@ std::string FolderOf(const std::string& path) {
   return slash == std::string::npos ? "" : path.substr(0, slash);
 }
 
-// "core/io/files.h" -> "core/io", "register/nricp/nricp.h" -> "register"
+// "core/io/text/files.h" -> "core/io", "register/nricp/nricp.h" -> "register"
 std::string TopRoomOf(const std::string& path) {
   if (path.starts_with("core/io/")) return "core/io";
   if (path.starts_with("core/stage/")) return "core/stage";
@@ -104,7 +104,9 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
   if (to.empty()) return "\"" + included + "\" is not given from the project's root";
   if (from == "tests" || from == "bench") return "";
   const bool in_house = kStageRooms.count(from) || kLibraryRooms.count(from);
-  if (to == from) return in_house || from == "studio" ? ArrowReason(rooms, file, included) : "";
+  // core's tests read and write what they test.
+  if (IsTest(file) && from.starts_with("core") && to.starts_with("core")) return "";
+  if (to == from) return ArrowReason(rooms, file, included);
   if (in_house) {
     if (to == "core" || to == "core/stage") return "";
     if (to == "core/io") return FilesReason(rooms, file);
@@ -114,13 +116,9 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
              ": what two stage rooms need moves to core or a library room";
     return from + " may not include " + to;
   }
-  if (IsTest(file) && from.starts_with("core") && to.starts_with("core")) return "";
-  // They depend on no format: files.h reads and writes whole files, which the stage's report needs,
-  // too, and shared_files.h finds those whose versions the stage describes.
-  if (from == "core/stage" &&
-      (included == "core/io/files.h" || included == "core/io/shared_files.h"))
-    return "";
-  if (to == "core" && from != "core") return "";
+  const bool of_core = from.starts_with("core") && to.starts_with("core");
+  if (of_core) return ArrowReason(rooms, file, included);
+  if (to == "core") return "";
   const bool reads_files = from == "synth" || from == "pipeline" || from == "studio";
   if (to == "core/io" && reads_files) return "";
   if (to == "pipeline" && from == "studio") return "";
@@ -233,7 +231,8 @@ std::vector<Breach> LinkBreaches(const Rooms& rooms) {
       }
       const std::string to = TopRoomOf(other->second.folder + "/");
       const bool studio_reads = from == "studio" && to == "pipeline";
-      if (to != from && to != "core" && !kLibraryRooms.count(to) && !studio_reads)
+      const bool of_core = to == "core" || (from == "core/stage" && to == "core/io");
+      if (to != from && !of_core && !kLibraryRooms.count(to) && !studio_reads)
         breaches.push_back({room.folder, "links " + link + " of another stage room"});
     }
   }

@@ -36,8 +36,8 @@ struct Breach {
 /// Rules. A stage room -> itself, the library rooms (views, deform), core, core/stage. Within a
 /// room, a sub-room -> the targets that its CMakeLists.txt links; its tests also the indirectly
 /// linked ones. Only programs (*_stage.cpp and main.cpp), tests, sub-rooms declared with FILES and
-/// *_colmap.{h,cpp} -> core/io. core/stage, core/io -> core (and core/stage -> core/io/files.h,
-/// which depends on no format). synth, pipeline -> core, core/io. studio -> core, core/io, pipeline, and its own
+/// *_colmap.{h,cpp} -> core/io. core/io, core/stage -> core, by their links; core's tests -> all of
+/// core. synth, pipeline -> core, core/io. studio -> core, core/io, pipeline, and its own
 /// sub-rooms as linked. tests, bench -> anything. Headers
 /// -> the project's own, Eigen and the standard library. CGAL, PCL, Ceres, TetGen, OpenCV and
 /// Embree only in .cpp.

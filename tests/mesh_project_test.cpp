@@ -2,14 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/geometry.h"
-#include "core/image.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/same_faces.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/image.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/values/same_faces.h"
+#include "core/surfaces/shapes.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

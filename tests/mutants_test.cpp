@@ -9,10 +9,11 @@
 #include <memory>
 #include <set>
 
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -27,8 +28,7 @@ constexpr double kSeconds = 60;
 constexpr const char* kKilobytes = "4000000";
 
 fs::path Data() {
-  const char* data = std::getenv("KEYPOSE_DATA");
-  return fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "mutants";
+  return DataFolder() / "mutants";
 }
 
 class Mutants : public ::testing::Test {
@@ -87,7 +87,7 @@ class Mutants : public ::testing::Test {
   void Expect(const std::vector<std::string>& arguments, const std::string& name,
               const std::set<int>& codes) {
     std::vector<std::string> command = WithLimitedMemory();
-    command.push_back(std::string(KEYPOSE_BIN_DIR) + "/" + arguments[0]);
+    command.push_back(BinFolder() + "/" + arguments[0]);
     command.insert(command.end(), arguments.begin() + 1, arguments.end());
     const RunResult result = RunProgram(command, folder_.path(), {}, kSeconds);
     EXPECT_TRUE(codes.count(result.exit_code))

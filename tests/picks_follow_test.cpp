@@ -7,13 +7,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/regions_io.h"
-#include "core/io/testing_folder.h"
-#include "core/kd_tree.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/regions_io.h"
+#include "core/testing/folder.h"
+#include "core/numbers/kd_tree.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {

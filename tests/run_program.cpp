@@ -12,6 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/testing/paths.h"
+
 namespace keypose::tests {
 namespace {
 
@@ -49,7 +51,7 @@ std::vector<char*> Pointers(std::vector<std::string>& words) {
 
 std::string Found(const std::string& name) {
   if (name.find('/') != std::string::npos) return name;
-  const fs::path built = fs::path(KEYPOSE_BIN_DIR) / name;
+  const fs::path built = fs::path(BinFolder()) / name;
   if (fs::exists(built)) return built;
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
@@ -67,7 +69,7 @@ Program::Program(const std::vector<std::string>& command, const fs::path& folder
   words[0] = Found(words[0]);
   if (words[0].empty())
     throw std::runtime_error("no program " + command[0] +
-                             " in " KEYPOSE_BIN_DIR " or on PATH; build it first");
+                             " in " + BinFolder() + " or on PATH; build it first");
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const auto arguments = Pointers(words), variables = Pointers(entries);

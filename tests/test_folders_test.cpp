@@ -5,7 +5,8 @@
 #include <regex>
 #include <string>
 
-#include "core/io/files.h"
+#include "core/io/text/files.h"
+#include "core/testing/paths.h"
 #include "tests/include_rules.h"
 
 namespace keypose::tests {
@@ -18,7 +19,7 @@ bool NamesTemporaryFolder(const std::string& text) {
 }
 
 TEST(TestFolders, AreAllTestingFolders) {
-  const std::filesystem::path root = KEYPOSE_SOURCE_DIR;
+  const std::filesystem::path root = SourceFolder();
   const std::string here = "tests/test_folders_test.cpp";
   int takers = 0;
   for (const std::string& file : SourceFiles(root)) {
@@ -27,7 +28,7 @@ TEST(TestFolders, AreAllTestingFolders) {
     const std::string text = ReadFile(root / file);
     takers += text.find("TestingFolder") != std::string::npos;
     EXPECT_FALSE(NamesTemporaryFolder(text))
-        << file << ": take a TestingFolder (core/io/testing_folder.h)";
+        << file << ": take a TestingFolder (core/testing/folder.h)";
   }
   EXPECT_GT(takers, 50);  // a search that finds no files would pass
 }

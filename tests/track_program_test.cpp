@@ -7,11 +7,12 @@
 #include <numbers>
 #include <regex>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -211,9 +212,8 @@ TEST_F(TrackProgram, NamesThatDoNotMatchAreAnError) {
 }
 
 TEST(TrackRealShot, EightOfTheDomesViewsExplainTheOtherTwelve) {
-  const char* data = std::getenv("KEYPOSE_DATA");
   const fs::path dome =
-      fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion/dome";
+      DataFolder() / "motion/dome";
   if (!fs::exists(dome)) GTEST_SKIP() << dome << " is not here; set KEYPOSE_DATA";
   const TestingFolder folder;
   for (int c = 0; c < 20; ++c) {

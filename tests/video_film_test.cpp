@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "composite/film/film_files.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/movie_header.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/movie_header.h"
+#include "core/testing/folder.h"
 #include "views/film/mp4.h"
 #include "views/shot/shot.h"
 

@@ -6,12 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "texture/bake/testing_spheres.h"
 
 namespace keypose::texture {
@@ -22,7 +23,7 @@ namespace {
 int RunBake(const std::filesystem::path& folder, const std::string& texture = "texture.png",
             const std::string& options = "") {
   const std::string f = folder.string();
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-bake --mesh " + f +
+  const std::string command = BinFolder() + "/keypose-bake --mesh " + f +
                               "/mesh.obj --images " + f + "/images --model " + f +
                               "/model --texture_size 128 --texture " + f + "/" + texture + " " +
                               options + " --report " + f + "/report.json > " + f + "/log 2>&1";
@@ -78,7 +79,7 @@ TEST(BakeStage, TakesTheColoursOfAScanInPlaceOfPhotographs) {
   WriteMesh(own.path() / "mesh.obj", mesh);
   WriteImage(own.path() / "skin.png", Image8(64, 64, 3, 140));
   const auto bake = [&](const std::string& from) {
-    return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-bake --mesh " + f + "/mesh.obj " +
+    return std::system((BinFolder() + "/keypose-bake --mesh " + f + "/mesh.obj " +
                         from + " --texture_size 64 --texture " + f + "/texture.png --report " + f +
                         "/report.json > " + f + "/log 2>&1")
                            .c_str()) >>

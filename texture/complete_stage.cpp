@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/stage/stage.h"
 #include "texture/bake/complete.h"
 

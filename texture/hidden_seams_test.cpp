@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "texture/unwrap/unwrap.h"
 
 namespace keypose::texture {

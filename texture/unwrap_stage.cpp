@@ -2,10 +2,10 @@
 #include <filesystem>
 #include <string>
 
-#include "core/io/frame_folder.h"
-#include "core/io/mesh_io.h"
-#include "core/io/mesh_look.h"
-#include "core/mesh_checks.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/mesh_look.h"
+#include "core/surfaces/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "texture/unwrap/unwrap.h"
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "armature/controller/steady_clock.h"
-#include "core/errors.h"
-#include "core/io/serial_port.h"
+#include "core/values/errors.h"
+#include "core/io/text/serial_port.h"
 
 namespace keypose::armature {
 namespace {

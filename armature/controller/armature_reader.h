@@ -31,7 +31,7 @@ struct ReaderEvent {
 
 struct PortOptions {
   std::string device;    ///< such as /dev/ttyACM0
-  int baud = 1000000;    ///< as core/io/serial_port.h takes it
+  int baud = 1000000;    ///< as core/io/text/serial_port.h takes it
   double retry_s = 0.3;  ///< between attempts to reach a controller that is away
   /// A board that begins again when its port is opened is not spoken to for so long [s]: its boot
   /// loader would take what it hears for a new program.

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/errors.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

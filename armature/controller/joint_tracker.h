@@ -11,7 +11,7 @@
 
 #include "armature/controller/box_link.h"
 #include "armature/description/armature.h"
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::armature {
 

@@ -6,8 +6,8 @@
 #include "armature/controller/calibration.h"
 #include "armature/controller/gear_fit.h"
 #include "armature/description/description_file.h"
-#include "core/angles.h"
-#include "core/errors.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

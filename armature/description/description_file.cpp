@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "core/angles.h"
-#include "core/errors.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 

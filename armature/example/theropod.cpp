@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::armature {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "armature/description/armature.h"
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 
 namespace keypose::armature {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "armature/example/theropod.h"
-#include "core/angles.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

@@ -1,7 +1,7 @@
 // A body for the generated theropod, for trying and for tests.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::armature {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 namespace {

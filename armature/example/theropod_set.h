@@ -1,10 +1,10 @@
 // A small set for the generated theropod: a table before a wall, a lamp and a ball on it.
 #pragma once
 
-#include "core/camera.h"
-#include "core/filmed_shot.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/filmed_shot.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 
 namespace keypose::armature {
 

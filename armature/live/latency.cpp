@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

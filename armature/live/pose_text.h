@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "armature/live/posed_puppet.h"
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 
 namespace keypose::armature {
 

@@ -7,7 +7,7 @@
 
 #include "armature/matching/puppet_match.h"
 #include "armature/skinning/skin.h"
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::armature {
 

@@ -7,7 +7,7 @@
 
 #include "armature/live/plate_view.h"
 #include "armature/live/posed_puppet.h"
-#include "core/options.h"
+#include "core/values/options.h"
 #include "core/stage/stage.h"
 
 namespace keypose::armature {

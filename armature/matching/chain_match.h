@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "armature/matching/polyline.h"
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::armature {
 

@@ -10,8 +10,8 @@
 #include "armature/matching/closing.h"
 #include "armature/matching/match_parts.h"
 #include "armature/matching/testing/spines.h"
-#include "core/angles.h"
-#include "core/errors.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

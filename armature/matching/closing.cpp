@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

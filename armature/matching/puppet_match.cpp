@@ -4,8 +4,8 @@
 
 #include "armature/matching/carried_frames.h"
 #include "armature/matching/match_parts.h"
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

@@ -9,7 +9,7 @@
 #include "armature/description/armature.h"
 #include "armature/matching/chain_match.h"
 #include "armature/matching/skeleton.h"
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::armature {
 

@@ -8,9 +8,9 @@
 
 #include "armature/matching/carried_frames.h"
 #include "armature/matching/testing/spines.h"
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

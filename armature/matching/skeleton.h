@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "armature/description/armature.h"
-#include "core/camera.h"
-#include "core/mesh.h"
-#include "core/motion_clip.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
+#include "core/values/motion_clip.h"
 
 namespace keypose::armature {
 

@@ -8,9 +8,9 @@
 #include <optional>
 #include <sstream>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

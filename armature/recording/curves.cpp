@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "armature/description/armature.h"
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 
 namespace keypose::armature {
 

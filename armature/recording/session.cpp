@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "armature/recording/flipbook.h"
-#include "core/errors.h"
-#include "core/io/bvh_io.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

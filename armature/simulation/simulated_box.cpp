@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::armature {
 

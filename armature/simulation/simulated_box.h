@@ -15,7 +15,7 @@
 #include "armature/description/armature.h"
 #include "armature/simulation/faults.h"
 #include "armature/simulation/simulated_sensors.h"
-#include "core/io/serial_port.h"
+#include "core/io/text/serial_port.h"
 
 namespace keypose::armature {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::armature {
 

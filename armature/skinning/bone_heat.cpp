@@ -6,14 +6,14 @@
 #include <limits>
 #include <map>
 
-#include "core/cholesky.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::armature {
 

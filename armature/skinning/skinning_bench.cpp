@@ -5,7 +5,7 @@
 
 #include "armature/skinning/bone_heat.h"
 #include "armature/skinning/skin.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 namespace {

@@ -8,11 +8,11 @@
 #include "armature/skinning/skin.h"
 #include "armature/skinning/stick_mesh.h"
 #include "armature/skinning/weights_text.h"
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::armature {
 

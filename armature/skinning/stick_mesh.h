@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "armature/skinning/skin.h"
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::armature {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/errors.h"
-#include "core/io/bone_weights.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bone_weights.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

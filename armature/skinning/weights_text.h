@@ -8,7 +8,7 @@
 
 namespace keypose::armature {
 
-/// The formats of ParseBoneWeights (core/io/bone_weights.h).
+/// The formats of ParseBoneWeights (core/io/meshes/bone_weights.h).
 ///
 /// @param names    of the joints whose turning moves the vertices; the columns of a .dmat are in
 ///                 their order

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "capture/pictures/cv_image.h"
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

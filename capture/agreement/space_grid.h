@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "capture/agreement/space_options.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -10,7 +10,7 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/set_rounds.h"
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

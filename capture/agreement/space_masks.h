@@ -7,9 +7,9 @@
 #include "capture/board/board_detection.h"
 #include "capture/segmentation/mask_holes.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 
 namespace keypose::capture {
 

@@ -9,8 +9,8 @@
 
 #include "capture/agreement/space_queries.h"
 #include "capture/testing/test_ring.h"
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "capture/agreement/view_colours.h"
 #include "capture/agreement/view_consensus.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -7,8 +7,8 @@
 
 #include "capture/agreement/space_grid.h"
 #include "capture/pictures/working_image.h"
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "capture/agreement/space_grid.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "capture/agreement/space_options.h"
 #include "capture/segmentation/mask_holes.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

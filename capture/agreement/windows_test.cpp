@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "capture/testing/test_images.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "capture/board/markers.h"
 #include "capture/board/print_match.h"
-#include "core/errors.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "capture/board/board_pattern.h"
-#include "core/calibration_board.h"
-#include "core/image.h"
+#include "core/values/calibration_board.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <opencv2/aruco.hpp>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/calibration_board.h"
+#include "core/values/calibration_board.h"
 
 namespace keypose::capture {
 

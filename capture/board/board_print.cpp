@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "capture/board/board_pattern.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/board/checkerboard.h"
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

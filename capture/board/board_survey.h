@@ -9,7 +9,7 @@
 
 #include "capture/board/board_pattern.h"
 #include "capture/board/markers.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -9,7 +9,7 @@
 #include <opencv2/aruco.hpp>
 
 #include "capture/board/testing/seen_board.h"
-#include "core/fit_view.h"
+#include "core/pictures/fit_view.h"
 
 namespace keypose::capture {
 namespace {

@@ -1,6 +1,6 @@
 // The calibration board: the printed page, its agreement with OpenCV's own board, and corners
 // compared with known cameras.
-#include "core/calibration_board.h"
+#include "core/values/calibration_board.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/board/board_print.h"
-#include "core/camera.h"
-#include "core/errors.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

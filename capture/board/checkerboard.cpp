@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "capture/board/markers.h"
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "capture/board/checkerboard.h"
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

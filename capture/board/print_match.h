@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "capture/board/board_pattern.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

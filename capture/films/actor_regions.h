@@ -1,7 +1,7 @@
 // Which regions of a cut are the actor.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

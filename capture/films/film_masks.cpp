@@ -11,8 +11,8 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/empty_set.h"
 #include "capture/segmentation/trimap.h"
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "capture/films/film_model.h"
 #include "capture/films/network_looks.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

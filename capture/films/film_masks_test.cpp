@@ -13,8 +13,8 @@
 #include "capture/films/pixel_modes.h"
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

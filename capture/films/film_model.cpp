@@ -9,7 +9,7 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/trimap.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 

@@ -7,7 +7,7 @@
 
 #include "capture/films/pixel_modes.h"
 #include "capture/segmentation/colour_odds.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

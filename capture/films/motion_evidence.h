@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "capture/films/pixel_modes.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures/cv_image.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

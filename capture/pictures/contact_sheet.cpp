@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "core/render.h"
+#include "core/pictures/render.h"
 
 namespace keypose::capture {
 

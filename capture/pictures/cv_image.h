@@ -1,7 +1,7 @@
 // Conversion between images of core and OpenCV's.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace cv {
 class Mat;

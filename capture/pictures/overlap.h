@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/joined_images.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/pictures/joined_images.h"
+#include "core/values/progress.h"
 
 namespace keypose::capture {
 

@@ -1,7 +1,7 @@
 // Sharpness and exposure of the object in a photograph.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

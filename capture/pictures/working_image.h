@@ -1,7 +1,7 @@
 // Photographs and masks at working size.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/calibration_board.h"
+#include "core/values/calibration_board.h"
 
 namespace keypose::capture {
 

@@ -10,9 +10,9 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "core/errors.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

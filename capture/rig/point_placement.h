@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/known_points.h"
+#include "core/values/camera.h"
+#include "core/values/known_points.h"
 
 namespace keypose::capture {
 

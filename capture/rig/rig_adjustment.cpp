@@ -5,9 +5,9 @@
 
 #include <array>
 
-#include "core/errors.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "capture/rig/board_sighting.h"
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::capture {
 

@@ -7,8 +7,8 @@
 
 #include "capture/rig/board_turns.h"
 #include "capture/rig/rig_adjustment.h"
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

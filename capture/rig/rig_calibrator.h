@@ -6,9 +6,9 @@
 
 #include "capture/rig/board_sighting.h"
 #include "capture/rig/lens_calibration.h"
-#include "core/calibration_board.h"
-#include "core/camera.h"
-#include "core/progress.h"
+#include "core/values/calibration_board.h"
+#include "core/values/camera.h"
+#include "core/values/progress.h"
 
 namespace keypose::capture {
 

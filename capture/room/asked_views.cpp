@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/image_turns.h"
+#include "core/pictures/image_turns.h"
 
 namespace keypose::capture {
 namespace {

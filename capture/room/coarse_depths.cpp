@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "views/stereo/patch_match.h"
 
 namespace keypose::capture {

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 
 namespace keypose::capture {
 

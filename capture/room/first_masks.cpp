@@ -15,8 +15,8 @@
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/set_rounds.h"
 #include "capture/segmentation/trimap.h"
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

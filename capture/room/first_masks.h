@@ -10,9 +10,9 @@
 #include "capture/room/asked_views.h"
 #include "capture/room/stroke_masks.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 
 namespace keypose::capture {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "capture/testing/test_ring.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

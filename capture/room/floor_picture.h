@@ -7,8 +7,8 @@
 
 #include "capture/room/coarse_depths.h"
 #include "capture/room/standing_figure.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

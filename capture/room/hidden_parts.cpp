@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures/cv_image.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

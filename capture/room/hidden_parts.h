@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "capture/room/standing_figure.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "capture/room/piece_split.h"
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -9,8 +9,8 @@
 #include <queue>
 #include <utility>
 
-#include "core/max_flow.h"
-#include "core/size_of.h"
+#include "core/numbers/max_flow.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

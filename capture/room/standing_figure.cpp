@@ -9,7 +9,7 @@
 
 #include "capture/room/lined_thing.h"
 #include "capture/room/stroke_marks.h"
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -9,8 +9,8 @@
 #include "capture/room/coarse_depths.h"
 #include "capture/room/stroke_masks.h"
 #include "capture/room/support_planes.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

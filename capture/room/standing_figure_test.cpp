@@ -15,7 +15,7 @@
 #include "capture/room/told_by_depths.h"
 #include "capture/testing/test_images.h"
 #include "capture/testing/test_ring.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "capture/room/stroke_masks.h"
 #include "capture/room/voxel_grid.h"
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::capture {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <random>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "capture/pictures/cv_image.h"
 #include "capture/room/floor_picture.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {

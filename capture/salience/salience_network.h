@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "capture/salience/wire.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

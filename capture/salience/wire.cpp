@@ -1,6 +1,6 @@
 #include "capture/salience/wire.h"
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "capture/pictures/cv_image.h"
-#include "core/srgb.h"
-#include "core/tuned.h"
+#include "core/pictures/srgb.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

@@ -1,7 +1,7 @@
 // Moves the border of a mask to where the object covers half of a pixel.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/srgb.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::capture {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "capture/segmentation/pixel_classifier.h"
-#include "core/image.h"
-#include "core/tuned.h"
+#include "core/values/image.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 

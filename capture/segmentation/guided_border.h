@@ -1,7 +1,7 @@
 // Carries the border of a small mask to a picture many times its size.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -10,8 +10,8 @@
 
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "capture/segmentation/empty_set.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 

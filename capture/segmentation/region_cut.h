@@ -1,7 +1,7 @@
 // One region of an image from log odds at its pixels.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

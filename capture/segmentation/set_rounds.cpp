@@ -13,8 +13,8 @@
 #include "capture/segmentation/colour_odds.h"
 #include "capture/segmentation/pixel_classifier.h"
 #include "capture/segmentation/region_cut.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::capture {
 namespace {

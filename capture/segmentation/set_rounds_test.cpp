@@ -9,7 +9,7 @@
 #include "capture/segmentation/pixel_classifier.h"
 #include "capture/segmentation/set_rounds.h"
 #include "capture/testing/test_images.h"
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace {

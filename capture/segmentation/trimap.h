@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -18,8 +18,8 @@
 #include "capture/shoot/simulation/simulated_set.h"
 #include "capture/shoot/talk/json_lines.h"
 #include "capture/shoot/talk/terminal.h"
-#include "core/errors.h"
-#include "core/io/line_input.h"
+#include "core/values/errors.h"
+#include "core/io/text/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

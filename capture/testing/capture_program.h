@@ -9,9 +9,10 @@
 #include <string>
 
 #include "capture/testing/test_images.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::capture {
 
@@ -36,7 +37,7 @@ class CaptureProgram : public testing::Test, public TestingFolder {
   /// @param first  shell commands to run before, such as limits
   Outcome Run(const std::string& more = "", const std::string& first = "") const {
     const fs::path log = root / "log.txt";
-    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " +
+    const std::string command = first + BinFolder() + "/keypose-capture --photos " +
                                 photos.string() + " --images " + images.string() + " --report " +
                                 (root / "report.json").string() + " " + more + " > " +
                                 log.string() + " 2>&1";

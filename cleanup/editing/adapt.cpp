@@ -13,10 +13,10 @@
 
 #include "cleanup/editing/cgal_convert.h"
 #include "cleanup/editing/mesh_editor.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/tuned.h"
 
 namespace keypose::cleanup {
 namespace {

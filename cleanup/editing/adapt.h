@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::cleanup {
 namespace {

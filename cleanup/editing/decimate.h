@@ -1,7 +1,7 @@
 // Fast decimation for surfaces with millions of faces.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace CGAL {
 template <typename P>

@@ -6,10 +6,10 @@
 #include <limits>
 #include <queue>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
 
 namespace keypose::cleanup {
 namespace {

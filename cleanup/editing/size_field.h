@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/tuned.h"
+#include "core/values/mesh.h"
+#include "core/values/tuned.h"
 
 namespace keypose::cleanup {
 

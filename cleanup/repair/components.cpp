@@ -6,10 +6,10 @@
 #include <numeric>
 #include <set>
 
-#include "core/geometry.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -11,8 +11,8 @@
 #include "cleanup/repair/see_through.h"
 #include "cleanup/repair/soup.h"
 #include "cleanup/repair/topology.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 
 namespace keypose::cleanup {
 namespace {

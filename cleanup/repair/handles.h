@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/sight_lines.h"
+#include "core/values/mesh.h"
+#include "core/pictures/sight_lines.h"
 
 namespace keypose::cleanup {
 

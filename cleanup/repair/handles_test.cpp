@@ -9,9 +9,9 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/repair/topology.h"
 #include "cleanup/testing/damage.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
-#include "core/ordered_memory.h"
+#include "core/numbers/ordered_memory.h"
 
 // CGAL traverses the cells of a triangulation by address. Of two triangles that fill a rim equally
 // well, it takes the one that it finds first.
@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "cleanup/editing/cgal_convert.h"
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -2,8 +2,8 @@
 // large ones become flat membranes.
 #pragma once
 
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 
 namespace keypose::cleanup {
 

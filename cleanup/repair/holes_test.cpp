@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -6,8 +6,8 @@
 #include "cleanup/repair/components.h"
 #include "cleanup/repair/holes.h"
 #include "cleanup/repair/soup.h"
-#include "core/geometry.h"
-#include "core/self_intersections.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/self_intersections.h"
 
 namespace keypose::cleanup {
 

@@ -3,9 +3,9 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/repair/wrap.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
 
 namespace keypose::cleanup {
 namespace {

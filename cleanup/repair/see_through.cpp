@@ -10,9 +10,9 @@
 #include <set>
 
 #include "cleanup/repair/topology.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "cleanup/editing/cgal_convert.h"
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -2,7 +2,7 @@
 // strategy, R0.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

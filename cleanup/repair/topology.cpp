@@ -9,8 +9,8 @@
 #include <queue>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/union_find.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/union_find.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -1,7 +1,7 @@
 // A closed surface around any triangles: the last repair strategy, R4.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

@@ -13,9 +13,9 @@
 #include "cleanup/strategies/measure.h"
 #include "cleanup/strategies/repair_strategies.h"
 #include "cleanup/support/support_plane.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/options.h"
+#include "core/values/options.h"
 
 namespace keypose::cleanup {
 

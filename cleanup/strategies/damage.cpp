@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/surface_distance.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/surface_distance.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "cleanup/repair/intersections.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/surface_distance.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/surface_distance.h"
 
 namespace keypose::cleanup {
 namespace {

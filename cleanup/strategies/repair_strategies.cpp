@@ -20,9 +20,9 @@
 #include "cleanup/strategies/damage.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/support/support_plane.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/tuned.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -10,8 +10,8 @@
 #include "cleanup/strategies/cleanup_options.h"
 #include "cleanup/strategies/cleanup_result.h"
 #include "cleanup/support/support_plane.h"
-#include "core/progress.h"
-#include "core/sight_lines.h"
+#include "core/values/progress.h"
+#include "core/pictures/sight_lines.h"
 
 namespace keypose::cleanup {
 

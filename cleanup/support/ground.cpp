@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/ground_contact.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/tuned.h"
+#include "core/pictures/ground_contact.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/tuned.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

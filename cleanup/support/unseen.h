@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

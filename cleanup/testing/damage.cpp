@@ -10,9 +10,9 @@
 #include <set>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::cleanup {
 namespace {

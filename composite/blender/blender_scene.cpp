@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/blender/blender_scene.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

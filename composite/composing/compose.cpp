@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "composite/layer/linear_light.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -8,9 +8,9 @@
 #include "composite/composing/geometry.h"
 #include "composite/composing/join.h"
 #include "composite/layer/linear_light.h"
-#include "core/errors.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

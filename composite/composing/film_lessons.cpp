@@ -10,10 +10,10 @@
 #include "composite/follow/follow_film.h"
 #include "composite/layer/linear_light.h"
 #include "composite/light/exposure.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "composite/composing/lessons.h"
 #include "composite/light/stated_light.h"
-#include "core/progress.h"
+#include "core/values/progress.h"
 
 namespace keypose::composite {
 

@@ -8,8 +8,8 @@
 #include "composite/plan/camera_path.h"
 #include "composite/plan/film_plan.h"
 #include "composite/plan/placement.h"
-#include "core/filmed_shot.h"
-#include "core/mesh.h"
+#include "core/values/filmed_shot.h"
+#include "core/values/mesh.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {

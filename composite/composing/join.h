@@ -1,7 +1,7 @@
 // How well a picture that was rendered at a filmed frame's time joins that frame.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

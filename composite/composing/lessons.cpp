@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "composite/layer/linear_light.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/movie_header.h"
-#include "core/io/png_io.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/movie_header.h"
+#include "core/io/pictures/png_io.h"
+#include "core/values/size_of.h"
 #include "views/shot/shot.h"
 
 namespace keypose::composite {

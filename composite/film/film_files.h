@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "core/io/shot_io.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/io/project/shot_io.h"
+#include "core/values/progress.h"
 
 namespace keypose::composite {
 

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "composite/layer/linear_light.h"
-#include "core/cholesky.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/cholesky.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

@@ -7,8 +7,8 @@
 #pragma once
 
 #include "composite/layer/character_layer.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {

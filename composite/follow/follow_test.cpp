@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "composite/layer/linear_light.h"
-#include "core/rotations.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/rotations.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {

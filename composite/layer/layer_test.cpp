@@ -6,7 +6,7 @@
 #include "composite/layer/linear_light.h"
 #include "composite/layer/set_geometry.h"
 #include "composite/layer/table_shadow.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/srgb.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::composite {
 namespace {

@@ -1,7 +1,7 @@
 // Pictures in linear light, and smoothing of them.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::composite {
 namespace {

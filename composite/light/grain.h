@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

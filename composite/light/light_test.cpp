@@ -9,9 +9,9 @@
 #include "composite/light/shading.h"
 #include "composite/light/shadow_fit.h"
 #include "composite/light/stated_light.h"
-#include "core/geometry.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

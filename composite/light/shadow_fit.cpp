@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/angles.h"
-#include "core/parallel.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "composite/layer/table_shadow.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/ray_scene.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::composite {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "composite/layer/table_shadow.h"
 #include "composite/light/shading.h"
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::composite {
 

@@ -8,14 +8,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/shot_io.h"
-#include "core/io/testing_folder.h"
-#include "core/render.h"
-#include "core/rotations.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/shot_io.h"
+#include "core/testing/folder.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "views/film/mp4.h"
 
 namespace keypose::composite {
@@ -83,7 +84,7 @@ class LocateProgram : public testing::Test {
       words.replace(at, 1, folder.string());
     fs::remove(folder / "shot.json");
     const std::string f = folder.string();
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-locate " + words +
+    const std::string command = BinFolder() + "/keypose-locate " + words +
                                 " --shot " + f + "/shot.json --report " + f + "/report.json > " +
                                 f + "/log 2>&1";
     return std::system(command.c_str()) >> 8;

@@ -6,7 +6,7 @@
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/matte_outline.h"
 #include "composite/locating/outline/silhouette.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 namespace {

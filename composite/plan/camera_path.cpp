@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/filmed_shot.h"
+#include "core/values/filmed_shot.h"
 
 namespace keypose::composite {
 

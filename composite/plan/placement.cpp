@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::composite {
 namespace {

@@ -1,8 +1,8 @@
 // Where the character is between two located frames.
 #pragma once
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

@@ -8,8 +8,8 @@
 #include "composite/plan/camera_path.h"
 #include "composite/plan/film_plan.h"
 #include "composite/plan/placement.h"
-#include "core/errors.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/pictures/render.h"
 
 namespace keypose::composite {
 namespace {

@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/photo.hpp>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/srgb.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::composite {
 namespace {

@@ -1,7 +1,7 @@
 // The set without the character between two of a moving camera's plates.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

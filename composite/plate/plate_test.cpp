@@ -5,7 +5,7 @@
 #include "composite/layer/linear_light.h"
 #include "composite/plate/clean_plate.h"
 #include "composite/plate/plate_between.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::composite {
 namespace {

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <chrono>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::internal {
 namespace {

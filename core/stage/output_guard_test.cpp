@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/values/size_of.h"
 #include "core/stage/stage.h"
 
 namespace keypose {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 
 namespace keypose {
 
@@ -34,7 +34,7 @@ struct StageSpec {
   /// external programs that it calls, e.g. "colmap"; their versions are part of the fingerprint
   std::vector<std::string> tools = {};
   /// files of the installation that it reads where they are there, e.g. "isnet.onnx" (see
-  /// core/io/shared_files.h); their versions are part of the fingerprint too
+  /// core/io/text/shared_files.h); their versions are part of the fingerprint too
   std::vector<std::string> shared_files = {};
   int cores = 0;          ///< cores it can use; 0 means all
   double memory_gib = 1;  ///< approximate peak memory

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "core/stage/output_guard.h"
 
 namespace keypose::internal {

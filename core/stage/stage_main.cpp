@@ -12,10 +12,10 @@
 #include <new>
 #include <optional>
 
-#include "core/io/files.h"
-#include "core/io/shared_files.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/io/text/files.h"
+#include "core/io/text/shared_files.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "core/stage/awaited_arguments.h"
 #include "core/stage/interruption.h"
 #include "core/stage/output_guard.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/options.h"
+#include "core/values/options.h"
 
 namespace keypose::internal {
 

@@ -9,10 +9,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {
@@ -307,7 +308,7 @@ int EndStuck(const fs::path& folder, const std::vector<int>& signals) {
   const std::string text = folder / "in.txt", copy = folder / "out.txt";
   const pid_t child = fork();
   if (child == 0) {
-    execl(KEYPOSE_STUCK_STAGE, "stuck", "--text", text.c_str(), "--copy", copy.c_str(), nullptr);
+    execl((BinFolder() + "/testing/core_stuck_stage").c_str(), "stuck", "--text", text.c_str(), "--copy", copy.c_str(), nullptr);
     _exit(127);
   }
   while (!fs::exists(folder / "stuck") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);

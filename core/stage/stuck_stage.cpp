@@ -1,7 +1,7 @@
 // A stage for tests that stands in a call which looks at nothing, with its output half written.
 #include <unistd.h>
 
-#include "core/io/files.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
 
 namespace {

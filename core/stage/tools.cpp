@@ -12,7 +12,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "core/stage/stage.h"
 
 namespace keypose {

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <optional>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/block_jacobi.h"
 #include "deform/solvers/sparse_pattern.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/cholesky.h"
-#include "core/mesh.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/mesh.h"
 #include "deform/arap/rigid_pieces.h"
 
 namespace keypose {

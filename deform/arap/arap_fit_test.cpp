@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose {
 namespace {

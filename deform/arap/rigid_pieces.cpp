@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/camera.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/sparse_pattern.h"
 
 namespace keypose {

@@ -8,11 +8,11 @@
 #include <tuple>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/levels/step_queue.h"
 
 namespace keypose {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose {
 namespace {

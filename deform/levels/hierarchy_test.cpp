@@ -10,9 +10,9 @@
 #include <numeric>
 #include <set>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "deform/levels/landmark_coordinates.h"
 #include "deform/levels/levels.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 
 namespace keypose {

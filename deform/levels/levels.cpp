@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose {
 

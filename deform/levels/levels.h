@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/landmark_goal.h"
-#include "core/size_of.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/size_of.h"
 #include "deform/arap/arap_fit.h"
 #include "deform/levels/hierarchy.h"
 #include "deform/levels/landmark_coordinates.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/poisson/poisson_impl.h"
 #include "deform/solvers/lanes.h"
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <numeric>
 
-#include "core/errors.h"
-#include "core/mesh_checks.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/size_of.h"
 #include "deform/poisson/poisson_impl.h"
 
 namespace keypose {

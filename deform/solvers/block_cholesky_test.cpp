@@ -5,8 +5,8 @@
 #include <Eigen/Dense>
 #include <limits>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose {
 namespace {

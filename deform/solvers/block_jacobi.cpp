@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose {
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <string>
 
-#include "core/blas_threads.h"
-#include "core/errors.h"
+#include "core/numbers/blas_threads.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

@@ -2,7 +2,7 @@
 
 #include <cblas.h>
 
-#include "core/blas_threads.h"
+#include "core/numbers/blas_threads.h"
 
 namespace keypose {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/geometry.h"
-#include "core/union_find.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/union_find.h"
 
 namespace keypose {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/size_of.h"
+#include "core/values/mesh.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 
 namespace keypose {

@@ -3,12 +3,12 @@
 #include <iterator>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/seams.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/seams.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::exporting {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::exporting {
 

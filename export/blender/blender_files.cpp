@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

@@ -1,4 +1,5 @@
 // What the add-on reads, byte by byte; and what Blender shows after it read it.
+#include "core/testing/paths.h"
 #include "export/blender/blender_files.h"
 
 #include <gmock/gmock.h>
@@ -12,12 +13,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::exporting {
 namespace {
@@ -189,7 +190,7 @@ TEST(MakeBlenderFiles, OneFrameWithoutTextureCoordinatesIsOnePicture) {
 
 TEST(BlenderAddOn, SaysItsLicenceAndIsWrittenUnchanged) {
   const std::string source =
-      ReadFile(fs::path(KEYPOSE_SOURCE_DIR) / "export/blender/keypose_import.py");
+      ReadFile(fs::path(SourceFolder()) / "export/blender/keypose_import.py");
   EXPECT_EQ(BlenderAddOn(), source);
   EXPECT_THAT(source, HasSubstr("SPDX-License-Identifier: AGPL-3.0-or-later"));
 }
@@ -226,8 +227,7 @@ TEST(BlenderAddOn, ImportsAndUpdatesInBlender) {
   WriteProject(lying, folder / "y_up");
   const std::string command =
       "BLENDER_USER_SCRIPTS=" + (folder / "scripts").string() +
-      " blender -b --factory-startup --python-exit-code 1 --python " KEYPOSE_SOURCE_DIR
-      "/export/blender/testing/add_on_test.py -- " +
+      " blender -b --factory-startup --python-exit-code 1 --python " + SourceFolder() + "/export/blender/testing/add_on_test.py -- " +
       folder.string() + " > " + (folder / "log").string() + " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log");
   EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("add_on_test: passed"));

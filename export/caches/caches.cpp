@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "export/caches/template_obj.h"
 
 namespace keypose::exporting {

@@ -2,7 +2,7 @@
 // to a mesh with the same vertices.
 #pragma once
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

@@ -1,4 +1,5 @@
 // Point caches, decoded by hand and as Blender reads them.
+#include "core/testing/paths.h"
 #include "export/caches/caches.h"
 
 #include <gmock/gmock.h>
@@ -7,10 +8,10 @@
 #include <bit>
 #include <cstdint>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -176,7 +177,7 @@ TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
   WriteTruth(scene, folder.path() / "truth");
   const ReaderResult result =
       RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                 KEYPOSE_SOURCE_DIR "/export/caches/testing/check_cache.py", "--",
+                 SourceFolder() + "/export/caches/testing/check_cache.py", "--",
                  folder.path() / "cache" / (std::string("character.") + extension),
                  folder.path() / "truth", importer});
   ASSERT_EQ(result.exit_code, 0) << result.output;

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "export/fbx/fbx_animation.h"
 #include "export/fbx/fbx_document.h"
 #include "export/fbx/fbx_error.h"

@@ -1,7 +1,7 @@
 // Animated meshes as binary FBX 7.4, for Blender, Unity, Unreal and Maya.
 #pragma once
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "export/fbx/fbx_mesh.h"
 
 namespace keypose::exporting {

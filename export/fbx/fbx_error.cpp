@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel.h"
-#include "core/progress.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/progress.h"
+#include "core/values/size_of.h"
 #include "export/fbx/fbx_document.h"
 
 namespace keypose::exporting {

@@ -2,8 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx.h"
@@ -13,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kTesting = KEYPOSE_SOURCE_DIR "/export/fbx/testing/";
+const std::string kTesting = SourceFolder() + "/export/fbx/testing/";
 
 /// The file of a scene, alone in a folder, and beside it what readers must find.
 class Imported {
@@ -27,12 +28,12 @@ class Imported {
   /// @param stands  per shown frame but the last, whether it is held until the next
   ReaderResult InBlender(const std::string& stands) const {
     return RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                      std::string(kTesting) + "check_fbx.py", "--", path(),
+                      kTesting + "check_fbx.py", "--", path(),
                       folder_.path() / "truth", stands});
   }
   ReaderResult InThree() const {
     return RunReader(
-        {"node", std::string(kTesting) + "check_fbx.mjs", path(), folder_.path() / "truth"});
+        {"node", kTesting + "check_fbx.mjs", path(), folder_.path() / "truth"});
   }
 
  private:
@@ -41,7 +42,7 @@ class Imported {
 
 bool HasThree() {
   return HasReader("node") &&
-         std::filesystem::exists(KEYPOSE_SOURCE_DIR "/node_modules/three/package.json");
+         std::filesystem::exists(SourceFolder() + "/node_modules/three/package.json");
 }
 
 /// A picture that stands, pictures that blend, and two on twos.

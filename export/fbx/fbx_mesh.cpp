@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <string>
 
-#include "core/parallel.h"
-#include "core/progress.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/progress.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

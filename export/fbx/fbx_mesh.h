@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 #include "export/fbx/fbx_document.h"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::exporting {
 namespace {

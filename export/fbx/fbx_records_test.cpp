@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::exporting {
 namespace {

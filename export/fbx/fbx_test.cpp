@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx_error.h"
 #include "export/fbx/fbx_records.h"

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 #include "views/film/picture.h"
 

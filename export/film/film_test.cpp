@@ -8,11 +8,11 @@
 #include <opencv2/videoio.hpp>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "export/film/film.h"
 #include "views/film/mp4.h"
 

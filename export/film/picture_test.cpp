@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "export/film/film.h"
 
 namespace keypose::exporting {

@@ -6,11 +6,11 @@
 #include <iterator>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "export/gltf/glb_builder.h"
 #include "export/gltf/morph_basis.h"
 #include "export/gltf/unit_weights.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/gltf/glb_options.h"
 
 namespace keypose::exporting {

@@ -1,4 +1,5 @@
 // The GLB with few morph targets: decoded by hand, in three.js, in Blender, and by the validator.
+#include "core/testing/paths.h"
 #include "export/gltf/few_targets.h"
 
 #include <gtest/gtest.h>
@@ -9,12 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -352,25 +353,25 @@ Scene MixedScene(bool with_uvs) {
 }
 
 TEST_F(FewTargetsFile, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
-  if (!HasReader("node") || !fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator"))
+  if (!HasReader("node") || !fs::exists(SourceFolder() + "/node_modules/gltf-validator"))
     GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
   for (const Scene& scene :
        {MixedScene(true), SceneOf(CirclingBox(49)), SceneOf({MakeBox(1, 2, 3)})}) {
     Write(scene);
     const ReaderResult read =
-        RunReader({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Path()});
+        RunReader({"node", SourceFolder() + "/tests/validate_gltf.mjs", Path()});
     EXPECT_EQ(read.exit_code, 0) << read.output;
     EXPECT_NE(read.output.find("0 errors, 0 warnings"), std::string::npos) << read.output;
   }
 }
 
 TEST_F(FewTargetsFile, PlaysInThreeJsAsClaimed) {
-  if (!HasReader("node") || !fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/three"))
+  if (!HasReader("node") || !fs::exists(SourceFolder() + "/node_modules/three"))
     GTEST_SKIP() << "node or node_modules/three is missing: run ./dev setup";
   for (const Scene& scene : {MixedScene(false), SceneOf(WrithingSphere(14))}) {
     const FormatFiles made = Write(scene);
     const ReaderResult read = RunReader(
-        {"node", KEYPOSE_SOURCE_DIR "/export/gltf/testing/play_few.mjs", Path(), Truth()});
+        {"node", SourceFolder() + "/export/gltf/testing/play_few.mjs", Path(), Truth()});
     ASSERT_EQ(read.exit_code, 0) << read.output;
     EXPECT_EQ(FigureOf(read.output, "targets"), made.measured.at("morph_targets"));
     EXPECT_NEAR(FigureOf(read.output, "worst"), made.error_over_diagonal, 5e-7);
@@ -389,7 +390,7 @@ TEST_F(FewTargetsFile, PlaysInBlenderAsClaimed) {
   const FormatFiles made = Write(MixedScene(true));
   const ReaderResult read =
       RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                 KEYPOSE_SOURCE_DIR "/export/gltf/testing/check_few.py", "--", Path(), Truth()});
+                 SourceFolder() + "/export/gltf/testing/check_few.py", "--", Path(), Truth()});
   ASSERT_EQ(read.exit_code, 0) << read.output;
   EXPECT_EQ(FigureOf(read.output, "targets"), made.measured.at("morph_targets"));
   EXPECT_EQ(FigureOf(read.output, "sliders"), made.measured.at("morph_targets"))

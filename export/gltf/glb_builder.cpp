@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

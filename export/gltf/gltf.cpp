@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "export/gltf/glb_builder.h"
 
 namespace keypose::exporting {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "export/gltf/minimax_basis.h"
 
 namespace keypose::exporting {

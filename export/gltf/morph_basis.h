@@ -1,7 +1,7 @@
 // The few shapes whose weighted sums come closest to many pictures of one mesh.
 #pragma once
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/gltf/weighted_shapes.h"
 
 namespace keypose::exporting {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "export/gltf/minimax_basis.h"
 #include "export/gltf/unit_weights.h"
 

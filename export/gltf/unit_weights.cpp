@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

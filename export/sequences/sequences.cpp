@@ -6,10 +6,10 @@
 #include <set>
 #include <system_error>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

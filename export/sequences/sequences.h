@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

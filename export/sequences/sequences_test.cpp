@@ -1,14 +1,15 @@
 // Numbered files, read by our reader and by Blender.
+#include "core/testing/paths.h"
 #include "export/sequences/sequences.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -136,7 +137,7 @@ std::string InBlender(const Scene& scene, const std::string& kind) {
     WritePlySequence(scene, folder.path() / kind, nullptr);
   const ReaderResult read =
       RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                 KEYPOSE_SOURCE_DIR "/export/sequences/testing/check_sequence.py", "--",
+                 SourceFolder() + "/export/sequences/testing/check_sequence.py", "--",
                  (folder.path() / "truth").string(), (folder.path() / kind).string(), kind});
   EXPECT_EQ(read.exit_code, 0) << read.output;
   return read.output;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "export/usd/usda_text.h"
 
 namespace keypose::exporting {

@@ -1,7 +1,7 @@
 // The animation as a text file of Universal Scene Description.
 #pragma once
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

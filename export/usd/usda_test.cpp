@@ -1,11 +1,12 @@
 // USD files, read by their grammar and by three.js.
+#include "core/testing/paths.h"
 #include "export/usd/usda.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/usd/usda_text.h"
@@ -87,7 +88,7 @@ ReaderResult Read(const Scene& scene) {
   WriteFiles(MakeUsda(scene, nullptr), scene, folder.path());
   WriteTruth(scene, folder.path() / "truth");
   return RunReader(
-      {"node", KEYPOSE_SOURCE_DIR "/export/usd/testing/read_usda.mjs", folder.path(), scene.name});
+      {"node", SourceFolder() + "/export/usd/testing/read_usda.mjs", folder.path(), scene.name});
 }
 
 void ExpectRead(const ReaderResult& result) {

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "export/vat/vat_images.h"
 #include "export/vat/vat_layout.h"
 #include "export/vat/vat_mesh.h"

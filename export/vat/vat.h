@@ -1,7 +1,7 @@
 // The animation as textures that a vertex shader reads: one texel per vertex and frame.
 #pragma once
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "export/animation/scene.h"
 
 namespace keypose::exporting {

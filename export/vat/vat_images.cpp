@@ -3,7 +3,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::exporting {
 namespace {

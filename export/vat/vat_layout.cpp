@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::exporting {
 

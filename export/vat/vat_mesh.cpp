@@ -5,8 +5,8 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::exporting {
 namespace {

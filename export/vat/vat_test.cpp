@@ -1,5 +1,6 @@
 // Vertex animation textures, decoded by other programs: node with three.js, Chromium, and Khronos'
 // validator.
+#include "core/testing/paths.h"
 #include "export/vat/vat.h"
 
 #include <gmock/gmock.h>
@@ -8,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/vat/vat_layout.h"
@@ -17,7 +18,7 @@
 namespace keypose::exporting {
 namespace {
 
-const std::string kTools = KEYPOSE_SOURCE_DIR "/export/vat/testing/";
+const std::string kTools = SourceFolder() + "/export/vat/testing/";
 
 const std::string& BytesOf(const FormatFiles& made, const std::string& path) {
   for (const FormatFile& file : made.files)
@@ -167,7 +168,7 @@ TEST_F(VatFiles, TheValidatorFindsNothingWrongWithTheMesh) {
     TestSceneOptions options;
     options.with_uvs = with_uvs;
     Write(options);
-    const ReaderResult result = RunReader({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs",
+    const ReaderResult result = RunReader({"node", SourceFolder() + "/tests/validate_gltf.mjs",
                                            folder_.path() / "vat/character.glb"});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     EXPECT_THAT(result.output, testing::HasSubstr("0 errors, 0 warnings"));

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::fit {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::fit {
 namespace {

@@ -5,11 +5,11 @@
 #include <map>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 #include "deform/levels/levels.h"
 #include "fit/bending/evidence.h"

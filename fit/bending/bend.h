@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "fit/bending/bend_input.h"
 #include "fit/bending/marks.h"
 

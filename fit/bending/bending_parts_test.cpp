@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "fit/bending/feature_filter.h"
 #include "fit/bending/joint_solve.h"
 #include "fit/bending/unfold.h"

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/face_pairs.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/face_pairs.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
 #include "fit/appearance/grey_pyramid.h"
 #include "fit/appearance/textured_render.h"
 #include "fit/bending/bend_input.h"

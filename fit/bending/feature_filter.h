@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "views/placement/surface_features.h"
 #include "views/prepared/prepared_view.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/cholesky.h"
-#include "core/size_of.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

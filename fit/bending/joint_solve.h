@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/landmark_goal.h"
+#include "core/values/camera.h"
+#include "core/values/landmark_goal.h"
 #include "deform/arap/arap_fit.h"
 #include "fit/bending/constraints.h"
 

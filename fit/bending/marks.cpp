@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/landmark_goal.h"
+#include "core/values/landmark_goal.h"
 #include "fit/bending/constraints.h"
 
 namespace keypose::fit {

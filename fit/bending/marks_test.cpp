@@ -3,8 +3,8 @@
 
 #include <Eigen/LU>
 
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "fit/bending/marks.h"
 
 namespace keypose::fit {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/ray_scene.h"
+#include "core/surfaces/ray_scene.h"
 #include "fit/appearance/textured_render.h"
 #include "fit/bending/constraints.h"
 #include "views/placement/surface_features.h"

@@ -1,6 +1,6 @@
 #include "fit/bending/patch_matches.h"
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

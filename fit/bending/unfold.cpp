@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

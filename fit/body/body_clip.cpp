@@ -1,6 +1,6 @@
 #include "fit/body/body_clip.h"
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 
 namespace keypose::fit {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 #include "fit/body/body_pose.h"
 
 namespace keypose::fit {

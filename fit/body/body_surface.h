@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "fit/body/body_pose.h"
 
 namespace keypose::fit {

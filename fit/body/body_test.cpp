@@ -4,10 +4,10 @@
 #include <string>
 #include <tuple>
 
-#include "core/angles.h"
-#include "core/geometry.h"
-#include "core/io/bvh_io.h"
-#include "core/motion_clip.h"
+#include "core/values/angles.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/bvh_io.h"
+#include "core/values/motion_clip.h"
 #include "fit/body/body_clip.h"
 #include "fit/body/body_pose.h"
 #include "fit/body/body_surface.h"

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/fit_view.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/fit_view.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/shapes.h"
 #include "fit/cameras/views_around.h"
 #include "fit/testing/spotted_lump.h"
 

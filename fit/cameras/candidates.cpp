@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "fit/bending/feature_filter.h"
 #include "fit/bending/nearby_matches.h"
 #include "fit/cameras/views_around.h"

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "views/placement/surface_features.h"
 #include "views/prepared/prepared_view.h"
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "fit/cameras/cameras_around.h"
 #include "fit/cameras/candidates.h"
 

@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "fit/cameras/find_cameras.h"
 #include "views/prepared/prepared_view.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/ray_scene.h"
+#include "core/surfaces/ray_scene.h"
 #include "fit/testing/spotted_lump.h"
 
 namespace keypose::fit {

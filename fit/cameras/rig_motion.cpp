@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::fit {
 namespace {

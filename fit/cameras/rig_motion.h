@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 #include "fit/cameras/find_cameras.h"
 #include "views/prepared/prepared_view.h"
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/fit_view.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/pictures/fit_view.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

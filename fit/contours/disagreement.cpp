@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/kd_tree.h"
-#include "core/size_of.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

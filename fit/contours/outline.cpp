@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "core/kd_tree.h"
-#include "core/size_of.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

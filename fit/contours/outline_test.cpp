@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "fit/contours/disagreement.h"
 
 namespace keypose::fit {

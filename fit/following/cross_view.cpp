@@ -5,9 +5,9 @@
 #include <limits>
 #include <set>
 
-#include "core/angles.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::fit {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "fit/appearance/patch_shift.h"
 #include "fit/appearance/textured_render.h"
 #include "fit/bending/constraints.h"

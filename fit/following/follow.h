@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "deform/volume/volume_correction.h"
 #include "fit/following/frame_fit.h"
 

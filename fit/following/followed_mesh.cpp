@@ -2,8 +2,8 @@
 
 #include <numeric>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 #include "deform/arap/arap_fit.h"
 
 namespace keypose::fit {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/face_pairs.h"
-#include "core/mesh.h"
+#include "core/surfaces/face_pairs.h"
+#include "core/values/mesh.h"
 #include "deform/levels/hierarchy.h"
 
 namespace keypose::fit {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "fit/testing/breathing_ball.h"
 
 namespace keypose::fit {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "deform/arap/arap_fit.h"
 #include "fit/bending/constraints.h"
 #include "fit/bending/unfold.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "fit/appearance/textured_render.h"
 #include "fit/following/calm.h"
 #include "fit/following/followed_mesh.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "fit/limbs/limbs.h"
 
 namespace keypose::fit {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/fit_view.h"
-#include "core/parallel.h"
-#include "core/scan_conversion.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/pictures/fit_view.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/scan_conversion.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::fit {
 namespace {

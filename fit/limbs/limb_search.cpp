@@ -4,9 +4,9 @@
 #include <numeric>
 #include <random>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "deform/levels/hierarchy.h"
 #include "fit/limbs/limb_chain.h"
 

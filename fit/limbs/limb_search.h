@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "fit/limbs/limb_pictures.h"
 
 namespace keypose::fit {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 
 namespace keypose::fit {

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "fit/limbs/limb_chain.h"
 #include "fit/limbs/limb_search.h"
 

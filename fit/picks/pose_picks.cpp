@@ -8,12 +8,12 @@
 #include <optional>
 #include <set>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/json_pick.h"
-#include "core/io/landmarks_io.h"
-#include "core/sha256.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/text/json_pick.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/numbers/sha256.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/io/carry_log.h"
-#include "core/io/image_set.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/io/project/carry_log.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 
 namespace keypose::fit {
 

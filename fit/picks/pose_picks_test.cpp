@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/testing_folder.h"
-#include "core/sha256.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/testing/folder.h"
+#include "core/numbers/sha256.h"
+#include "core/surfaces/shapes.h"
 #include "fit/picks/pose_picks.h"
 
 namespace keypose::fit {

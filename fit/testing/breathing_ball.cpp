@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::fit {
 

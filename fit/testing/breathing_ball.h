@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "fit/following/follow.h"
 
 namespace keypose::fit {

@@ -1,6 +1,6 @@
 #include "fit/testing/spotted_lump.h"
 
-#include "core/render.h"
+#include "core/pictures/render.h"
 
 namespace keypose::fit {
 namespace {

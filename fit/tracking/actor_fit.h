@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "fit/tracking/pose_solver.h"
 
 namespace keypose::fit {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 #include "fit/tracking/pose_band.h"
 
 namespace keypose::fit {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/rotations.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
 #include "fit/tracking/calm_take.h"
 #include "fit/tracking/pose_band.h"
 

@@ -3,9 +3,9 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/geometry.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/rotations.h"
+#include "core/values/angles.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
 
 namespace keypose::fit {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::fit {
 

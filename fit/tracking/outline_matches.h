@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 #include "fit/tracking/body_outline.h"
 
 namespace keypose::fit {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/rotations.h"
+#include "core/numbers/rotations.h"
 
 namespace keypose::fit {
 namespace {

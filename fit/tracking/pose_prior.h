@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 #include "fit/body/body_pose.h"
 
 namespace keypose::fit {

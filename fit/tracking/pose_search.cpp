@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

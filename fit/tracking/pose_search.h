@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "fit/tracking/pose_solver.h"
 
 namespace keypose::fit {

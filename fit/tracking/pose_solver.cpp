@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

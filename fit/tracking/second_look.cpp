@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 
 namespace keypose::fit {
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 #include "views/hull/mask_field.h"
 
 namespace keypose::fit {

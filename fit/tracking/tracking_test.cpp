@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/mask_runs.h"
 #include "fit/tracking/rig_checks.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::interpolation {
 

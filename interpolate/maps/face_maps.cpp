@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::interpolation {
 

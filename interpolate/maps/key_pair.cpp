@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "core/errors.h"
-#include "core/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/surfaces/mesh_checks.h"
 
 namespace keypose::interpolation {
 

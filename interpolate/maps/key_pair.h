@@ -1,7 +1,7 @@
 // Checks of two keys.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::interpolation {
 

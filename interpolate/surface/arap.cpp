@@ -6,11 +6,11 @@
 #include <iterator>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/surface/loose_parts.h"

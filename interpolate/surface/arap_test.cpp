@@ -8,11 +8,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "deform/volume/volume_correction.h"
 
 namespace keypose::interpolation {

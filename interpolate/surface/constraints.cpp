@@ -4,8 +4,8 @@
 #include <iterator>
 #include <queue>
 
-#include "core/errors.h"
-#include "core/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/surfaces/mesh_checks.h"
 
 namespace keypose::interpolation {
 

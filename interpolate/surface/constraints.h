@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 
 namespace keypose::interpolation {

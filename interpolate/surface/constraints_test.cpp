@@ -9,10 +9,10 @@
 #include <limits>
 #include <numbers>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/surface/arap.h"
 
 namespace keypose::interpolation {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/surface/arap.h"

@@ -6,9 +6,9 @@
 #include <limits>
 #include <map>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/surface/constraints.h"
 #include "interpolate/surface/face_paths.h"

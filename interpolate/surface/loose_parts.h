@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/size_of.h"
+#include "core/values/mesh.h"
+#include "core/values/size_of.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "deform/solvers/lanes.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
 

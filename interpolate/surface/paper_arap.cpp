@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "core/cholesky.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::interpolation {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/turns/turning_field.h"
 

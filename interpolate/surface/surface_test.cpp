@@ -5,11 +5,11 @@
 #include <limits>
 #include <numbers>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/paper_arap.h"

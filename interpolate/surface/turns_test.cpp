@@ -9,10 +9,10 @@
 #include <iterator>
 #include <numbers>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "deform/solvers/lanes.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/turns/differential_turns.h"

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::interpolation {
 

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/distortion.h"
 #include "interpolate/sequence.h"
 

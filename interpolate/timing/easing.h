@@ -1,7 +1,7 @@
 // Ease curves: from the share of a span's time to the share of its way.
 #pragma once
 
-#include "core/timeline.h"
+#include "core/values/timeline.h"
 
 namespace keypose::interpolation {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/timeline.h"
+#include "core/values/mesh.h"
+#include "core/values/timeline.h"
 #include "interpolate/timing/spline.h"
 #include "interpolate/timing/timeline.h"
 #include "interpolate/turns/turns.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/timeline.h"
+#include "core/values/timeline.h"
 
 namespace keypose::interpolation {
 

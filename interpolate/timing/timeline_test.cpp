@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/io/timeline.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/io/project/timeline.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/timing/easing.h"
 #include "interpolate/timing/rules.h"
 #include "interpolate/timing/spline.h"

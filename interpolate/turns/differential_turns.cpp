@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/cholesky.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/cholesky.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "interpolate/turns/turns.h"
 
 namespace keypose::interpolation {

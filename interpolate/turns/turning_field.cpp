@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::interpolation {
 

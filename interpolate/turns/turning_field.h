@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "interpolate/maps/face_maps.h"
 
 namespace keypose::interpolation {

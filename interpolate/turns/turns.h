@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "interpolate/volume/tetrahedralize.h"
 
 namespace keypose::interpolation {

@@ -11,8 +11,8 @@
 #include <queue>
 #include <tuple>
 
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/volume/tet_maps.h"
 

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::interpolation {
 

@@ -1,7 +1,7 @@
 // Chooses which of two keys is filled with tetrahedra.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::interpolation {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/cholesky.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/cholesky.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::interpolation {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "interpolate/volume/tet_maps.h"
 #include "interpolate/volume/tetrahedralize.h"
 

@@ -14,7 +14,7 @@
 #define TETLIBRARY
 #include <tetgen.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::interpolation {
 

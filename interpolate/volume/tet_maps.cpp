@@ -8,7 +8,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::interpolation {
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "interpolate/volume/tetrahedralize.h"
 
 namespace keypose::interpolation {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/volume/tet_maps.h"
 

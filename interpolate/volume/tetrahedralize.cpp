@@ -10,10 +10,10 @@
 #include <sstream>
 #include <string>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/volume/run_tetgen.h"
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/LU>
 
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "interpolate/testing/bars.h"
 #include "interpolate/volume/place_inside.h"
 #include "interpolate/volume/tet_maps.h"

@@ -11,11 +11,11 @@
 #include <optional>
 #include <utility>
 
-#include "core/cholesky.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/volume/body_volumes.h"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <string>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/rotations.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/numbers/rotations.h"
+#include "core/surfaces/shapes.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
 #include "motion/bvh_rig/rig.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 #include "motion/bvh_rig/rig.h"
 
 namespace keypose::motion {

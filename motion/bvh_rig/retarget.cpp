@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/angles.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 #include "motion/bvh_rig/joint_names.h"
 
 namespace keypose::motion {

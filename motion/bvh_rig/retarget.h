@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/motion_clip.h"
+#include "core/values/motion_clip.h"
 #include "motion/bvh_rig/rig.h"
 
 namespace keypose::motion {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::motion {
 

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/bone_weights.h"
-#include "core/io/files.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/bone_weights.h"
+#include "core/io/text/files.h"
+#include "core/values/size_of.h"
 
 namespace keypose::motion {
 

@@ -11,7 +11,7 @@ namespace keypose::motion {
 ///
 /// Skeletons: MakeHuman's .mhskel (JSON; a joint is the mean of some of the mesh's vertices), or
 /// .tgf (lines `number x y z`, then `#`, then edges `from to`; each edge is a bone, named
-/// "from-to"). Weights: the formats of ParseBoneWeights (core/io/bone_weights.h); the columns of a
+/// "from-to"). Weights: the formats of ParseBoneWeights (core/io/meshes/bone_weights.h); the columns of a
 /// .dmat are in the order of the .tgf's edges.
 /// @param skeleton_name, weights_name  of the files, for messages
 /// @throws InputError  malformed, an unknown bone or joint, a vertex that the mesh does not have,

@@ -7,12 +7,12 @@
 #include <map>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/kd_tree.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/values/errors.h"
+#include "core/numbers/kd_tree.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 #include "deform/solvers/block_cholesky.h"
 
 namespace keypose::motion {

@@ -3,10 +3,10 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-#include "core/angles.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::motion {
 

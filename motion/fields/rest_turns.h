@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/mark_turns.h"
 
 namespace keypose::motion {

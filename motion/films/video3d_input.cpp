@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/io/frame_folder.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/same_faces.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/same_faces.h"
+#include "core/values/size_of.h"
 #include "motion/video3d/depth_view.h"
 #include "views/shot/rig.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "core/stage/stage.h"
 #include "motion/video3d/texture_sequence.h"
 #include "views/shot/synced_films.h"

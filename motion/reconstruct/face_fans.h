@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::motion {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <numeric>
 
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::motion {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/lanes.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "motion/fields/mark_fields.h"
 #include "motion/fields/mark_turns.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/lanes.h"
 #include "deform/volume/volume_correction.h"
 

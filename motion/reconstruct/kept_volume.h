@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "motion/reconstruct/face_fans.h"
 

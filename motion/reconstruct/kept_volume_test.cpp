@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "motion/reconstruct/point_moves.h"
 
 namespace keypose::motion {

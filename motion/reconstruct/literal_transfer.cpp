@@ -3,10 +3,10 @@
 #include <Eigen/SparseCore>
 #include <string>
 
-#include "core/cholesky.h"
-#include "core/errors.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 #include "motion/fields/mark_fields.h"
 #include "motion/fields/marks.h"
 

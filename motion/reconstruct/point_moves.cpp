@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/lanes.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"

@@ -7,10 +7,10 @@
 #include <limits>
 #include <map>
 
-#include "core/cholesky.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
-#include "core/union_find.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
+#include "core/values/union_find.h"
 
 namespace keypose::motion {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::motion {
 namespace {

@@ -1,6 +1,6 @@
 #include "motion/root/held_patches.h"
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::motion {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::motion {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/marks.h"
 #include "motion/root/feet.h"
 #include "motion/root/held_patches.h"

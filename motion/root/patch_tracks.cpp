@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/kd_tree.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
+#include "core/numbers/kd_tree.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
 #include "deform/levels/edge_collapse.h"
 
 namespace keypose::motion {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/marks.h"
 #include "motion/root/placed_poses.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "deform/solvers/dense_product.h"
 
 namespace keypose::motion {

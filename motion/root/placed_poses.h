@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/mark_fields.h"
 #include "motion/fields/marks.h"
 #include "motion/reconstruct/frame_solver.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/angles.h"
-#include "core/kd_tree.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/size_of.h"
 
 namespace keypose::motion {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/marks.h"
 #include "motion/reconstruct/frame_solver.h"
 

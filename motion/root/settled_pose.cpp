@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "motion/reconstruct/point_moves.h"
 
 namespace keypose::motion {

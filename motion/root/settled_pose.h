@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/reconstruct/kept_volume.h"
 #include "motion/root/held_patches.h"
 

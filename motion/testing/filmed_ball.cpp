@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/render.h"
-#include "core/srgb.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/pictures/render.h"
+#include "core/pictures/srgb.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::motion {
 namespace {

@@ -7,12 +7,13 @@
 #include <numeric>
 #include <string>
 
-#include "core/angles.h"
-#include "core/geometry.h"
-#include "core/io/mesh_io.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/angles.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "deform/levels/edge_collapse.h"
 #include "deform/levels/geodesics.h"
 
@@ -55,9 +56,8 @@ Eigen::Vector3d CornerOf(const FacesX3& faces, int face, int vertex) {
 }  // namespace
 
 std::optional<RiggedScan> LoadRiggedScan(int marks) {
-  const char* data = std::getenv("KEYPOSE_DATA");
   const fs::path folder =
-      fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "motion/rigs/cheburashka";
+      DataFolder() / "motion/rigs/cheburashka";
   if (!fs::exists(folder)) return std::nullopt;
   RiggedScan scan;
   scan.target = ReadMesh(folder / "cheburashka.obj");

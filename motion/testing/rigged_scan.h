@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/fields/marks.h"
 
 namespace keypose::motion {

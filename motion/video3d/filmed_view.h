@@ -1,9 +1,9 @@
 // One camera's picture in one frame, ready to be asked what it shows of the moving mesh.
 #pragma once
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "motion/video3d/depth_view.h"
 
 namespace keypose::motion {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::motion {
 namespace {

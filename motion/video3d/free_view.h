@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose::motion {
 

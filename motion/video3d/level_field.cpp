@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 #include "views/atlas/linear_light.h"
 
 namespace keypose::motion {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::motion {
 

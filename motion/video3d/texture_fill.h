@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "motion/video3d/level_field.h"
 #include "motion/video3d/surface_texels.h"
 #include "views/atlas/atlas.h"

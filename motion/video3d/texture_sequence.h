@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "motion/video3d/exposure.h"
 #include "motion/video3d/filmed_view.h"
 #include "motion/video3d/surface_texels.h"

@@ -5,13 +5,13 @@
 #include <map>
 #include <mutex>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/image_quality.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/pictures/image_quality.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "motion/testing/filmed_ball.h"
 #include "motion/video3d/free_view.h"
 #include "motion/video3d/texture_sequence.h"

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "views/atlas/linear_light.h"
 
 namespace keypose::motion {

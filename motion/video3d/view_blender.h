@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "motion/video3d/exposure.h"
 #include "motion/video3d/filmed_view.h"
 #include "motion/video3d/surface_texels.h"

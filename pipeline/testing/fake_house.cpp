@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pipeline/build_graph.h"
-#include "pipeline/pipeline_overlay.h"
+#include "pipeline/graph/build_graph.h"
+#include "pipeline/graph/pipeline_overlay.h"
 
 namespace keypose::pipeline {
 namespace {

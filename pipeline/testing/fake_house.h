@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/builder.h"
-#include "pipeline/plan.h"
+#include "pipeline/run/builder.h"
+#include "pipeline/run/plan.h"
 #include "pipeline/testing/fake_processes.h"
 #include "pipeline/testing/memory_disk.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/process.h"
+#include "pipeline/disk/process.h"
 #include "pipeline/testing/memory_disk.h"
 
 namespace keypose::pipeline {

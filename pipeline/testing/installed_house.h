@@ -16,8 +16,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::pipeline {
 
@@ -71,9 +72,9 @@ class RunTest : public ::testing::Test, public TestingFolder {
   static void Install(const fs::path& root) {
     fs::create_directories(root / "bin");
     fs::create_directories(root / "share/keypose");
-    fs::copy_file(KEYPOSE_PROGRAM, root / "bin/keypose");
+    fs::copy_file(BinFolder() + "/keypose", root / "bin/keypose");
     for (const std::string stage : {"gather", "join", "merge"})
-      fs::copy_file(KEYPOSE_TEXT_STAGE, root / ("bin/keypose-" + stage));
+      fs::copy_file(BinFolder() + "/testing/pipeline_text_stage", root / ("bin/keypose-" + stage));
     WriteFile(root / "share/keypose/pipeline.yaml", kTestPipeline);
   }
   static void MakeProject(const fs::path& project) {

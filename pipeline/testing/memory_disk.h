@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
-#include "pipeline/clock.h"
-#include "pipeline/disk.h"
+#include "pipeline/disk/clock.h"
+#include "pipeline/disk/disk.h"
 
 namespace keypose::pipeline {
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "core/errors.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/bundle/bundle_projection.h"
 
 namespace keypose::reconstruct {
@@ -38,7 +38,7 @@ Eigen::Vector2d ProjectWith(const double* in, const Eigen::Vector3d& x,
   return pixel;
 }
 
-/// Pixel error of one observation. The distortion is Brown's, as in core/camera.h. Analytic
+/// Pixel error of one observation. The distortion is Brown's, as in core/values/camera.h. Analytic
 /// derivatives: automatic ones of 18 unknowns cost more than the solve.
 class ReprojectionError : public ceres::SizedCostFunction<2, 8, 4, 3, 3> {
  public:

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/progress.h"
 
 namespace keypose::reconstruct {
 

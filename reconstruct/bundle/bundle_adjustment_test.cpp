@@ -5,8 +5,8 @@
 #include <iterator>
 #include <random>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

@@ -5,7 +5,7 @@
 
 namespace keypose::reconstruct {
 
-/// Pixel of a point in the camera's frame; the distortion is Brown's, as in core/camera.h.
+/// Pixel of a point in the camera's frame; the distortion is Brown's, as in core/values/camera.h.
 ///
 /// @param camera    fx fy cx cy k1 k2 p1 p2
 /// @param of_camera derivative with respect to those, if not null

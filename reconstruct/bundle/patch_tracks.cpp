@@ -7,12 +7,12 @@
 #include <numeric>
 #include <optional>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

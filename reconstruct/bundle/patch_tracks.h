@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 
 namespace keypose::reconstruct {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <random>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/bundle/corner_tracks.h"
 #include "reconstruct/testing/known_scenes.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::reconstruct {
 

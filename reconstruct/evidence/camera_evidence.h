@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "views/prepared/prepared_view.h"
 

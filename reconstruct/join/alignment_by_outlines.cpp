@@ -3,11 +3,11 @@
 #include <iterator>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 #include "reconstruct/numerics/simplex_search.h"

@@ -3,10 +3,10 @@
 #include <tuple>
 #include <vector>
 
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <utility>
 
-#include "core/camera.h"
-#include "core/kd_tree.h"
+#include "core/values/camera.h"
+#include "core/numbers/kd_tree.h"
 
 namespace keypose::reconstruct {
 

@@ -8,8 +8,8 @@
 #include <random>
 #include <set>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "views/hull/silhouettes.h"
 

@@ -8,8 +8,8 @@
 #include <opencv2/calib3d.hpp>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

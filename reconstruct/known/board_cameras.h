@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/calibration_board.h"
-#include "core/camera.h"
+#include "core/values/calibration_board.h"
+#include "core/values/camera.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 
 namespace keypose::reconstruct {

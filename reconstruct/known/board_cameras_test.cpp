@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/errors.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

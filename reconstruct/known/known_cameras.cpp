@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 namespace {

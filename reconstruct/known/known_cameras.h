@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

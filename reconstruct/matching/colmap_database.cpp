@@ -6,7 +6,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/values/size_of.h"
 
 struct sqlite3;
 

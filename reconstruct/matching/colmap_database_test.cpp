@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
 
 namespace keypose::reconstruct {
 namespace {

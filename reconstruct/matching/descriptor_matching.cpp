@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

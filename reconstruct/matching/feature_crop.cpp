@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/errors.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

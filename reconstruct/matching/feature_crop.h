@@ -1,7 +1,7 @@
 // Crops a photograph for feature extraction: the object's box, with the background faded out.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::reconstruct {
 

@@ -3,7 +3,7 @@
 #include <iterator>
 #include <opencv2/calib3d.hpp>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::reconstruct {
 int MatchesOffPlane(const Features& first, const Features& second, const PairMatches& pair,

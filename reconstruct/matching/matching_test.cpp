@@ -6,7 +6,7 @@
 #include <iterator>
 #include <random>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/matching/descriptor_matching.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/pair_list.h"

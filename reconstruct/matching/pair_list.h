@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "reconstruct/matching/colmap_database.h"
 
 namespace keypose::reconstruct {

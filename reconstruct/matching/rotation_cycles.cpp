@@ -10,8 +10,8 @@
 #include <random>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "reconstruct/matching/verification.h"
 
 namespace keypose::reconstruct {

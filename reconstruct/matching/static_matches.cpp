@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/cloud/facing_cells.h"
 
 namespace keypose::reconstruct {

@@ -1,7 +1,7 @@
 // Reduces a cloud to the density that a mesh can represent.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::reconstruct {
 

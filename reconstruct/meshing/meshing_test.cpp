@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/meshing/merge.h"
 
 namespace keypose::reconstruct {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "reconstruct/meshing/merge.h"
 
 namespace keypose::reconstruct {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 
 namespace keypose::reconstruct {
 

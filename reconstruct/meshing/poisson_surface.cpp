@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 namespace {

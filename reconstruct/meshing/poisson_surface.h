@@ -1,7 +1,7 @@
 // Screened Poisson surface reconstruction from oriented points.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::reconstruct {
 

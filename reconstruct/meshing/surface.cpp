@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

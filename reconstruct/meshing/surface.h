@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "core/mesh.h"
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 #include "reconstruct/meshing/points.h"
 #include "reconstruct/meshing/poisson_surface.h"
 #include "reconstruct/meshing/trim.h"

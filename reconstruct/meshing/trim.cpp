@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -1,7 +1,7 @@
 // Removes the parts of a reconstructed surface that have no data, and colours the rest.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "reconstruct/meshing/points.h"
 
 namespace keypose::reconstruct {

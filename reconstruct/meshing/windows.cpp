@@ -8,11 +8,11 @@
 #include <set>
 #include <tuple>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

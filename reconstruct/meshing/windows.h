@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/sight_lines.h"
+#include "core/pictures/sight_lines.h"
 #include "reconstruct/meshing/points.h"
 
 namespace keypose::reconstruct {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 #include "reconstruct/meshing/surface.h"
 
 namespace keypose::reconstruct {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -8,10 +8,10 @@
 #include <iterator>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

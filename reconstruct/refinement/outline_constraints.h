@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "views/hull/frontier_points.h"
 #include "views/hull/silhouettes.h"
 

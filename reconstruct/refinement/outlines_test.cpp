@@ -6,12 +6,12 @@
 #include <cmath>
 #include <functional>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "reconstruct/refinement/vertex_views.h"
 #include "views/prepared/prepared_view.h"
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/outlines.h"
 #include "reconstruct/refinement/photo_profile.h"

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::reconstruct {

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/shapes.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/photo_profile.h"
 #include "reconstruct/testing/rendered_ring.h"

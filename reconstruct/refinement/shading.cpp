@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/parallel.h"
-#include "core/srgb.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

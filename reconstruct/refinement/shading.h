@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "views/prepared/prepared_view.h"
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/image_turns.h"
-#include "core/joined_images.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/pictures/image_turns.h"
+#include "core/pictures/joined_images.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "reconstruct/turntable/upside_down.h"
 
 namespace keypose::reconstruct {

@@ -6,14 +6,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/png_io.h"
-#include "core/io/reduced_image.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/png_io.h"
+#include "core/io/pictures/reduced_image.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/matching/feature_crop.h"
 #include "reconstruct/sfm/colmap_programs.h"
 

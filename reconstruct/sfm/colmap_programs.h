@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/image_set.h"
+#include "core/io/pictures/image_set.h"
 #include "core/stage/stage.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 #include "reconstruct/join/model_alignment.h"

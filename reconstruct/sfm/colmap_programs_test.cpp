@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/png_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/png_io.h"
+#include "core/testing/folder.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/testing/reported_stage.h"
 

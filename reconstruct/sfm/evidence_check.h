@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 #include "core/stage/stage.h"
 #include "reconstruct/evidence/camera_evidence.h"
 #include "views/prepared/prepared_view.h"

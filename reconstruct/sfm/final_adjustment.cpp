@@ -4,11 +4,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/io/image_set.h"
-#include "core/io/reduced_image.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/reduced_image.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/bundle/corner_tracks.h"
 #include "reconstruct/bundle/patch_tracks.h"
 #include "reconstruct/bundle/track_selection.h"

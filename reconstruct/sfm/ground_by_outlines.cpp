@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/io/sight_io.h"
-#include "core/tuned.h"
+#include "core/io/pictures/sight_io.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

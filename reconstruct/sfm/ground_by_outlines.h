@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/ground_contact.h"
+#include "core/pictures/ground_contact.h"
 
 namespace keypose {
 struct ImageSet;

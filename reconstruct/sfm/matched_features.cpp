@@ -5,10 +5,10 @@
 #include <numeric>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/io/image_set.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_set.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/matching/flat_pairs.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/rotation_cycles.h"

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/image_set.h"
-#include "core/io/poses_io.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/project/poses_io.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/known/known_cameras.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/sfm/evidence_check.h"

@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/io/image_set.h"
-#include "core/io/reduced_image.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/reduced_image.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/surroundings/print_turns.h"

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/png_io.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/png_io.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/print_check.h"
 #include "reconstruct/sfm/surroundings.h"

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/image_set.h"
-#include "core/joined_images.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_set.h"
+#include "core/pictures/joined_images.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/turntable/upside_down.h"
 
 namespace keypose::reconstruct {

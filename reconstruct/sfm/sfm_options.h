@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/options.h"
-#include "core/size_of.h"
+#include "core/values/options.h"
+#include "core/values/size_of.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 #include "reconstruct/evidence/camera_evidence.h"
 #include "reconstruct/matching/descriptor_matching.h"

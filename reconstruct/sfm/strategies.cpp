@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/io/image_set.h"
-#include "core/tuned.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/tuned.h"
 #include "reconstruct/bundle/track_selection.h"
 #include "reconstruct/sfm/room_strategy.h"
 #include "reconstruct/sfm/set_overlap.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/io/image_set.h"
+#include "core/io/pictures/image_set.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "reconstruct/sfm/set_lenses.h"
 #include "reconstruct/sfm/turntable_strategies.h"
 #include "reconstruct/testing/reported_stage.h"

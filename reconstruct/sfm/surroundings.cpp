@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/io/image_set.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
 #include "reconstruct/sfm/set_lenses.h"

@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/image_turns.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/pictures/image_turns.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "reconstruct/sfm/final_adjustment.h"
 #include "reconstruct/turntable/ring_order.h"
 #include "reconstruct/turntable/ring_sfm.h"

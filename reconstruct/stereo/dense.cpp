@@ -5,9 +5,9 @@
 #include <iterator>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/cloud/cloud_rows.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/frontier_cloud.h"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 #include "views/hull/silhouettes.h"
 #include "views/prepared/prepared_view.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/stereo/dense.h"
 #include "reconstruct/testing/rendered_ring.h"
 #include "views/stereo/patch_match_cost.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "core/stage/stage.h"
 
 namespace keypose::reconstruct {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/stereo/dense_colmap.h"
 #include "reconstruct/testing/rendered_ring.h"
 

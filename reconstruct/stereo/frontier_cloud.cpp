@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/kd_tree.h"
-#include "core/parallel.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/cloud/cloud_rows.h"
 
 namespace keypose::reconstruct {

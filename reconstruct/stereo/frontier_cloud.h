@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "views/hull/frontier_points.h"
 #include "views/prepared/prepared_view.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 #include "reconstruct/stereo/dense.h"
 #include "reconstruct/testing/rendered_ring.h"
 

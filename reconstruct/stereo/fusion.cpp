@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/stereo/window_bias.h"
 
 namespace keypose::reconstruct {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "reconstruct/stereo/gap_fill.h"
 #include "views/prepared/prepared_view.h"
 #include "views/stereo/patch_match_sweep.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/render.h"
+#include "core/pictures/render.h"
 #include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct {

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "views/stereo/patch_match_sweep.h"
 
 namespace keypose::reconstruct {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "core/parallel.h"
-#include "core/render.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
 #include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct {

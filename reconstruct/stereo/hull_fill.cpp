@@ -5,10 +5,10 @@
 #include <limits>
 #include <memory>
 
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

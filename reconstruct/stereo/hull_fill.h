@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "views/hull/depth_bounds.h"
 #include "views/hull/silhouettes.h"
 #include "views/hull/visual_hull.h"

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "core/image.h"
+#include "core/values/image.h"
 #include "reconstruct/matching/colmap_database.h"
 
 namespace keypose::reconstruct {

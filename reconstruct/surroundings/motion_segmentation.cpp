@@ -9,10 +9,10 @@
 #include <numeric>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/numerics/epipolar.h"
 
 namespace keypose::reconstruct {

@@ -10,9 +10,9 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/matching/pair_list.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 #include "reconstruct/surroundings/support_plane.h"
 
 namespace keypose::reconstruct {

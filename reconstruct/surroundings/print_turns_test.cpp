@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/parallel.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/testing/known_scenes.h"
 #include "reconstruct/testing/printed_mat.h"
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct {
 

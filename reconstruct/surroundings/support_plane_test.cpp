@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

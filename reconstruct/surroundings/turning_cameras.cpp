@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/surroundings/print_turns.h"
 #include "reconstruct/surroundings/turning_plane.h"
 

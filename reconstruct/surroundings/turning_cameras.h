@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/matching/pair_list.h"
 

@@ -6,7 +6,7 @@
 #include <complex>
 #include <opencv2/calib3d.hpp>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {

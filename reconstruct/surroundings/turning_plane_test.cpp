@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/parallel.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/surroundings/turning_cameras.h"
 #include "reconstruct/testing/known_scenes.h"
 #include "reconstruct/testing/printed_mat.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct::testing {
 

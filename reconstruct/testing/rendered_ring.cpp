@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::reconstruct::testing {
 namespace {

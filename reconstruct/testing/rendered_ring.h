@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::reconstruct::testing {

@@ -7,10 +7,10 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

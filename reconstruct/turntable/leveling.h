@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <memory>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/tuned.h"
 #include "reconstruct/bundle/bundle_projection.h"
 
 namespace keypose::reconstruct {

@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/progress.h"
 #include "reconstruct/turntable/ring_model.h"
 #include "reconstruct/turntable/ring_start.h"
 

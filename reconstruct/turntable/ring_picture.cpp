@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/errors.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/pictures/render.h"
 
 namespace keypose::reconstruct {
 namespace {

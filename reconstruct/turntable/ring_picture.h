@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::reconstruct {
 

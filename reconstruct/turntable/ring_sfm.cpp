@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/turntable/ring_tracks.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/matching/descriptor_matching.h"

@@ -5,11 +5,11 @@
 #include <iterator>
 #include <limits>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/mask_outline.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "reconstruct/turntable/ring_silhouettes.h"
 
 namespace keypose::reconstruct {

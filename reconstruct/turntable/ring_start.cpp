@@ -7,10 +7,10 @@
 #include <numeric>
 #include <set>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/numerics/simplex_search.h"
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/progress.h"
-#include "core/tuned.h"
+#include "core/values/progress.h"
+#include "core/values/tuned.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/turntable/ring_model.h"
 

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <random>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/ring_order.h"
 #include "reconstruct/turntable/ring_sfm.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::reconstruct {
 namespace {

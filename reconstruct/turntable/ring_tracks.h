@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 #include "reconstruct/matching/colmap_database.h"
 

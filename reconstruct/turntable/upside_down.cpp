@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/image_turns.h"
-#include "core/tuned.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 #include "reconstruct/turntable/ring_start.h"
 
 namespace keypose::reconstruct {

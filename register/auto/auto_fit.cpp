@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::registration {
 

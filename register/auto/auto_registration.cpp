@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
 #include "register/auto/whole_area.h"

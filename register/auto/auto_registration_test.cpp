@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 

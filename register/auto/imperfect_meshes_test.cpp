@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/testing_shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/surfaces/shapes.h"
 #include "register/auto/auto_registration.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"

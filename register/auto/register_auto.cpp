@@ -3,11 +3,11 @@
 #include <string>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/seams.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/surfaces/seams.h"
+#include "core/values/size_of.h"
 #include "register/auto/auto_registration.h"
 #include "register/parts/parts.h"
 

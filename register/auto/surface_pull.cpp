@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "register/nricp/correspondence.h"
 
 namespace keypose::registration {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/arap/arap_fit.h"
 
 namespace keypose::registration {

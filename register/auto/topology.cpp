@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/seams.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/seams.h"
 
 namespace keypose::registration {
 

@@ -1,4 +1,5 @@
 // A template whose parts touch in one shape and not in the other: a ring and a horseshoe.
+#include "core/testing/paths.h"
 #include "register/auto/topology.h"
 
 #include <gtest/gtest.h>
@@ -8,11 +9,11 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {
@@ -85,7 +86,7 @@ TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
   WriteMesh(folder / "horseshoe.ply", BentTube(280));
   const auto run = [&](const std::string& arguments) {
     return WEXITSTATUS(std::system(
-        (std::string(KEYPOSE_BIN_DIR) + "/keypose-register " + arguments + " > " + at + "/log 2>&1")
+        (BinFolder() + "/keypose-register " + arguments + " > " + at + "/log 2>&1")
             .c_str()));
   };
   const std::string to_open = "--source " + at + "/ring.ply --target " + at +

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry.h"
+#include "core/surfaces/geometry.h"
 #include "deform/solvers/sparse_pattern.h"
 
 namespace keypose::registration {

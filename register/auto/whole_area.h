@@ -1,7 +1,7 @@
 // The size of a surface that may have holes.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <limits>
 
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::registration {
 

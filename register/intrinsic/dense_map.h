@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "register/intrinsic/functional_map.h"
 #include "register/intrinsic/intrinsic_shape.h"
 

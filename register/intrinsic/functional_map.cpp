@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "deform/solvers/dense_product.h"
 
 namespace keypose::registration {

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
-#include "core/union_find.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
+#include "core/values/union_find.h"
 #include "deform/levels/hierarchy.h"
 
 namespace keypose::registration {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "deform/levels/geodesics.h"
 #include "register/intrinsic/functional_map.h"
 #include "register/intrinsic/spectral.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/camera.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/camera.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "register/intrinsic/tip_matching.h"
 
 namespace keypose::registration {

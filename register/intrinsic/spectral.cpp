@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "core/cholesky.h"
-#include "core/errors.h"
-#include "core/geometry.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
 #include "deform/solvers/dense_product.h"
 
 namespace keypose::registration {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 #include "deform/levels/geodesics.h"
 #include "register/intrinsic/functional_map.h"
 #include "register/testing/limbed_bodies.h"

@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/errors.h"
-#include "core/kd_tree.h"
-#include "core/mesh_checks.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/numbers/kd_tree.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "register/intrinsic/dense_map.h"
 #include "register/intrinsic/intrinsic_shape.h"
 #include "register/intrinsic/map_candidates.h"

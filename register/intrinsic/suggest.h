@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "register/landmarks/landmarks.h"
 
 namespace keypose::registration {

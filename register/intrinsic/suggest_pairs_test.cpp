@@ -12,9 +12,10 @@
 #include <sstream>
 #include <string>
 
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/paths.h"
 #include "register/intrinsic/suggest.h"
 
 namespace keypose::registration {
@@ -107,9 +108,8 @@ void Damage(const std::string& kind, Mesh& target, std::vector<int>& truth) {
 
 TEST_P(SuggestPairs, OnDamagedTargets) {
   const Known& known = GetParam();
-  const char* data = std::getenv("KEYPOSE_DATA");
   const std::filesystem::path folder =
-      std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" /
+      DataFolder() / "pairs" /
       known.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj");
@@ -139,9 +139,8 @@ TEST_P(SuggestPairs, OnDamagedTargets) {
 
 TEST_P(SuggestPairs, WithoutLandmarks) {
   const Known& known = GetParam();
-  const char* data = std::getenv("KEYPOSE_DATA");
   const std::filesystem::path folder =
-      std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" /
+      DataFolder() / "pairs" /
       known.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/camera.h"
-#include "core/kd_tree.h"
-#include "core/tuned.h"
+#include "core/values/camera.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 #include "register/nricp/alignment.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {

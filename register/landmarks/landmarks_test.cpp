@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {

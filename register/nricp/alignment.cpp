@@ -9,12 +9,12 @@
 #include <numbers>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::registration {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

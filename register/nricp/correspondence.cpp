@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
 
 namespace keypose::registration {
 

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <string>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
 #include "register/nricp/correspondence.h"
 
 namespace keypose::registration {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "register/nricp/alignment.h"
 #include "register/nricp/nricp_system.h"
 

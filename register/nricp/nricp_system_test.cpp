@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/camera.h"
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/tuned.h"
+#include "core/values/camera.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/tuned.h"
 #include "register/parts/part_points.h"
 #include "register/parts/parts.h"
 

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

@@ -12,14 +12,14 @@
 #include <queue>
 #include <tuple>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
-#include "core/union_find.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
+#include "core/values/union_find.h"
 #include "register/parts/part_points.h"
 
 namespace keypose::registration {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::registration {
 

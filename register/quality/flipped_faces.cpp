@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::registration {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/kd_tree.h"
-#include "core/mesh.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

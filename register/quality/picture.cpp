@@ -6,13 +6,13 @@
 #include <cmath>
 #include <functional>
 
-#include "core/camera.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 
 namespace keypose::registration {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

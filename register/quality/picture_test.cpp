@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {

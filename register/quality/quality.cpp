@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/self_intersections.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/kd_tree.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/self_intersections.h"
+#include "core/values/tuned.h"
 #include "register/quality/closest_points.h"
 #include "register/quality/flipped_faces.h"
 

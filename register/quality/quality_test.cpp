@@ -6,10 +6,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {

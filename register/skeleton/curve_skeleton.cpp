@@ -24,8 +24,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/ordered_memory.h"
-#include "core/tuned.h"
+#include "core/numbers/ordered_memory.h"
+#include "core/values/tuned.h"
 
 // CGAL's contraction keeps edges in sets ordered by address. So addresses must be in order for
 // results to be repeatable.

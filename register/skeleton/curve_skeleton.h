@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 
 namespace keypose::registration {
 

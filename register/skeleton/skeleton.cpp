@@ -6,9 +6,9 @@
 #include <iterator>
 #include <limits>
 
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/tuned.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/skeleton_motion.h"
 #include "register/skeleton/skeleton_tree.h"

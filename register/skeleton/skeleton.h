@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 
 namespace keypose::registration {
 

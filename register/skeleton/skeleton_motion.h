@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/kd_tree.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/numbers/kd_tree.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/curve_skeleton.h"
 #include "register/skeleton/skeleton_tree.h"

@@ -1,3 +1,4 @@
+#include "core/testing/paths.h"
 #include "register/skeleton/skeleton.h"
 
 #include <gtest/gtest.h>
@@ -9,11 +10,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/mesh_io.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 namespace {
@@ -241,9 +242,8 @@ TEST(StartFromSkeletons, SameBitsAtAnyThreadCountAndAnyState) {
 }
 
 TEST(StartFromSkeletons, FourLimbsOfRealMeshesMapToTheirCounterparts) {
-  const char* data = std::getenv("KEYPOSE_DATA");
   const std::filesystem::path pairs =
-      std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs";
+      DataFolder() / "pairs";
   if (!std::filesystem::exists(pairs)) GTEST_SKIP() << "no data at " << pairs;
   const auto read = [&](const std::filesystem::path& path) {
     std::ifstream in(path);

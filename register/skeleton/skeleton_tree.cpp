@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::registration {
 

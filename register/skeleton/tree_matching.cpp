@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::registration {
 

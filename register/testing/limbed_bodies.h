@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::registration {
 

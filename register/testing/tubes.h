@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "register/testing/scenes.h"
 
 namespace keypose::registration {

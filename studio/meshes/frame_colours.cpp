@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/same_faces.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/values/same_faces.h"
+#include "pipeline/disk/project_paths.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/meshes/frame_order.h"
 #include "studio/project/photographs.h"
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/numbers/parallel.h"
 #include "studio/meshes/frame_colours.h"
 #include "studio/meshes/frame_order.h"
 #include "studio/meshes/mesh_bytes.h"

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/geometry.h"
-#include "core/ray_scene.h"
-#include "core/surface_distance.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/surfaces/surface_distance.h"
 
 namespace keypose::studio {
 namespace {

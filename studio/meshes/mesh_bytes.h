@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::studio {
 

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/known_points_io.h"
-#include "core/io/shot_io.h"
-#include "pipeline/pipeline_edit.h"
-#include "pipeline/real_disk.h"
-#include "pipeline/references.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/project/known_points_io.h"
+#include "core/io/project/shot_io.h"
+#include "pipeline/graph/pipeline_edit.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/graph/references.h"
 #include "studio/project/changes.h"
 #include "studio/project/films.h"
 #include "studio/project/not_found.h"

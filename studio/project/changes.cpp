@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/image_kind.h"
-#include "core/io/photograph_files.h"
-#include "pipeline/new_project.h"
-#include "pipeline/text.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_kind.h"
+#include "core/io/pictures/photograph_files.h"
+#include "pipeline/commands/new_project.h"
+#include "pipeline/text/text.h"
 
 namespace keypose::studio {
 

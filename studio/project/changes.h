@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/yaml_edit.h"
-#include "pipeline/pipeline_edit.h"
+#include "core/io/text/yaml_edit.h"
+#include "pipeline/graph/pipeline_edit.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/files.h"
-#include "pipeline/builder.h"
+#include "core/io/text/files.h"
+#include "pipeline/run/builder.h"
 #include "studio/project/not_found.h"
 
 namespace keypose::studio {

@@ -5,11 +5,11 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/figure_strokes.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "pipeline/figure_setting.h"
+#include "core/values/errors.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "pipeline/graph/figure_setting.h"
 #include "studio/project/changes.h"
 #include "studio/project/failure_pictures.h"
 #include "studio/project/figure_pictures.h"

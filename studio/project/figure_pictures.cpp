@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
 #include "studio/project/films.h"
 #include "studio/project/originals.h"
 #include "studio/project/photographs.h"

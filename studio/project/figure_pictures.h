@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/figure_strokes.h"
+#include "core/values/figure_strokes.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

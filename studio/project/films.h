@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/figure_strokes.h"
-#include "pipeline/pipeline_file.h"
+#include "core/values/figure_strokes.h"
+#include "pipeline/graph/pipeline_file.h"
 #include "studio/project/snapshot.h"
 #include "views/shot/shot_camera.h"
 

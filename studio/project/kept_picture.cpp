@@ -5,8 +5,8 @@
 
 #include <atomic>
 
-#include "core/sha256.h"
-#include "pipeline/real_disk.h"
+#include "core/numbers/sha256.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/not_found.h"
 
 namespace keypose::studio {

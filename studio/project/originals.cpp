@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "core/io/photograph_files.h"
-#include "core/io/raw_io.h"
-#include "pipeline/real_disk.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/pictures/raw_io.h"
+#include "pipeline/disk/real_disk.h"
 
 namespace keypose::studio {
 

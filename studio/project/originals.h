@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/image_io.h"
+#include "core/io/pictures/image_io.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "pipeline/builder.h"
-#include "pipeline/collect_ending.h"
-#include "pipeline/commands.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "pipeline/run/builder.h"
+#include "pipeline/run/collect_ending.h"
+#include "pipeline/commands/commands.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/failure_pictures.h"
 #include "studio/project/originals.h"
 #include "studio/project/picks.h"

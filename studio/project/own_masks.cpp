@@ -4,16 +4,16 @@
 
 #include <algorithm>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/image_turns.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/photograph_files.h"
-#include "core/io/yaml_edit.h"
-#include "core/sha256.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/pictures/image_turns.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/text/yaml_edit.h"
+#include "core/numbers/sha256.h"
+#include "pipeline/disk/project_paths.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
 
 namespace keypose::studio {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/painted_masks.h"
+#include "core/io/pictures/painted_masks.h"
 #include "studio/project/originals.h"
 #include "studio/project/snapshot.h"
 

@@ -6,11 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_dng.h"
-#include "core/io/testing_folder.h"
-#include "core/srgb.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/dng.h"
+#include "core/testing/folder.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::studio {
 namespace {

@@ -7,17 +7,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/geometry.h"
-#include "core/io/files.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/regions_io.h"
-#include "core/io/stiffness_io.h"
-#include "core/io/yaml_edit.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/text/files.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/regions_io.h"
+#include "core/io/project/stiffness_io.h"
+#include "core/io/text/yaml_edit.h"
+#include "pipeline/disk/project_paths.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
 
 namespace keypose::studio {

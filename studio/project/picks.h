@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/landmarks_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

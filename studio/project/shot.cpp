@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/shot_io.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/shot_io.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
 #include "studio/project/photographs.h"
 #include "studio/project/shot_clicks.h"

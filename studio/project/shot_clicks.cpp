@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/shot_io.h"
-#include "core/io/yaml_edit.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/project/shot_io.h"
+#include "core/io/text/yaml_edit.h"
 #include "studio/project/changes.h"
 #include "studio/project/shot_files.h"
 

@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "pipeline/project_paths.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "pipeline/disk/project_paths.h"
+#include "pipeline/disk/real_disk.h"
 
 namespace keypose::studio {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/shot_io.h"
+#include "core/io/project/shot_io.h"
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/movie_header.h"
-#include "core/io/photograph_files.h"
-#include "core/io/yaml_edit.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/movie_header.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/text/yaml_edit.h"
 #include "studio/project/changes.h"
 #include "studio/project/shot_files.h"
 

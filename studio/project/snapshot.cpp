@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/io/files.h"
-#include "pipeline/project_paths.h"
+#include "core/io/text/files.h"
+#include "pipeline/disk/project_paths.h"
 
 namespace keypose::studio {
 

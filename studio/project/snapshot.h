@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/pipeline_edit.h"
-#include "pipeline/plan.h"
-#include "pipeline/session.h"
+#include "pipeline/graph/pipeline_edit.h"
+#include "pipeline/run/plan.h"
+#include "pipeline/run/opened_project.h"
 
 namespace keypose::studio {
 

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/frame_folder.h"
-#include "core/io/yaml_edit.h"
-#include "pipeline/pipeline_file.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/text/yaml_edit.h"
+#include "pipeline/graph/pipeline_file.h"
 #include "studio/project/changes.h"
 #include "studio/project/snapshot.h"
 

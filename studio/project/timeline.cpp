@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/timeline.h"
-#include "core/io/yaml_edit.h"
-#include "pipeline/timeline_yaml.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/project/timeline.h"
+#include "core/io/text/yaml_edit.h"
+#include "pipeline/graph/timeline_yaml.h"
 #include "studio/project/changes.h"
 #include "studio/project/picks.h"
 

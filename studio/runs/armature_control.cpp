@@ -5,8 +5,8 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
 
 namespace keypose::studio {
 

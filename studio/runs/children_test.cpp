@@ -9,9 +9,9 @@
 #include <chrono>
 #include <filesystem>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
 #include "studio/runs/warm_program.h"
 
 namespace keypose::studio {

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/runs/children.h"
 
 namespace keypose::studio {

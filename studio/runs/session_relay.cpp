@@ -1,6 +1,6 @@
 #include "studio/runs/session_relay.h"
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::studio {
 

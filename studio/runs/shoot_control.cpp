@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/session.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/runs/shoot_story.h"
 
 namespace keypose::studio {

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "pipeline/run/opened_project.h"
 
 namespace keypose::studio {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::studio {
 

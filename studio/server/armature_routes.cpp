@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/mesh_io.h"
-#include "pipeline/real_disk.h"
-#include "pipeline/session.h"
-#include "pipeline/text.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/run/opened_project.h"
+#include "pipeline/text/text.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/photographs.h"
 #include "studio/server/armature_setup.h"

@@ -7,8 +7,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {

@@ -5,11 +5,11 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "pipeline/real_disk.h"
-#include "pipeline/text.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/text/text.h"
 #include "studio/project/photographs.h"
 #include "studio/server/session_answers.h"
 #include "studio/server/take_puppet.h"

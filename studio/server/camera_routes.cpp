@@ -1,8 +1,8 @@
 // The cameras of a performance, calibrated by points of known place.
 #include <atomic>
 
-#include "core/errors.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/project/camera_points.h"
 #include "studio/project/changes.h"
 #include "studio/project/films.h"

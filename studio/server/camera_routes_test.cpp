@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/known_points_io.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/known_points_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/testing/folder.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {

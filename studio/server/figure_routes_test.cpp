@@ -5,10 +5,11 @@
 
 #include <cstdlib>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -236,7 +237,7 @@ class FigureAfterCapture : public FigureRoutes {
   }
   int Run() {
     const fs::path log = folder_ / "log";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+    const std::string command = BinFolder() + "/keypose run -C " +
                                 folder_.string() + " --force capture > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     routes_ = std::make_unique<Routes>(folder_);

@@ -5,9 +5,10 @@
 
 #include <cstdlib>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio {
@@ -101,7 +102,7 @@ class FilmRoutes : public testing::Test, public TestingFolder {
   std::string Yaml() const { return ReadFile(folder_ / "pipeline.yaml"); }
   void Run() {
     const fs::path log = folder_ / "log";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+    const std::string command = BinFolder() + "/keypose run -C " +
                                 folder_.string() + " > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
     routes_ = std::make_unique<Routes>(folder_);

@@ -4,8 +4,8 @@
 
 #include <cstdlib>
 
-#include "core/errors.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/project/photo_picks.h"
 #include "studio/project/picks.h"
 #include "studio/project/timeline.h"

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_dng.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/dng.h"
+#include "core/testing/folder.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 

@@ -7,11 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
@@ -151,7 +152,7 @@ class MotionRoutes : public testing::Test, public TestingFolder {
   }
   void Run(const std::string& until) {
     const fs::path log = folder_.string() + ".log";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+    const std::string command = BinFolder() + "/keypose run -C " +
                                 folder_.string() + " --until " + until + " > " + log.string() +
                                 " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);

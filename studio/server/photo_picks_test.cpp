@@ -7,16 +7,17 @@
 #include <memory>
 #include <thread>
 
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/io/landmarks_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/regions_io.h"
-#include "core/io/testing_folder.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/regions_io.h"
+#include "core/testing/folder.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
@@ -166,7 +167,7 @@ class PhotoPicks : public testing::Test {
   std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
   static void Run(const fs::path& folder, const std::string& until) {
     const fs::path log = folder.string() + ".log";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+    const std::string command = BinFolder() + "/keypose run -C " +
                                 folder.string() + " --until " + until + " > " + log.string() +
                                 " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);

@@ -1,8 +1,8 @@
 // Photographs, masks, cameras, meshes and frames.
 #include <fmt/format.h>
 
-#include "core/errors.h"
-#include "core/io/mesh_io.h"
+#include "core/values/errors.h"
+#include "core/io/meshes/mesh_io.h"
 #include "studio/meshes/frame_colours.h"
 #include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"

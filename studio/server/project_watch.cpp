@@ -6,8 +6,8 @@
 #include <chrono>
 #include <set>
 
-#include "core/sha256.h"
-#include "pipeline/real_disk.h"
+#include "core/numbers/sha256.h"
+#include "pipeline/disk/real_disk.h"
 
 namespace keypose::studio {
 

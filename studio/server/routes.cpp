@@ -7,13 +7,13 @@
 #include <chrono>
 #include <thread>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "pipeline/commands.h"
-#include "pipeline/project_lock.h"
-#include "pipeline/real_disk.h"
-#include "pipeline/real_process.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "pipeline/commands/commands.h"
+#include "pipeline/cache/project_lock.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/disk/real_process.h"
 #include "studio/project/changes.h"
 #include "studio/project/failure_pictures.h"
 #include "studio/project/overview.h"

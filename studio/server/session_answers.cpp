@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
+#include "core/io/text/files.h"
 
 namespace keypose::studio {
 

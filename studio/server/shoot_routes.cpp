@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/photograph_files.h"
-#include "pipeline/real_disk.h"
-#include "pipeline/text.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/photograph_files.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/text/text.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 #include "studio/server/serial_ports.h"

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <string_view>
 
-#include "core/errors.h"
-#include "pipeline/session.h"
+#include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/project/photographs.h"
 #include "studio/project/shot.h"
 #include "studio/project/shot_clicks.h"

@@ -4,13 +4,14 @@
 
 #include <cstdlib>
 
-#include "core/camera.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
-#include "core/io/testing_folder.h"
-#include "core/render.h"
-#include "core/testing_shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/camera.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/testing/folder.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
@@ -121,7 +122,7 @@ class ShotRoutes : public testing::Test {
                               {"options", json::array()}};
     WriteFile(program.string() + ".json", description.dump());
     const fs::path log = place_ / "log.txt";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose run -C " +
+    const std::string command = BinFolder() + "/keypose run -C " +
                                 folder_.string() + " --until unwrap > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
   }

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "studio/runs/armature_control.h"
 #include "studio/runs/children.h"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "pipeline/real_disk.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "pipeline/disk/real_disk.h"
 #include "studio/project/take_use.h"
 #include "studio/server/armature_setup.h"
 #include "studio/server/routes.h"

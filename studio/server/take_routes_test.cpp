@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
-#include "pipeline/session.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/runs/children.h"
 #include "studio/server/routes.h"
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 

@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/srgb.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::synth {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "synth/noise.h"
+#include "core/values/image.h"
+#include "synth/worlds/noise.h"
 #include "synth/rooms/print.h"
 
 namespace keypose::synth {

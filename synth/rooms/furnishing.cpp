@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
+#include "core/values/angles.h"
 #include "synth/rooms/printed.h"
 #include "synth/rooms/surfaces.h"
 

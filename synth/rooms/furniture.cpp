@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "synth/light.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "synth/photographs/light.h"
 
 namespace keypose::synth {
 namespace {

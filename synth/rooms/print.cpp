@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/srgb.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::synth {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
-#include "synth/noise.h"
+#include "core/values/image.h"
+#include "synth/worlds/noise.h"
 
 namespace keypose::synth {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/srgb.h"
-#include "synth/enlarged.h"
+#include "core/pictures/srgb.h"
+#include "synth/photographs/enlarged.h"
 #include "synth/rooms/canvas.h"
 #include "synth/rooms/furniture.h"
 #include "synth/rooms/print.h"

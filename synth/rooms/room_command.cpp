@@ -6,18 +6,18 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "synth/fresh_folder.h"
-#include "synth/photographer.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "synth/photographs/fresh_folder.h"
+#include "synth/photographs/photographer.h"
 #include "synth/rooms/room_photographer.h"
-#include "synth/truth_files.h"
+#include "synth/photographs/truth_files.h"
 
 namespace keypose::synth {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "synth/rooms/room_plan.h"
 
 namespace keypose::synth {

@@ -8,13 +8,13 @@
 #include <map>
 #include <utility>
 
-#include "core/fit_view.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "synth/hand.h"
-#include "synth/light.h"
-#include "synth/ray_table.h"
-#include "synth/sensor.h"
+#include "core/pictures/fit_view.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "synth/worlds/hand.h"
+#include "synth/photographs/light.h"
+#include "synth/photographs/ray_table.h"
+#include "synth/photographs/sensor.h"
 
 namespace keypose::synth {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "synth/rooms/room_plan.h"
 #include "synth/rooms/room_set.h"
 #include "synth/rooms/stands.h"

@@ -5,9 +5,9 @@
 #include <charconv>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "synth/noise.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "synth/worlds/noise.h"
 
 namespace keypose::synth {
 namespace {

@@ -6,14 +6,14 @@
 #include <map>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/image_turns.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "synth/score.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/pictures/image_turns.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "synth/scores/score.h"
 
 namespace keypose::synth {
 namespace {

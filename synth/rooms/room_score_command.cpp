@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "synth/rooms/room_score.h"
-#include "synth/truth_files.h"
+#include "synth/photographs/truth_files.h"
 
 namespace keypose::synth {
 namespace {

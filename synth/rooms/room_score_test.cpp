@@ -5,11 +5,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/fit_view.h"
-#include "core/image_turns.h"
-#include "synth/polygonize.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/pictures/fit_view.h"
+#include "core/pictures/image_turns.h"
+#include "synth/worlds/polygonize.h"
 
 namespace keypose::synth {
 namespace {

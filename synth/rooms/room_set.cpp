@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/angles.h"
-#include "synth/polygonize.h"
+#include "core/values/angles.h"
+#include "synth/worlds/polygonize.h"
 #include "synth/rooms/furnishing.h"
 #include "synth/rooms/printed.h"
 #include "synth/rooms/surfaces.h"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "synth/light.h"
-#include "synth/posed_clay.h"
+#include "synth/photographs/light.h"
+#include "synth/worlds/posed_clay.h"
 #include "synth/rooms/furniture.h"
 #include "synth/rooms/room_plan.h"
 

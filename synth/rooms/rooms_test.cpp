@@ -6,18 +6,18 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/angles.h"
-#include "core/errors.h"
-#include "core/io/colmap_io.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "synth/rooms/room_command.h"
 #include "synth/rooms/room_photographer.h"
-#include "synth/truth_files.h"
+#include "synth/photographs/truth_files.h"
 
 namespace keypose::synth {
 namespace {

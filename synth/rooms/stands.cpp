@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/angles.h"
-#include "core/fit_view.h"
-#include "core/size_of.h"
-#include "synth/noise.h"
+#include "core/values/angles.h"
+#include "core/pictures/fit_view.h"
+#include "core/values/size_of.h"
+#include "synth/worlds/noise.h"
 
 namespace keypose::synth {
 namespace {

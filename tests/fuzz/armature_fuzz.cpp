@@ -1,7 +1,7 @@
 // Description files of armatures, and files of anchors and chains: the first byte says which.
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Weights of bones: JSON and .dmat.
-#include "core/io/bone_weights.h"
+#include "core/io/meshes/bone_weights.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

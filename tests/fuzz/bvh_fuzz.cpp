@@ -1,5 +1,5 @@
 // Motions as BVH, read and written.
-#include "core/io/bvh_io.h"
+#include "core/io/meshes/bvh_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // PLY point clouds.
-#include "core/io/mesh_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

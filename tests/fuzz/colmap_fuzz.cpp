@@ -1,6 +1,6 @@
 // A COLMAP model, text or binary: cameras, images and points one after the other, with a separator
 // line in between.
-#include "core/io/colmap_io.h"
+#include "core/io/project/colmap_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

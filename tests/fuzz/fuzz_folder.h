@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::fuzz {
 

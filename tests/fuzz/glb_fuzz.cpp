@@ -1,5 +1,5 @@
 // Meshes and textures of binary glTF.
-#include "core/io/glb_mesh.h"
+#include "core/io/meshes/glb_mesh.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Photographs of all formats, recognised by content.
-#include "core/io/image_io.h"
+#include "core/io/pictures/image_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // capture.json of an images folder.
-#include "core/io/image_set.h"
+#include "core/io/pictures/image_set.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // Picks (JSON, MeshLab) and pairs of landmarks (JSON, text).
-#include "core/io/landmarks_io.h"
-#include "core/mesh_binding.h"
-#include "core/testing_shapes.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/surfaces/mesh_binding.h"
+#include "core/surfaces/shapes.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

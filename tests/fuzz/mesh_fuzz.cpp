@@ -1,7 +1,7 @@
 // Meshes of all formats, recognised by content.
-#include "core/geometry.h"
-#include "core/io/mesh_io.h"
-#include "core/mesh_checks.h"
+#include "core/surfaces/geometry.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/mesh_checks.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

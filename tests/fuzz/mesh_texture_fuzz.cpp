@@ -1,5 +1,5 @@
 // Which texture a mesh names: OBJ with its materials, PLY.
-#include "core/io/mesh_texture.h"
+#include "core/io/meshes/mesh_texture.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

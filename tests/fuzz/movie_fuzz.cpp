@@ -1,5 +1,5 @@
 // What MP4 and QuickTime files say of their film.
-#include "core/io/movie_header.h"
+#include "core/io/pictures/movie_header.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // What Keypose notes beside pictures and frames: painted.json of masks, distortion.json of frames.
-#include "core/io/frame_folder.h"
-#include "core/io/painted_masks.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/pictures/painted_masks.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // A project's pipeline.yaml, including its timeline.
-#include "pipeline/pipeline_file.h"
+#include "pipeline/graph/pipeline_file.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

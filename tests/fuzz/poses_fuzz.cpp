@@ -1,5 +1,5 @@
 // Cameras as transforms.json.
-#include "core/io/poses_io.h"
+#include "core/io/project/poses_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // RAW files of cameras.
-#include "core/io/raw_io.h"
+#include "core/io/pictures/raw_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

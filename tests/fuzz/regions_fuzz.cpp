@@ -1,7 +1,7 @@
 // Regions of a timeline that are bound to a mesh.
-#include "core/io/regions_io.h"
-#include "core/mesh_binding.h"
-#include "core/testing_shapes.h"
+#include "core/io/project/regions_io.h"
+#include "core/surfaces/mesh_binding.h"
+#include "core/surfaces/shapes.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Calibrations of fixed cameras: as OpenCV YAML, and as what the content says it is.
-#include "core/io/rig_calibration.h"
+#include "core/io/project/rig_calibration.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // shot.json of a filmed shot, read and written, and the numbers in pictures' names.
-#include "core/io/shot_io.h"
+#include "core/io/project/shot_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

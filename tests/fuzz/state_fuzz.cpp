@@ -2,11 +2,11 @@
 // kind.
 #include <nlohmann/json.hpp>
 
-#include "pipeline/artifact_store.h"
-#include "pipeline/content_hasher.h"
-#include "pipeline/records.h"
-#include "pipeline/results_folder.h"
-#include "pipeline/stage_info.h"
+#include "pipeline/cache/artifact_store.h"
+#include "pipeline/cache/content_hasher.h"
+#include "pipeline/cache/records.h"
+#include "pipeline/run/results_folder.h"
+#include "pipeline/graph/stage_info.h"
 #include "pipeline/testing/memory_disk.h"
 #include "tests/fuzz/fuzz_folder.h"
 

@@ -1,7 +1,7 @@
 // Stiffness as text, and as JSON bound to its mesh.
-#include "core/io/stiffness_io.h"
-#include "core/mesh_binding.h"
-#include "core/testing_shapes.h"
+#include "core/io/project/stiffness_io.h"
+#include "core/surfaces/mesh_binding.h"
+#include "core/surfaces/shapes.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // Changes of single values in a YAML file. The first line names the place, "options dense levels",
 // the second the value; what follows is the file.
-#include "core/io/yaml_edit.h"
+#include "core/io/text/yaml_edit.h"
 
 #include <sstream>
 

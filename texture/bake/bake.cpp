@@ -8,12 +8,12 @@
 #include <optional>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/gain.h"
 #include "texture/bake/paint.h"

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 #include "texture/bake/bake_view.h"
 #include "texture/bake/colour_consensus.h"
 

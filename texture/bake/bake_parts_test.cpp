@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/labels.h"
 #include "texture/bake/lattice.h"

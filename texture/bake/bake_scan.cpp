@@ -5,10 +5,10 @@
 #include <limits>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
 #include "views/atlas/atlas.h"
 #include "views/atlas/linear_light.h"
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 
 namespace keypose::texture {
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
 #include "views/atlas/linear_light.h"
 

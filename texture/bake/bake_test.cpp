@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "texture/bake/testing_spheres.h"
 #include "texture/bake/view_alignment.h"
 

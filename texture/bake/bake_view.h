@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "views/atlas/linear_light.h"
 
 namespace keypose::texture {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <queue>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::texture {
 namespace {

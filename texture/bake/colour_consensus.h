@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/tuned.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/values/tuned.h"
 #include "texture/bake/bake_view.h"
 
 namespace keypose::texture {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 
 namespace keypose::texture {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/size_of.h"
+#include "core/values/mesh.h"
+#include "core/values/size_of.h"
 #include "texture/bake/bake_view.h"
 #include "texture/bake/labels.h"
 #include "texture/bake/view_alignment.h"

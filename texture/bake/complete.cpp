@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "texture/bake/bake_view.h"
 #include "views/atlas/atlas.h"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 
 namespace keypose::texture {
 

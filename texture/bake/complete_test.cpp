@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
 
 namespace keypose::texture {

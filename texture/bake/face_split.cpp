@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::texture {
 namespace {

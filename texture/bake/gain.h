@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "texture/bake/bake_view.h"
 
 namespace keypose::texture {

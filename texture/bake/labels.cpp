@@ -7,10 +7,10 @@
 #include <map>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/max_flow.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/max_flow.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::texture {
 namespace {

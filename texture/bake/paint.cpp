@@ -5,9 +5,9 @@
 #include <mutex>
 #include <utility>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "texture/bake/lattice.h"
 #include "texture/bake/seams.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "texture/bake/colour_samples.h"
 #include "views/atlas/atlas.h"
 

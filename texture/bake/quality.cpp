@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::texture {
 namespace {

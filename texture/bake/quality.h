@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/image_quality.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
+#include "core/values/image.h"
+#include "core/pictures/image_quality.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
 #include "texture/bake/bake_view.h"
 
 namespace keypose::texture {
@@ -30,7 +30,7 @@ struct Comparison {
   double psnr_db = 0;  ///< of the unchanged pictures
   /// after one factor per channel (linear light) that gives the rendering the photograph's mean
   double psnr_gain_db = 0;
-  double ssim = 0;  ///< of the luma of the unchanged pictures (core/image_quality.h)
+  double ssim = 0;  ///< of the luma of the unchanged pictures (core/pictures/image_quality.h)
 };
 /// At most 200,000 rays.
 /// @param texture_size  of `texture`, for the footprint of a ray

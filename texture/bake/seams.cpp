@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/cholesky.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/cholesky.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::texture {
 namespace {

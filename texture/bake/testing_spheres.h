@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "texture/bake/bake.h"
 #include "texture/bake/quality.h"
 #include "views/atlas/atlas.h"

@@ -8,10 +8,10 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 
 namespace keypose::texture {
 namespace {

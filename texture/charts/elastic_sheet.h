@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/cholesky.h"
+#include "core/numbers/cholesky.h"
 #include "texture/charts/charts.h"
 
 namespace keypose::texture {

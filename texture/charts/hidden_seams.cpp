@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "core/geometry.h"
-#include "core/max_flow.h"
-#include "core/parallel.h"
-#include "core/ray_scene.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/max_flow.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::texture {
 namespace {

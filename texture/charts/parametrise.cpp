@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/cholesky.h"
-#include "core/size_of.h"
+#include "core/numbers/cholesky.h"
+#include "core/values/size_of.h"
 #include "texture/charts/elastic_sheet.h"
 
 namespace keypose::texture {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <iterator>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::texture {
 namespace {

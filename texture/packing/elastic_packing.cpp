@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "texture/charts/parametrise.h"
 #include "texture/packing/contact.h"
 

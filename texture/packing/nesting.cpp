@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/angles.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "texture/packing/stamps.h"
 
 namespace keypose::texture {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::texture {
 

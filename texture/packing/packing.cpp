@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "texture/packing/elastic_packing.h"
 #include "texture/packing/nesting.h"
 

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "texture/charts/parametrise.h"
 #include "texture/packing/contact.h"
 #include "texture/packing/elastic_packing.h"

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/angles.h"
-#include "core/mesh.h"
-#include "core/size_of.h"
+#include "core/values/angles.h"
+#include "core/values/mesh.h"
+#include "core/values/size_of.h"
 
 namespace keypose::texture {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <tuple>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/charts/parametrise.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "texture/charts/hidden_seams.h"
 
 namespace keypose::texture {

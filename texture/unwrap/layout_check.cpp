@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/union_find.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/union_find.h"
 #include "texture/charts/parametrise.h"
 
 namespace keypose::texture {

@@ -1,7 +1,7 @@
 // Proves that a texture layout has no flips and no overlaps, and measures its stretch.
 #pragma once
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 
 namespace keypose::texture {
 

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/mesh_checks.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/packing/elastic_packing.h"
 #include "texture/packing/packing.h"

@@ -1,9 +1,9 @@
 // From a closed mesh to a texture layout: charts that are nearly flat, packed into the unit square.
 #pragma once
 
-#include "core/mesh.h"
-#include "core/options.h"
-#include "core/progress.h"
+#include "core/values/mesh.h"
+#include "core/values/options.h"
+#include "core/values/progress.h"
 #include "texture/unwrap/layout_check.h"
 
 namespace keypose::texture {

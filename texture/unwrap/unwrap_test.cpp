@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "texture/charts/charts.h"
 #include "texture/charts/parametrise.h"
 

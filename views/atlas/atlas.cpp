@@ -8,10 +8,10 @@
 #include <string>
 #include <utility>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/values/tuned.h"
 #include "views/atlas/linear_light.h"
 
 namespace keypose {

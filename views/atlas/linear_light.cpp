@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/srgb.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose {
 namespace {

@@ -9,10 +9,10 @@ extern "C" {
 #include <cmath>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/srgb.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/pictures/srgb.h"
 #include "views/film/libav.h"
 #include "views/film/palette.h"
 #include "views/film/picture.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose {
 

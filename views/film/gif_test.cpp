@@ -11,9 +11,9 @@
 #include <set>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/testing_folder.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/testing/folder.h"
+#include "core/numbers/parallel.h"
 #include "views/film/palette.h"
 #include "views/film/picture.h"
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose {
 namespace {

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose {

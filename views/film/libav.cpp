@@ -1,6 +1,6 @@
 #include "views/film/libav.h"
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

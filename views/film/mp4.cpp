@@ -5,7 +5,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 #include "views/film/libav.h"
 #include "views/film/picture.h"
 

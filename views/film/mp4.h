@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose {
 

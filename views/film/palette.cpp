@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

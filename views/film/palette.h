@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose {
 

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
 
 namespace keypose {
 namespace {

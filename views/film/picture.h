@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <optional>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose {
 namespace {

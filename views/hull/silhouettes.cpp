@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/size_of.h"
+#include "core/values/mesh.h"
+#include "core/values/size_of.h"
 #include "views/hull/mask_field.h"
 #include "views/hull/visual_hull.h"
 #include "views/prepared/prepared_view.h"

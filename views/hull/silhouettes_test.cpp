@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/render.h"
+#include "core/pictures/render.h"
 
 namespace keypose {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose {
 namespace {

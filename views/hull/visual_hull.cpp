@@ -7,9 +7,9 @@
 #include <limits>
 #include <numeric>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "views/hull/mask_field.h"
 
 namespace keypose {

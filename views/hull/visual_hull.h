@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/mesh.h"
+#include "core/values/mesh.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose {

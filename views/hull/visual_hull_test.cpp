@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/render.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
 #include "views/hull/depth_bounds.h"
 #include "views/hull/view_selection.h"
 

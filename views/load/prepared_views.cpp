@@ -4,12 +4,12 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
-#include "core/memory.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/values/memory.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "core/stage/stage.h"
 #include "views/prepared/prepared_view.h"
 

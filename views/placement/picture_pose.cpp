@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

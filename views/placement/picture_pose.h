@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 #include "views/placement/surface_features.h"
 #include "views/prepared/prepared_view.h"
 

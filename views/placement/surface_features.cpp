@@ -6,12 +6,12 @@
 #include <numbers>
 #include <opencv2/features2d.hpp>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose {
 namespace {

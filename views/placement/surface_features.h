@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/image.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
+#include "core/values/progress.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

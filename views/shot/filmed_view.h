@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose {
 

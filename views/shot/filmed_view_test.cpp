@@ -6,8 +6,8 @@
 
 #include <functional>
 
-#include "core/errors.h"
-#include "core/fit_view.h"
+#include "core/values/errors.h"
+#include "core/pictures/fit_view.h"
 
 namespace keypose {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

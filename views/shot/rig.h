@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/io/rig_calibration.h"
+#include "core/values/camera.h"
+#include "core/io/project/rig_calibration.h"
 #include "core/stage/stage.h"
 #include "views/shot/shot_camera.h"
 

@@ -8,13 +8,13 @@
 #include <set>
 #include <system_error>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/movie_header.h"
-#include "core/io/rig_calibration.h"
-#include "core/io/shot_io.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/movie_header.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/io/project/shot_io.h"
+#include "core/values/size_of.h"
 #include "views/shot/together.h"
 
 namespace keypose {

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 #include "views/shot/shot_camera.h"
 
 namespace keypose {

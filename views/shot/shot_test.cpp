@@ -6,10 +6,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
 
 namespace keypose {
 namespace {

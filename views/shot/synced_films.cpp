@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/rig_calibration.h"
-#include "core/name_list.h"
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/values/name_list.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 #include "views/shot/filmed_view.h"
 #include "views/shot/rig.h"
 

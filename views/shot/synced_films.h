@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 #include "core/stage/stage.h"
 #include "views/shot/shot.h"
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "core/errors.h"
-#include "core/io/shot_io.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/io/project/shot_io.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

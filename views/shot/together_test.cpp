@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

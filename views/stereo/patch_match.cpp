@@ -8,8 +8,8 @@
 #include <mutex>
 #include <numeric>
 
-#include "core/parallel.h"
-#include "core/size_of.h"
+#include "core/numbers/parallel.h"
+#include "core/values/size_of.h"
 
 namespace keypose::stereo {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/progress.h"
+#include "core/values/progress.h"
 #include "views/hull/depth_bounds.h"
 #include "views/stereo/patch_match_sweep.h"
 

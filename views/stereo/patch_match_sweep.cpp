@@ -6,8 +6,8 @@
 #include <cstring>
 #include <limits>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "views/stereo/patch_match_areas.h"
 #include "views/stereo/patch_match_lanes.h"
 #include "views/stereo/patch_match_random.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/parallel.h"
+#include "core/numbers/parallel.h"
 #include "views/stereo/patch_match.h"
 #include "views/stereo/patch_match_cost.h"
 #include "views/stereo/patch_match_sweep.h"

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "capture/board/board_pattern.h"
-#include "core/camera.h"
-#include "core/image.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

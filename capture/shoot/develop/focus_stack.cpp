@@ -6,7 +6,7 @@
 #include <string>
 
 #include "capture/pictures/cv_image.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "capture/pictures/cv_image.h"
-#include "core/errors.h"
-#include "core/parallel.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "core/io/files.h"
-#include "core/io/photograph_files.h"
-#include "core/io/raw_io.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/pictures/raw_io.h"
 
 namespace keypose::capture::shoot {
 

@@ -7,8 +7,8 @@
 
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
-#include "core/errors.h"
-#include "core/srgb.h"
+#include "core/values/errors.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture::shoot {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/srgb.h"
+#include "core/values/errors.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::capture::shoot {
 namespace {

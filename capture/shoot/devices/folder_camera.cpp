@@ -5,8 +5,8 @@
 #include <set>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "core/errors.h"
-#include "core/io/photograph_files.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {

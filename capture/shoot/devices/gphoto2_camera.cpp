@@ -7,8 +7,8 @@
 #include <deque>
 #include <fstream>
 
-#include "core/errors.h"
-#include "core/io/photograph_files.h"
+#include "core/values/errors.h"
+#include "core/io/pictures/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {

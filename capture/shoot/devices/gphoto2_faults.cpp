@@ -7,7 +7,7 @@
 #include <set>
 
 #include "capture/shoot/devices/gphoto2_camera.h"
-#include "core/io/files.h"
+#include "core/io/text/files.h"
 
 namespace keypose::capture::shoot {
 namespace {

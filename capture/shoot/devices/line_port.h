@@ -1,4 +1,4 @@
-// Lines of text to and from a device on a serial port (core/io/serial_port.h).
+// Lines of text to and from a device on a serial port (core/io/text/serial_port.h).
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "capture/shoot/devices/patience.h"
-#include "core/io/serial_port.h"
+#include "core/io/text/serial_port.h"
 
 namespace keypose::capture::shoot {
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files.h"
+#include "core/io/text/files.h"
 
 namespace keypose::capture::shoot {
 

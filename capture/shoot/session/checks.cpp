@@ -10,8 +10,8 @@
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
-#include "core/errors.h"
-#include "core/srgb.h"
+#include "core/values/errors.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::capture::shoot {
 namespace {

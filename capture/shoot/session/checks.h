@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "capture/shoot/record/side_file.h"
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::capture::shoot {
 

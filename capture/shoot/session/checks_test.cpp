@@ -7,7 +7,7 @@
 #include <random>
 
 #include "capture/pictures/cv_image.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
 
 namespace keypose::capture::shoot {
 

@@ -10,10 +10,10 @@
 #include <cstring>
 #include <set>
 
-#include "core/errors.h"
-#include "core/file_names.h"
-#include "core/io/files.h"
-#include "core/io/photograph_files.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {

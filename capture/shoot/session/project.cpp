@@ -12,9 +12,9 @@
 #include <cstring>
 #include <vector>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/yaml_edit.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/text/yaml_edit.h"
 
 namespace keypose::capture::shoot {
 namespace {

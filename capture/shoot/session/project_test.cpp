@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/testing/folder.h"
 
 namespace keypose::capture::shoot {
 namespace {

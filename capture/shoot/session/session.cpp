@@ -14,9 +14,9 @@
 #include "capture/shoot/session/project.h"
 #include "capture/shoot/session/shot_book.h"
 #include "capture/shoot/session/wishes.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/photograph_files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {

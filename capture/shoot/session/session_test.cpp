@@ -13,10 +13,10 @@
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/devices/folder_camera.h"
 #include "capture/shoot/devices/gphoto2_camera.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/testing_folder.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/image_io.h"
+#include "core/testing/folder.h"
 
 namespace keypose::capture::shoot {
 namespace {

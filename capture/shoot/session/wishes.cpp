@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "capture/shoot/session/project.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 

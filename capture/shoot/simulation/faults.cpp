@@ -4,8 +4,8 @@
 #include <charconv>
 #include <sstream>
 
-#include "core/errors.h"
-#include "core/io/files.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
 
 namespace keypose::capture::shoot {
 

@@ -9,7 +9,7 @@
 
 #include "capture/shoot/simulation/faults.h"
 #include "capture/shoot/simulation/world.h"
-#include "core/io/serial_port.h"
+#include "core/io/text/serial_port.h"
 
 namespace keypose::capture::shoot {
 

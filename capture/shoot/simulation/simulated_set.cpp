@@ -10,7 +10,7 @@
 
 #include "capture/shoot/devices/grbl_turntable.h"
 #include "capture/shoot/devices/steps_turntable.h"
-#include "core/errors.h"
+#include "core/values/errors.h"
 
 extern char** environ;
 

@@ -6,7 +6,7 @@
 
 #include "capture/shoot/devices/turntable.h"
 #include "capture/shoot/simulation/firmware.h"
-#include "core/io/testing_folder.h"
+#include "core/testing/folder.h"
 
 namespace keypose::capture::shoot {
 

@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "capture/shoot/record/plan.h"
-#include "core/errors.h"
-#include "core/io/files.h"
-#include "core/io/line_input.h"
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/text/line_input.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/image_quality.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/pictures/image_quality.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

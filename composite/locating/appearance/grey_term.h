@@ -5,8 +5,8 @@
 
 #include "composite/locating/lens/normal_equations.h"
 #include "composite/locating/outline/silhouette.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 #include "views/placement/picture_pose.h"
 
 namespace keypose::composite {

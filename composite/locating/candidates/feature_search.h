@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "composite/locating/lens/normal_equations.h"
-#include "core/image.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 #include "views/placement/surface_features.h"
 
 namespace keypose::composite {

@@ -6,11 +6,11 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

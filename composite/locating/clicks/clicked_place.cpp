@@ -7,9 +7,9 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "core/errors.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/values/errors.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

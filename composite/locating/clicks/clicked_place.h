@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "composite/locating/lens/normal_equations.h"
-#include "core/landmark_goal.h"
-#include "core/mesh.h"
+#include "core/values/landmark_goal.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

@@ -4,8 +4,8 @@
 
 #include "composite/locating/clicks/clicked_place.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/errors.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

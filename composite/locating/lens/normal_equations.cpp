@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/rotations.h"
+#include "core/numbers/rotations.h"
 
 namespace keypose::composite {
 namespace {

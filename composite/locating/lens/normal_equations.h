@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "core/camera.h"
+#include "core/values/camera.h"
 
 namespace keypose::composite {
 

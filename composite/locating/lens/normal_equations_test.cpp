@@ -3,7 +3,7 @@
 
 #include "composite/locating/lens/normal_equations.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/testing_shapes.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

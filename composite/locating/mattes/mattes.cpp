@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/image.h"
-#include "core/kd_tree.h"
+#include "core/values/image.h"
+#include "core/numbers/kd_tree.h"
 
 namespace keypose::composite {
 
@@ -14,7 +14,7 @@ namespace keypose::composite {
 constexpr double kLeastAgreement = 0.5;
 constexpr int kTriedNeighbours = 16;
 
-/// Pixel centres lie at .5 here and in all of locating/, as in core/camera.h.
+/// Pixel centres lie at .5 here and in all of locating/, as in core/values/camera.h.
 struct OutlinePoint {
   Eigen::Vector2d pixel;
   Eigen::Vector2d normal;  ///< unit, outwards

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

@@ -7,9 +7,9 @@
 #include "composite/locating/outline/shrunk.h"
 #include "composite/locating/outline/silhouette.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/fit_view.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
+#include "core/pictures/fit_view.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

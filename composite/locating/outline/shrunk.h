@@ -1,7 +1,7 @@
 // Smaller pictures.
 #pragma once
 
-#include "core/image.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

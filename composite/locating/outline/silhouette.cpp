@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/geometry.h"
-#include "core/parallel.h"
-#include "core/render.h"
-#include "core/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/values/size_of.h"
 #include "deform/levels/edge_collapse.h"
 
 namespace keypose::composite {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "composite/locating/lens/normal_equations.h"
-#include "core/face_pairs.h"
-#include "core/image.h"
-#include "core/mesh.h"
-#include "core/ray_scene.h"
+#include "core/surfaces/face_pairs.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
+#include "core/surfaces/ray_scene.h"
 
 namespace keypose::composite {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "composite/locating/outline/shrunk.h"
-#include "core/geometry.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

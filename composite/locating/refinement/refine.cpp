@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

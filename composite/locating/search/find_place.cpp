@@ -8,11 +8,11 @@
 
 #include "composite/locating/candidates/shape_search.h"
 #include "composite/locating/outline/shrunk.h"
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

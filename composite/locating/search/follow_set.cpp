@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "composite/locating/set/set_cameras.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

@@ -1,6 +1,6 @@
 #include "composite/locating/search/locate_by_clicks.h"
 
-#include "core/size_of.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

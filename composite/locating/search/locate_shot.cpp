@@ -8,9 +8,9 @@
 #include "composite/locating/search/follow_set.h"
 #include "composite/locating/search/locate_by_clicks.h"
 #include "composite/locating/search/shot_frames.h"
-#include "core/errors.h"
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

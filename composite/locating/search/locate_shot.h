@@ -2,7 +2,7 @@
 #pragma once
 
 #include "composite/locating/search/shot.h"
-#include "core/progress.h"
+#include "core/values/progress.h"
 
 namespace keypose::composite {
 

@@ -4,9 +4,9 @@
 
 #include "composite/locating/search/locate_shot.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/errors.h"
-#include "core/parallel.h"
-#include "core/testing_shapes.h"
+#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

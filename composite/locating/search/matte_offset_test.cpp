@@ -5,7 +5,7 @@
 
 #include "composite/locating/search/locate_shot.h"
 #include "composite/locating/testing/spotted_film.h"
-#include "core/testing_spots.h"
+#include "core/testing/spots.h"
 
 namespace keypose::composite {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "composite/locating/search/locate_shot.h"
 #include "composite/locating/testing/spotted_film.h"
-#include "core/geometry.h"
-#include "core/rotations.h"
-#include "core/testing_shapes.h"
-#include "core/testing_spots.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/rotations.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/spots.h"
 
 namespace keypose::composite {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "composite/locating/mattes/mattes.h"
-#include "core/tuned.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

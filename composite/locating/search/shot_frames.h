@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "composite/locating/search/shot.h"
-#include "core/progress.h"
+#include "core/values/progress.h"
 
 namespace keypose::composite {
 

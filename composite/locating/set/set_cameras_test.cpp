@@ -7,8 +7,8 @@
 #include <random>
 
 #include "composite/locating/set/set_tracks.h"
-#include "core/rotations.h"
-#include "core/size_of.h"
+#include "core/numbers/rotations.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {

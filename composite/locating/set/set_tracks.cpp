@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "core/size_of.h"
-#include "core/tuned.h"
+#include "core/values/size_of.h"
+#include "core/values/tuned.h"
 
 namespace keypose::composite {
 namespace {

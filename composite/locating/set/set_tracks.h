@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/image.h"
-#include "core/progress.h"
+#include "core/values/image.h"
+#include "core/values/progress.h"
 
 namespace keypose::composite {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/fit_view.h"
-#include "core/geometry.h"
-#include "core/rotations.h"
-#include "core/testing_shapes.h"
+#include "core/pictures/fit_view.h"
+#include "core/surfaces/geometry.h"
+#include "core/numbers/rotations.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::composite {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "composite/locating/lens/normal_equations.h"
-#include "core/image.h"
-#include "core/mesh.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

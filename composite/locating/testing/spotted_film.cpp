@@ -1,8 +1,8 @@
 #include "composite/locating/testing/spotted_film.h"
 
-#include "core/fit_view.h"
-#include "core/ray_scene.h"
-#include "core/render.h"
+#include "core/pictures/fit_view.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/pictures/render.h"
 
 namespace keypose::composite {
 namespace {

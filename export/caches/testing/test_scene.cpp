@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/io/files.h"
-#include "core/io/png_io.h"
-#include "core/io/testing_folder.h"
-#include "core/testing_shapes.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/png_io.h"
+#include "core/testing/folder.h"
+#include "core/surfaces/shapes.h"
 
 namespace keypose::exporting {
 namespace {

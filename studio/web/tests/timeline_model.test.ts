@@ -20,7 +20,7 @@ const timelineOf = (fps: number): Timeline => ({
 })
 
 /**
- * The engine's rules (core/io/timeline.cpp): rising times, holds that end before the next key, loops
+ * The engine's rules (core/io/project/timeline.cpp): rising times, holds that end before the next key, loops
  * that close, pins from key to key.
  */
 function assertUsable(timeline: Timeline): void {

@@ -54,7 +54,7 @@ export interface ArmatureStory {
   edited: string[]
 }
 
-/** A camera as in core/camera.h; motions are w x y z of the turn, then the shift. */
+/** A camera as in core/values/camera.h; motions are w x y z of the turn, then the shift. */
 export interface PlateCamera {
   width: number
   height: number

@@ -44,7 +44,7 @@ function motionOf(numbers: number[], scale = 1): Matrix4 {
   return new Matrix4().compose(new Vector3(a, b, c), turn, new Vector3(scale, scale, scale))
 }
 
-/** The lens bends each vertex as core/camera.h does; far outside of the picture no further. */
+/** The lens bends each vertex as core/values/camera.h does; far outside of the picture no further. */
 const kLensCode = `#include <project_vertex>
 {
   float lens_u = mvPosition.x / -mvPosition.z, lens_v = -mvPosition.y / -mvPosition.z;

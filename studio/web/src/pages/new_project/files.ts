@@ -1,6 +1,6 @@
 // What was dropped or chosen, as photographs of poses; the rest is told, never sent.
 
-/** What the server takes, as core/io/photograph_files.cpp says. */
+/** What the server takes, as core/io/pictures/photograph_files.cpp says. */
 const kPhotographs = 'jpg jpeg jfif png tif tiff heic heif hif'.split(' ')
 /** What a camera writes beside or instead of them. */
 const kRaw = 'dng cr2 cr3 nef arw raf orf rw2'.split(' ')

@@ -13,7 +13,7 @@ let nextKey = 1
 export const emptyRow = (name = ''): Row => ({ key: nextKey++, name, photos: [], leftOut: [] })
 export const isBlank = (row: Row): boolean => row.name === '' && row.photos.length === 0
 
-/** The rule of pipeline/text.h: letters and digits of any script, - and _; no - at the start. */
+/** The rule of pipeline/text/text.h: letters and digits of any script, - and _; no - at the start. */
 const kName = /^[\p{L}\p{M}\p{N}_][\p{L}\p{M}\p{N}_-]*$/u
 
 /** A folder's name as a pose's: "Pose 2 (bent)" is Pose-2-bent. */

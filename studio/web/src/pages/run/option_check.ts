@@ -1,4 +1,4 @@
-// Checks of an option's value before it is sent: the rules of pipeline/stage_info.cpp in short.
+// Checks of an option's value before it is sent: the rules of pipeline/graph/stage_info.cpp in short.
 import type { StageOption } from '../../api'
 
 /** "1 to 6 px", "at least 0", or '' */

@@ -24,7 +24,7 @@ export const kCurves: Record<string, Curve> = {
   out: [0, 0, 0.58, 1],
   'in-out': [0.42, 0, 0.58, 1],
 }
-/** Bounds of a custom curve's y; core/io/timeline.cpp refuses others. */
+/** Bounds of a custom curve's y; core/io/project/timeline.cpp refuses others. */
 export const kLowestY = -2
 export const kHighestY = 3
 /** The page's own bound; the engine takes a million. */

@@ -1,0 +1,137 @@
+// The writing half of mesh_io.h.
+#include <fmt/format.h>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <string_view>
+
+#include "core/values/errors.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+
+namespace {
+
+template <class T>
+void Put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+/// Header lines of the vertex element, for meshes and clouds.
+template <class Source>
+void PutVertexHeader(std::string& out, const Source& source) {
+  out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
+                     source.points.rows());
+  if (source.normals.rows() == source.points.rows())
+    out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (source.colors.rows() == source.points.rows())
+    out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+}
+
+template <class Source>
+void PutVertex(std::string& out, const Source& source, Eigen::Index v) {
+  for (int k = 0; k < 3; ++k) Put<double>(out, source.points(v, k));
+  if (source.normals.rows() == source.points.rows())
+    for (int k = 0; k < 3; ++k) Put<float>(out, static_cast<float>(source.normals(v, k)));
+  if (source.colors.rows() == source.points.rows())
+    for (int k = 0; k < 3; ++k) Put<std::uint8_t>(out, source.colors(v, k));
+}
+
+constexpr const char* kPlyHead = "ply\nformat binary_little_endian 1.0\ncomment Keypose\n";
+
+std::string PlyBytes(const Mesh& mesh) {
+  std::string out = kPlyHead;
+  PutVertexHeader(out, mesh);
+  out +=
+      fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
+  if (mesh.has_uvs()) out += "property list uchar double texcoord\n";
+  out += "end_header\n";
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, v);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    Put<std::uint8_t>(out, 3);
+    for (int k = 0; k < 3; ++k) Put<std::int32_t>(out, mesh.faces(f, k));
+    if (!mesh.has_uvs()) continue;
+    Put<std::uint8_t>(out, 6);
+    for (int k = 0; k < 3; ++k)
+      for (int c = 0; c < 2; ++c) Put<double>(out, mesh.uvs(mesh.uv_faces(f, k), c));
+  }
+  return out;
+}
+
+std::string ObjText(const Mesh& mesh, const std::string& material_library) {
+  fmt::memory_buffer out;
+  auto to = std::back_inserter(out);
+  if (!material_library.empty()) fmt::format_to(to, "mtllib {}\nusemtl clay\n", material_library);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    fmt::format_to(to, "v {:.17g} {:.17g} {:.17g}\n", mesh.points(v, 0), mesh.points(v, 1),
+                   mesh.points(v, 2));
+  if (mesh.has_uvs())
+    for (Eigen::Index t = 0; t < mesh.uvs.rows(); ++t)
+      fmt::format_to(to, "vt {:.17g} {:.17g}\n", mesh.uvs(t, 0), mesh.uvs(t, 1));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    fmt::format_to(to, "f");
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.has_uvs())
+        fmt::format_to(to, " {}/{}", mesh.faces(f, k) + 1, mesh.uv_faces(f, k) + 1);
+      else
+        fmt::format_to(to, " {}", mesh.faces(f, k) + 1);
+    }
+    fmt::format_to(to, "\n");
+  }
+  return fmt::to_string(out);
+}
+
+}  // namespace
+
+void RequireMeshName(const fs::path& path) {
+  if (path.extension() != ".ply" && path.extension() != ".obj")
+    throw UsageError("cannot write a mesh as " + PrintableName(path) + ": name it .ply or .obj");
+}
+
+void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
+  RequireMeshName(path);
+  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
+  fs::path library;
+  if (!material_texture.empty() && mesh.has_uvs()) {
+    library = path;
+    library.replace_extension(".mtl");
+    WriteFile(library, fmt::format("newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n",
+                                   material_texture));
+  }
+  WriteFile(path, ObjText(mesh, library.filename().string()));
+}
+
+PlyFrames::PlyFrames(const Mesh& mesh) {
+  Mesh frame = mesh;
+  frame.normals.resize(0, 3);  // the normals belong to another frame
+  bytes_ = PlyBytes(frame);
+  constexpr std::string_view kEnd = "end_header\n";
+  vertices_at_ = bytes_.find(kEnd) + kEnd.size();
+  std::string vertex;
+  if (frame.points.rows() > 0) PutVertex(vertex, frame, 0);
+  vertex_bytes_ = vertex.size();
+}
+
+void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    std::memcpy(bytes_.data() + vertices_at_ + static_cast<std::size_t>(v) * vertex_bytes_,
+                points.data() + 3 * v, 3 * sizeof(double));
+  WriteFile(path, bytes_);
+}
+
+void WritePointCloud(const fs::path& path, const PointCloud& cloud) {
+  const bool with_confidence = cloud.confidence.size() == cloud.points.rows();
+  std::string out = kPlyHead;
+  PutVertexHeader(out, cloud);
+  if (with_confidence) out += "property float confidence\n";
+  out += "end_header\n";
+  for (Eigen::Index p = 0; p < cloud.points.rows(); ++p) {
+    PutVertex(out, cloud, p);
+    if (with_confidence) Put<float>(out, cloud.confidence(p));
+  }
+  WriteFile(path, out);
+}
+
+}  // namespace keypose

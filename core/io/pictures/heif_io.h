@@ -1,0 +1,16 @@
+// Reads the pixels of HEIC photographs by libheif directly. OpenImageIO is not used, because it
+// copies rows of the width that the container claims, whatever size was decoded.
+#pragma once
+
+#include <filesystem>
+
+#include "core/values/image.h"
+
+namespace keypose {
+
+/// The primary picture as 8-bit RGB, rotated and mirrored as the container says (irot, imir).
+/// @throws InputError  truncated or damaged, or the container claims another size than the picture
+/// has; names the file
+Image8 ReadHeif(const std::filesystem::path& path);
+
+}  // namespace keypose

@@ -1,0 +1,420 @@
+#include "core/io/pictures/image_io.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <utility>
+
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/pictures/image_turns.h"
+#include "core/io/text/files.h"
+#include "core/io/pictures/heif_io.h"
+#include "core/io/pictures/image_kind.h"
+#include "core/io/pictures/image_levels.h"
+#include "core/values/memory.h"
+#include "core/numbers/parallel.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+using OIIO::ImageInput;
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+namespace {
+
+constexpr int kMostChannels = 4;
+constexpr const char* kKinds = "JPEG, PNG, TIFF or HEIC";
+
+void RequireReadable(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw DiskError("image " + path.string() + " does not exist");
+  if (!fs::is_regular_file(path, error))
+    throw DiskError("image " + path.string() + " is not a file");
+  if (fs::file_size(path, error) == 0)
+    throw InputError("image " + path.string() +
+                     " is empty (0 bytes): copy it from the camera again");
+}
+
+/// @throws InputError  its bytes are not those of a known format
+std::string RequireKnownKind(const fs::path& path) {
+  std::string head(4096, '\0');
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw DiskError("cannot open image " + path.string());
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string kind = ImageKindOf(head);
+  if (!kind.empty()) return kind;
+  const std::string other = OtherKindOf(head);
+  throw InputError("cannot read image " + path.string() + ": it is " +
+                   (other.empty() ? "no" : other + ", and no") + " " + kKinds +
+                   " file, whatever its name says; save it as JPEG or PNG, or leave it out");
+}
+
+[[noreturn]] void ThrowDamaged(const fs::path& path, const std::string& reason) {
+  throw InputError("image " + path.string() + " is truncated or damaged" +
+                   (reason.empty() ? "" : " (" + reason + ")") +
+                   ": copy it from the camera again, or leave it out");
+}
+
+[[noreturn]] void ThrowNoMemory(const fs::path& path) {
+  throw DiskError("not enough memory to read image " + path.string() +
+                  "; close other programs, or make the pictures smaller");
+}
+
+[[noreturn]] void ThrowTooLarge(const fs::path& path, const std::string& size) {
+  throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " +
+                   std::to_string(kMostPixels / 1000000) +
+                   " million pixels are read; it is damaged, or make it smaller");
+}
+
+/// Checks the sizes that the header claims, before memory is allocated for them.
+void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
+  const std::string size =
+      std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
+  if (spec.width < 1 || spec.height < 1)
+    throw InputError("image " + path.string() + " has no pixels (" + size + "); leave it out");
+  const auto pixels = [](int width, int height) {
+    return static_cast<std::int64_t>(width) * height;
+  };
+  if (pixels(spec.width, spec.height) > kMostPixels ||
+      pixels(spec.tile_width, spec.tile_height) > kMostPixels)
+    ThrowTooLarge(path, size);
+  if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.nchannels > kMostChannels)
+    throw InputError("image " + path.string() +
+                     " is not a flat picture of 1 to 4 channels (depth " +
+                     std::to_string(spec.depth) + ", " + std::to_string(spec.nchannels) +
+                     " channels); save it as JPEG or PNG");
+}
+
+/// Requires memory for twice the pixels: while they are rotated or converted, there are two copies.
+/// Small pictures are not checked.
+void RequireMemoryFor(const fs::path& path, const ImageSpec& spec, std::int64_t bytes_each) {
+  constexpr std::int64_t kSmall = 64 << 20;
+  const std::int64_t bytes =
+      2 * bytes_each * spec.width * spec.height * std::max(3, spec.nchannels);
+  if (bytes > kSmall)
+    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " +
+                             std::to_string(spec.height) + " pixels)");
+}
+
+/// The HEIC decoder allocates memory for the pixels before it reports their number.
+void RequireModestHeif(const fs::path& path) {
+  const std::int64_t pixels = ClaimedHeifPixels(ReadFile(path));
+  if (pixels > kMostPixels) ThrowTooLarge(path, "more");
+  RequireMemory(6 * pixels, "image " + path.string());
+}
+
+/// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
+/// of its readers, and some of them write past their buffers.
+/// @param straight  colours as they are stored; else multiplied by alpha
+std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
+  RequireReadable(path);
+  const std::string kind = RequireKnownKind(path);
+  if (kind == "heif") RequireModestHeif(path);
+  // libpng allocates memory for any length that a chunk claims.
+  if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
+  ImageSpec spec, wishes;
+  if (straight) wishes.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = ImageInput::create(kind);
+  if (!input || !input->open(path.string(), spec, wishes)) {
+    const std::string reason = input ? input->geterror() : OIIO::geterror();
+    throw InputError("cannot read image " + path.string() + ": " + reason +
+                     "; it is truncated or not a " + kKinds);
+  }
+  RequireModestSize(path, input->spec());
+  return input;
+}
+
+/// EXIF orientation; 1 (upright) when it is not one of the eight values.
+int OrientationOf(const ImageSpec& spec) {
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  return orientation >= 1 && orientation <= 8 ? orientation : 1;
+}
+
+std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name) {
+  const float value = spec.get_float_attribute(name, 0);
+  if (value > 0 && std::isfinite(value)) return value;
+  return std::nullopt;
+}
+
+std::optional<double> SensorWidth(const ImageSpec& spec) {
+  const auto resolution = PositiveAttribute(spec, "Exif:FocalPlaneXResolution");
+  if (!resolution) return std::nullopt;
+  const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
+  const double mm_per_unit = unit == 3 ? 10.0 : unit == 4 ? 1.0 : 25.4;
+  const double pixels = spec.get_int_attribute("Exif:PixelXDimension", spec.width);
+  const double width = pixels / *resolution * mm_per_unit;
+  return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;
+}
+
+/// BT.601.
+std::uint8_t LumaOf(const std::uint8_t* p) {
+  return static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+}
+float LumaOf(const float* p) { return 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2]; }
+
+template <class T>
+ImageT<T> WithChannels(ImageT<T> in, int channels) {
+  if (in.channels == channels) return in;
+  ImageT<T> out(in.width, in.height, channels);
+  const std::size_t pixels = static_cast<std::size_t>(in.width) * in.height;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const T* p = in.data.data() + i * in.channels;
+    if (channels == 1)
+      out.data[i] = in.channels < 3 ? p[0] : LumaOf(p);
+    else
+      for (int c = 0; c < channels; ++c) out.data[i * channels + c] = in.channels < 3 ? p[0] : p[c];
+  }
+  return out;
+}
+
+/// In [0,1]. Accurate enough for 16 bits; a table would not be.
+float SrgbFraction(float linear) {
+  const float l = std::clamp(linear, 0.0f, 1.0f);
+  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
+}
+
+/// Writes the image as `spec` says. Leaves no file behind when writing fails.
+void WriteAll(const fs::path& path, ImageSpec spec, TypeDesc from, const void* data) {
+  const std::string extension = LowerExtension(path);
+  // Otherwise the library writes the time of day into these.
+  if (extension == ".exr" || extension == ".tif" || extension == ".tiff")
+    spec.attribute("DateTime", "");
+  auto output = ImageOutput::create(path.string());
+  if (!output)
+    throw DiskError("cannot write image " + path.string() +
+                    ": its extension is not a known image format");
+  if (output->open(path.string(), spec) && output->write_image(from, data) && output->close())
+    return;
+  const std::string reason = output->geterror();
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  throw DiskError("cannot write image " + path.string() + ": " +
+                  (reason.empty() ? "the disk may be full" : reason));
+}
+
+}  // namespace
+
+ImageInfo ReadImageInfo(const fs::path& path) {
+  const auto input = Open(path);
+  const ImageSpec& spec = input->spec();
+  ImageInfo info;
+  info.orientation = OrientationOf(spec);
+  info.width = info.orientation >= 5 ? spec.height : spec.width;
+  info.height = info.orientation >= 5 ? spec.width : spec.height;
+  info.channels = spec.nchannels;
+  info.focal_mm = PositiveAttribute(spec, "Exif:FocalLength");
+  info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
+  info.sensor_width_mm = SensorWidth(spec);
+  const std::string make(spec.get_string_attribute("Make")),
+      model(spec.get_string_attribute("Model"));
+  info.camera_model =
+      WithoutOddBytes(model.empty() || make.empty() ? make + model : make + " " + model);
+  info.date_time = WithoutOddBytes(std::string(spec.get_string_attribute("DateTime")));
+  info.format = input->format_name();
+  return info;
+}
+
+namespace {
+
+/// All channels. Floats are in [0, 1].
+template <class T = std::uint8_t>
+ImageT<T> ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec) {
+  RequireMemoryFor(path, spec, sizeof(T));
+  ImageT<T> raw(spec.width, spec.height, spec.nchannels);
+  const bool complete =
+      input.read_image(0, 0, 0, spec.nchannels, OIIO::BaseTypeFromC<T>::value, raw.data.data());
+  // libjpeg fills missing parts with grey and only warns.
+  const bool is_jpeg = std::string_view(input.format_name()) == "jpeg";
+  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
+    ThrowDamaged(path, input.geterror());
+  return raw;
+}
+
+}  // namespace
+
+Image8 ReadAlpha(const fs::path& path) {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return {};
+  const auto input = Open(path);
+  const ImageSpec spec = input->spec();
+  if (spec.alpha_channel < 0) return {};
+  const Image8 raw = ReadRaw(path, *input, spec);
+  Image8 alpha(raw.width, raw.height, 1);
+  for (int y = 0; y < raw.height; ++y)
+    for (int x = 0; x < raw.width; ++x) *alpha.at(x, y) = raw.at(x, y)[spec.alpha_channel];
+  return Oriented(std::move(alpha), OrientationOf(spec));
+}
+
+Image8 ReadImage(const fs::path& path, int channels) try {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") {
+    RequireModestHeif(path);
+    return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
+  }
+  const auto input = Open(path);
+  const ImageSpec spec = input->spec();
+  const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
+  return Oriented(WithChannels(ReadRaw(path, *input, spec), wanted), OrientationOf(spec));
+} catch (const std::bad_alloc&) {
+  ThrowNoMemory(path);
+}
+
+StoredLevels StoredLevelsOf(const fs::path& path) {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return {};
+  const auto input = Open(path);
+  const ImageSpec& spec = input->spec();
+  StoredLevels stored;
+  stored.bits = spec.get_int_attribute("oiio:BitsPerSample", 0);
+  if (stored.bits <= 0) stored.bits = static_cast<int>(8 * spec.format.size());
+  stored.alpha = spec.alpha_channel >= 0;
+  const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
+  if (profile)
+    stored.profile.assign(static_cast<const char*>(profile->data()),
+                          static_cast<std::size_t>(profile->datasize()));
+  return stored;
+}
+
+ImageF ReadLevels(const fs::path& path, int channels) try {
+  RequireReadable(path);
+  const bool heif = RequireKnownKind(path) == "heif";
+  const auto input = heif ? nullptr : Open(path, true);
+  if (heif || input->spec().format == TypeDesc::UINT8) {
+    // Whole levels stay whole.
+    const Image8 stored = heif ? ReadImage(path, channels) : ReadRaw(path, *input, input->spec());
+    ImageF levels(stored.width, stored.height, stored.channels);
+    std::copy(stored.data.begin(), stored.data.end(), levels.data.begin());
+    return Oriented(WithChannels(std::move(levels), channels),
+                    heif ? 1 : OrientationOf(input->spec()));
+  }
+  ImageF levels = ReadRaw<float>(path, *input, input->spec());
+  for (float& level : levels.data) level = 255 * std::clamp(level, 0.0f, 1.0f);
+  return Oriented(WithChannels(std::move(levels), channels), OrientationOf(input->spec()));
+} catch (const std::bad_alloc&) {
+  ThrowNoMemory(path);
+}
+
+void WriteLevels(const fs::path& path, const ImageF& levels, int bits, const std::string& profile) {
+  ImageSpec spec(levels.width, levels.height, levels.channels,
+                 bits == 16 ? TypeDesc::UINT16 : TypeDesc::UINT8);
+  spec.attribute("Compression", "zip");
+  spec.attribute("png:compressionLevel", 4);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (profile.empty())
+    spec.attribute("oiio:ColorSpace", "sRGB");
+  else
+    spec.attribute("ICCProfile", TypeDesc(TypeDesc::UINT8, static_cast<int>(profile.size())),
+                   profile.data());
+  const double steps = bits == 16 ? 257 : 1, most = 255 * steps;
+  std::vector<std::uint16_t> stored(levels.data.size());
+  std::transform(levels.data.begin(), levels.data.end(), stored.begin(), [&](float level) {
+    return static_cast<std::uint16_t>(std::lround(std::clamp(steps * level, 0.0, most)));
+  });
+  if (bits == 16) return WriteAll(path, spec, TypeDesc::UINT16, stored.data());
+  const std::vector<std::uint8_t> eight(stored.begin(), stored.end());
+  WriteAll(path, spec, TypeDesc::UINT8, eight.data());
+}
+
+void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
+  ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
+  spec.attribute("CompressionQuality", quality);
+  spec.attribute("Compression",
+                 path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
+  spec.attribute("png:compressionLevel", 4);
+  if (image.channels == 3) spec.attribute("oiio:ColorSpace", "sRGB");
+  if (exif) {
+    spec.attribute("Make", exif->make);
+    spec.attribute("Model", exif->model);
+    spec.attribute("Orientation", exif->orientation);
+    if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
+    if (exif->focal_35mm > 0)
+      spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
+  }
+  WriteAll(path, spec, TypeDesc::UINT8, image.data.data());
+}
+
+bool CanWriteLinear(const fs::path& path, int bits) {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".exr") return bits == 0 || bits == 16 || bits == 32;
+  return (extension == ".png" || extension == ".tif" || extension == ".tiff") &&
+         (bits == 0 || bits == 8 || bits == 16);
+}
+
+void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
+  if (!CanWriteLinear(path, bits))
+    throw UsageError("cannot write " + path.string() + " with " + std::to_string(bits) +
+                     " bits per channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
+  const std::string extension = LowerExtension(path);
+  ImageSpec spec(linear.width, linear.height, linear.channels, TypeDesc::HALF);
+  spec.attribute("Compression", "zip");
+  if (extension == ".exr") {
+    if (bits == 32) spec.set_format(TypeDesc::FLOAT);
+    spec.attribute("oiio:ColorSpace", "Linear");
+    return WriteAll(path, spec, TypeDesc::FLOAT, linear.data.data());
+  }
+  const bool eight = bits == 8 || (bits == 0 && extension == ".png");
+  spec.set_format(eight ? TypeDesc::UINT8 : TypeDesc::UINT16);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", 4);
+  ImageF srgb(linear.width, linear.height, linear.channels);
+  ParallelBlocks(std::ssize(srgb.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
+  });
+  WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
+}
+
+Image8 Resized(const Image8& image, int width, int height) {
+  Image8 out(width, height, image.channels);
+  const double sx = static_cast<double>(image.width) / width,
+               sy = static_cast<double>(image.height) / height;
+  const double rx = std::max(1.0, sx) / 2, ry = std::max(1.0, sy) / 2;
+  // Separable weights: a tent of one source pixel when enlarging, a box of the footprint when
+  // shrinking.
+  const auto taps = [](double center, double radius, int size) {
+    std::vector<std::pair<int, double>> weights;
+    double total = 0;
+    const int first = static_cast<int>(std::floor(center - radius)),
+              last = static_cast<int>(std::ceil(center + radius));
+    for (int i = first; i <= last; ++i) {
+      const double overlap =
+          std::min(i + 1.0, center + radius) - std::max<double>(i, center - radius);
+      if (overlap <= 0) continue;
+      weights.emplace_back(std::clamp(i, 0, size - 1), overlap);
+      total += overlap;
+    }
+    for (auto& w : weights) w.second /= total;
+    return weights;
+  };
+  std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(width));
+  for (int x = 0; x < width; ++x) columns[x] = taps((x + 0.5) * sx, rx, image.width);
+  ParallelFor(height, [&](std::int64_t row) {
+    const int y = static_cast<int>(row);
+    const std::vector<std::pair<int, double>> rows = taps((y + 0.5) * sy, ry, image.height);
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < image.channels; ++c) {
+        double sum = 0;
+        for (const auto& [j, wy] : rows)
+          for (const auto& [i, wx] : columns[x]) sum += wy * wx * image.at(i, j)[c];
+        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
+      }
+  });
+  return out;
+}
+
+Image8 ResizedMask(const Image8& mask, int width, int height) {
+  Image8 resized = Resized(mask, width, height);
+  for (std::uint8_t& pixel : resized.data) pixel = pixel > 127 ? 255 : 0;
+  return resized;
+}
+
+}  // namespace keypose

@@ -1,0 +1,101 @@
+#include "core/io/pictures/photograph_files.h"
+#include "core/values/file_names.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
+
+namespace keypose {
+namespace fs = std::filesystem;
+
+namespace {
+
+template <std::size_t N>
+bool IsOneOf(const std::string& extension, const std::array<const char*, N>& known) {
+  return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+constexpr std::array<const char*, 3> kHeic = {".heic", ".heif", ".hif"};
+constexpr std::array<const char*, 6> kPlain = {".jpg", ".jpeg", ".jfif", ".png", ".tif", ".tiff"};
+constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
+                                             ".dng", ".raf", ".orf", ".rw2"};
+constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
+constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
+constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
+                                                        ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
+                                                        ".jp2",  ".tga",  ".exr", ".hdr"};
+
+constexpr std::array<const char*, 13> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
+                                                 ".gltf", ".fbx",  ".dae", ".usd", ".usda",
+                                                 ".usdc", ".usdz", ".abc"};
+
+}  // namespace
+
+bool IsMeshName(const fs::path& file) { return IsOneOf(LowerExtension(file), kMeshes); }
+bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtension(file), kHeic); }
+bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtension(file), kRaw); }
+bool IsPhotographName(const fs::path& file) {
+  return IsHeicName(file) || IsOneOf(LowerExtension(file), kPlain);
+}
+
+std::string WrittenName(const fs::path& file) {
+  const bool other = IsHeicName(file) || IsRawName(file) || LowerExtension(file) == ".jfif";
+  return other ? file.stem().string() + ".jpg" : file.filename().string();
+}
+
+bool IsLitterName(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with('.') || name == "Thumbs.db" || name == "desktop.ini" ||
+         name == "@eaDir" || name == "__MACOSX";
+}
+
+bool IsCleanPlateName(const fs::path& file) {
+  return LowerCase(file.stem().string()) == "background";
+}
+
+bool IsShotName(const fs::path& file) {
+  if (!IsPhotographName(file) && !IsRawName(file)) return false;
+  const bool aside = std::any_of(file.begin(), file.end(), [](const fs::path& part) {
+    return IsLitterName(part) || part == kFocusStacks || part == "masks";
+  });
+  const bool deep = std::distance(file.begin(), file.end()) > 2;
+  return !aside && !deep && !IsCleanPlateName(file);
+}
+
+std::string KindsOf(const std::vector<fs::path>& files) {
+  constexpr std::size_t kNamed = 2;
+  std::map<std::string, std::vector<std::string>> kinds;
+  for (const fs::path& file : files)
+    kinds[LowerExtension(file)].push_back(file.filename().string());
+  std::string text;
+  for (auto& [kind, names] : kinds) {
+    std::sort(names.begin(), names.end());
+    text += text.empty() ? "" : ", ";
+    text += std::to_string(names.size()) + " " + (kind.empty() ? "without an extension" : kind) +
+            " (" + names[0];
+    for (std::size_t i = 1; i < std::min(names.size(), kNamed); ++i) text += ", " + names[i];
+    text += names.size() > kNamed ? " ...)" : ")";
+  }
+  return text;
+}
+
+std::string CureFor(const std::vector<fs::path>& files) {
+  const auto some = [&](const auto& known) {
+    return std::any_of(files.begin(), files.end(),
+                       [&](const fs::path& file) { return IsOneOf(LowerExtension(file), known); });
+  };
+  std::string cure;
+  const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };
+  if (some(kRaw) || some(kOtherRaw))
+    add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
+  if (some(kVideo))
+    add("take photographs rather than a film, or save its sharpest pictures as JPEG");
+  if (some(kOtherPictures))
+    add("save pictures of other formats as JPEG or PNG, in any picture program or with "
+        "ImageMagick's `mogrify -format png FILES`");
+  if (some(kMeshes)) add(kHowToNameMeshes);
+  return cure;
+}
+
+}  // namespace keypose

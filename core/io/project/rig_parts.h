@@ -1,0 +1,36 @@
+// A calibration of fixed cameras, and what its readers share: rotations, sizes and lenses that are
+// checked.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/values/camera.h"
+
+namespace keypose {
+
+/// Cameras in one world. What is up, and where the origin lies, is the file's choice.
+struct RigCalibration {
+  std::vector<View> views;  ///< in the file's order; the name is the camera's
+  std::string format;       ///< "OpenCV YAML", "COLMAP model", "Qualisys", "matrices"
+  /// length of the world's unit [m]; 0 where the format does not say
+  double metres_per_unit = 0;
+  /// the world's direction that points up, where the format fixes it (Qualisys: z)
+  std::optional<Eigen::Vector3d> up;
+  std::vector<std::string> notes;  ///< what was assumed or left out, for the user
+};
+
+/// A rotation that is one to 1e-2, made exact.
+/// @param where  file and camera, for the message
+/// @throws InputError  it is none
+Eigen::Quaterniond ExactRotation(const Eigen::Matrix3d& r, const std::string& where);
+
+/// @throws InputError  a lens that no camera has, or a place that is not finite
+void RequireUsable(const View& view, const std::string& where);
+
+/// A picture's width or height, rounded; a number beyond all pictures stays beyond them.
+int SideOf(double pixels);
+
+}  // namespace keypose

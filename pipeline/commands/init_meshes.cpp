@@ -1,0 +1,215 @@
+// `keypose init` with meshes that were made elsewhere.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "core/values/file_names.h"
+#include "core/io/text/files.h"
+#include "core/io/meshes/glb_mesh.h"
+#include "core/io/pictures/image_kind.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/mesh_texture.h"
+#include "core/io/pictures/photograph_files.h"
+#include "pipeline/commands/commands.h"
+#include "pipeline/commands/new_project.h"
+#include "pipeline/disk/project_paths.h"
+#include "pipeline/disk/real_disk.h"
+#include "pipeline/text/text.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path FileOf(const std::string& pose) {
+  const auto equals = pose.find('=');
+  if (equals == std::string::npos) return {};
+  return WithHome(pose.substr(equals + 1));
+}
+
+bool IsMesh(const std::string& pose) {
+  const fs::path file = FileOf(pose);
+  return IsMeshName(file) && !fs::is_directory(file);
+}
+
+struct GivenMesh {
+  std::string name;
+  fs::path file;
+  fs::path texture = {};            ///< empty: it names none that can be used
+  std::optional<GlbMesh> glb = {};  ///< of a .glb, which has its texture inside
+  bool colored = false;  ///< it has a texture that can be used, or colours of its vertices
+
+  bool textured() const { return !texture.empty() || (glb && !glb->texture.empty()); }
+  std::string TextureBytes() const { return texture.empty() ? glb->texture : ReadFile(texture); }
+  std::string TextureEnding() const {
+    return texture.empty() ? glb->texture_ending : LowerExtension(texture);
+  }
+};
+
+/// @throws UsageError  no name, or not a mesh, as the other poses are
+/// @throws InputError  there is no such file, or it is of a format that is not read
+GivenMesh ParseMesh(const std::string& text) {
+  const GivenMesh mesh{Composed(text.substr(0, text.find('='))), fs::absolute(FileOf(text))};
+  if (!IsName(mesh.name))
+    throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
+  if (!IsMesh(text))
+    throw UsageError(fmt::format(
+        "--pose {}: the other poses are meshes; a project has either meshes or photographs", text));
+  if (!fs::is_regular_file(mesh.file))
+    throw InputError(fmt::format("--pose {}: there is no file {}", text, mesh.file.string()));
+  const std::string extension = LowerExtension(mesh.file);
+  for (const char* read : {".obj", ".ply", ".off", ".stl", ".glb"})
+    if (extension == read) return mesh;
+  throw InputError(
+      fmt::format("--pose {}: {} files are not read; open it in Blender and export it as OBJ "
+                  "(Wavefront)",
+                  text, extension));
+}
+
+std::vector<GivenMesh> ParseMeshes(const InitOptions& options) {
+  if (!options.few.empty() || !options.scan.empty())
+    throw UsageError("--few and --scan are for poses of photographs, and these are meshes");
+  if (!options.film.empty() || !options.shows.empty())
+    throw UsageError("--film and --shows are for poses of photographs, and these are meshes");
+  std::vector<GivenMesh> meshes;
+  for (const std::string& text : options.poses) {
+    const GivenMesh mesh = ParseMesh(text);
+    for (const GivenMesh& other : meshes)
+      if (other.name == mesh.name)
+        throw UsageError(fmt::format("--pose {}: there are two poses of that name", text));
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+fs::path ParseTexture(const std::string& text) {
+  const fs::path file = fs::absolute(WithHome(text));
+  if (!fs::is_regular_file(file))
+    throw InputError(fmt::format("--texture {}: there is no file {}", text, file.string()));
+  return file;
+}
+
+void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
+
+/// @throws InputError  the mesh cannot be read
+void FindColors(GivenMesh* mesh, bool same_faces) {
+  if (LowerExtension(mesh->file) == ".glb") {
+    mesh->glb = ReadGlb(mesh->file, !same_faces);
+    for (const std::string& warning : mesh->glb->warnings) Warn(warning);
+    mesh->colored = mesh->textured() || mesh->glb->mesh.colors.rows() > 0;
+    return;
+  }
+  const MeshTexture found = FindTexture(mesh->file);
+  if (!found.why.empty()) Warn(found.why);
+  const Mesh read = ReadMesh(mesh->file);
+  const bool readable =
+      !found.file.empty() && !ImageKindOf(ReadFile(found.file).substr(0, 4096)).empty();
+  if (!found.file.empty() && !readable)
+    Warn(
+        fmt::format("{}: its texture {} is not read: save it as PNG or JPEG, and name that in its "
+                    "material",
+                    PrintableName(mesh->file), PrintableName(found.file)));
+  if (read.has_uvs() && readable) mesh->texture = found.file;
+  mesh->colored = mesh->textured() || read.colors.rows() > 0;
+}
+
+/// How the poses get their textures; see NewMeshes.
+MeshColors ColorsOf(const std::vector<GivenMesh>& given, const GivenMesh& source,
+                    const NewMeshes& meshes) {
+  bool any = false, others = false, all = true;
+  for (const GivenMesh& mesh : given) {
+    any |= mesh.colored;
+    all &= mesh.textured();
+    // One texture may be exported with each pose.
+    const bool same = mesh.textured() && source.textured() &&
+                      (mesh.name == source.name || mesh.TextureBytes() == source.TextureBytes());
+    others |= mesh.colored && !same && mesh.name != source.name;
+  }
+  if (meshes.same_faces && all && others && !meshes.keep) return MeshColors::kOwn;
+  if (meshes.same_faces || (meshes.keep && !others))
+    return source.textured() ? MeshColors::kTemplates : MeshColors::kNone;
+  return any ? MeshColors::kCarried : MeshColors::kNone;
+}
+
+bool UsesTexture(const GivenMesh& mesh, const GivenMesh& source, MeshColors colors) {
+  if (!mesh.textured() || colors == MeshColors::kNone) return false;
+  return colors != MeshColors::kTemplates || mesh.name == source.name;
+}
+
+/// Writes the mesh of a .glb as one that stages read.
+/// @return  its ending
+std::string WriteGlbMesh(const GivenMesh& mesh, const fs::path& stem, const std::string& texture) {
+  const std::string ending = mesh.glb->mesh.colors.rows() > 0 ? ".ply" : ".obj";
+  fs::create_directories(stem.parent_path());
+  WriteMesh(stem.string() + ending, mesh.glb->mesh, texture);
+  return ending;
+}
+
+NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const fs::path& folder) {
+  const std::string stem = "meshes/" + mesh.name,
+                    texture = with_texture ? mesh.name + "_texture" + mesh.TextureEnding() : "";
+  NewMesh copy{mesh.name, stem + LowerExtension(mesh.file), ""};
+  if (mesh.glb)
+    copy.mesh = stem + WriteGlbMesh(mesh, folder / stem, texture);
+  else
+    disk.Copy(mesh.file, folder / copy.mesh);
+  fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());
+  if (!with_texture) return copy;
+  copy.texture = "meshes/" + texture;
+  disk.Write(folder / copy.texture, mesh.TextureBytes());
+  fmt::print("  with its texture {}\n",
+             mesh.texture.empty() ? "from inside" : PrintableName(mesh.texture));
+  return copy;
+}
+
+void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path& folder) {
+  if (meshes.colors != MeshColors::kCarried) return;
+  if (meshes.keep) {
+    fmt::print("the other poses' own colours will be carried to '{}'\n", source.name);
+    return;
+  }
+  fmt::print("the mesh gets new faces and a new layout, into which all colours are carried\n");
+  if (!source.textured()) return;
+  const fs::path inside = folder / "meshes" / (source.name + "_texture" + source.TextureEnding()),
+                 texture = source.texture.empty() ? inside : source.texture;
+  fmt::print("  to keep those of '{}': init --texture {}\n", source.name,
+             ShellWord(texture.string()));
+}
+
+}  // namespace
+
+bool NamesMesh(const InitOptions& options) {
+  return std::any_of(options.poses.begin(), options.poses.end(), IsMesh);
+}
+
+ExitCode InitMeshes(const InitOptions& options) {
+  const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();
+  std::vector<GivenMesh> given = ParseMeshes(options);
+  NewMeshes meshes;
+  meshes.same_faces = options.same_faces;
+  meshes.template_pose =
+      options.template_pose.empty() ? given[0].name : Composed(options.template_pose);
+  const auto source = std::find_if(given.begin(), given.end(), [&](const GivenMesh& mesh) {
+    return mesh.name == meshes.template_pose;
+  });
+  if (source == given.end())
+    throw UsageError(
+        fmt::format("--template {}: there is no pose of that name", options.template_pose));
+  meshes.keep = !options.texture.empty();
+  const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
+  RequireNoProject(folder);
+  for (GivenMesh& mesh : given) FindColors(&mesh, meshes.same_faces);
+  if (meshes.keep) source->texture = texture, source->colored = true;
+  meshes.colors = ColorsOf(given, *source, meshes);
+  RealDisk disk;
+  for (const GivenMesh& mesh : given)
+    meshes.poses.push_back(Copied(disk, mesh, UsesTexture(mesh, *source, meshes.colors), folder));
+  disk.Write(folder / "pipeline.yaml", NewMeshesText(folder, meshes));
+  TellColors(meshes, *source, folder);
+  fmt::print("next: keypose run -C {}\n", ShellWord(options.folder));
+  return ExitCode::kOk;
+}
+
+}  // namespace keypose::pipeline

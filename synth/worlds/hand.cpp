@@ -1,0 +1,126 @@
+#include "synth/worlds/hand.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/numbers/parallel.h"
+#include "synth/worlds/noise.h"
+
+namespace keypose::synth {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kSubpixels = 2;            // along each side of a pixel
+const Vector3d kSkin(0.56, 0.30, 0.20);  // linear RGB
+
+/// A round cone seen from the side: from a (radius ra) to b (radius rb) [px].
+struct HandLimb {
+  Vector2d a, b;
+  double ra, rb;
+
+  /// Height of its surface above the image plane [px]; 0 outside.
+  double Height(const Vector2d& p) const {
+    const Vector2d along = b - a;
+    const double t = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0),
+                 r = ra + t * (rb - ra);
+    const double beside = (p - a - t * along).squaredNorm();
+    return beside < r * r ? std::sqrt(r * r - beside) : 0;
+  }
+};
+
+Vector2d Turned(const Vector2d& v, double angle) { return Eigen::Rotation2Dd(angle) * v; }
+
+/// The target of the fingers: a point of the figure, `share` of its width from the side that the
+/// hand comes from.
+Vector2d Goal(const Image8& mask, bool from_left, double height, double share) {
+  int x0 = mask.width, x1 = -1, y0 = mask.height, y1 = -1;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (*mask.at(x, y) > 127)
+        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  if (x1 < 0) return {mask.width / 2.0, mask.height / 2.0};
+  const int y = static_cast<int>(y0 + height * (y1 - y0));
+  int left = x1, right = x0;
+  for (int x = x0; x <= x1; ++x)
+    if (*mask.at(x, y) > 127) left = std::min(left, x), right = std::max(right, x);
+  const double in = share * (right - left);
+  return {from_left ? left + in : right - in, static_cast<double>(y)};
+}
+
+/// Forearm, palm, four fingers and a thumb, reaching for `goal` in the direction `reach`.
+std::vector<HandLimb> LimbsOf(const Vector2d& goal, const Vector2d& reach, double unit,
+                              double length) {
+  const Vector2d across(-reach.y(), reach.x());
+  const Vector2d knuckles = goal - 0.13 * unit * reach, wrist = knuckles - 0.15 * unit * reach;
+  std::vector<HandLimb> limbs{{wrist - length * reach, wrist, 0.105 * unit, 0.062 * unit},
+                              {wrist, knuckles, 0.066 * unit, 0.078 * unit}};
+  for (int finger = 0; finger < 4; ++finger) {
+    const double side = (finger - 1.5) * 0.046 * unit, bent = 0.02 * unit * std::abs(finger - 1.2);
+    const Vector2d root = knuckles + side * across;
+    limbs.push_back({root, root + (0.13 * unit - bent) * Turned(reach, 0.09 * (finger - 1.5)),
+                     0.026 * unit, 0.020 * unit});
+  }
+  const Vector2d thumb = wrist + 0.05 * unit * reach + 0.06 * unit * across;
+  limbs.push_back({thumb, thumb + 0.12 * unit * Turned(reach, 0.6), 0.028 * unit, 0.022 * unit});
+  return limbs;
+}
+
+/// Skin colour at a point; alpha is 0 outside the hand.
+Eigen::Vector4d SkinAt(const std::vector<HandLimb>& limbs, const Vector2d& p, double unit,
+                       std::uint32_t seed) {
+  const auto height = [&](const Vector2d& at) {
+    double most = 0;
+    for (const HandLimb& limb : limbs) most = std::max(most, limb.Height(at));
+    return most;
+  };
+  const double here = height(p);
+  if (here <= 0) return Eigen::Vector4d::Zero();
+  constexpr double kStep = 0.5;
+  const double dx = (height(p + Vector2d(kStep, 0)) - height(p - Vector2d(kStep, 0))) / (2 * kStep);
+  const double dy = (height(p + Vector2d(0, kStep)) - height(p - Vector2d(0, kStep))) / (2 * kStep);
+  const Vector3d normal = Vector3d(-dx, -dy, 1).normalized(),
+                 lamp = Vector3d(-0.5, -0.65, 0.57).normalized();
+  const double light = 0.42 + 0.75 * std::max(0.0, normal.dot(lamp));
+  const double grain =
+      0.06 * FractalNoise({60 * p.x() / unit, 60 * p.y() / unit, 0.5}, 3, 0.6, seed);
+  const Vector3d color = light * (1 + grain) * kSkin;
+  return {color[0], color[1], color[2], 1};
+}
+
+}  // namespace
+
+void HoldHand(ImageF& linear, Image8& mask, std::uint64_t seed) {
+  Random random(seed * 131 + 29);
+  const bool from_left = random.Uniform() < 0.5;
+  const double unit = linear.height, height = random.Uniform(0.35, 0.65),
+               share = random.Uniform(0.25, 0.45);
+  const Vector2d goal = Goal(mask, from_left, height, share);
+  const Vector2d reach = Turned(Vector2d(from_left ? 1 : -1, 0), random.Uniform(-0.35, 0.35));
+  const std::vector<HandLimb> limbs =
+      LimbsOf(goal, reach, unit, std::hypot(linear.width, linear.height));
+  const auto row = [&](std::int64_t line) {
+    const int y = static_cast<int>(line);
+    for (int x = 0; x < linear.width; ++x) {
+      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+      for (int j = 0; j < kSubpixels; ++j)
+        for (int i = 0; i < kSubpixels; ++i)
+          sum += SkinAt(limbs, {x + (i + 0.5) / kSubpixels, y + (j + 0.5) / kSubpixels}, unit,
+                        static_cast<std::uint32_t>(seed));
+      const double covered = sum[3] / (kSubpixels * kSubpixels);
+      if (covered <= 0) continue;
+      float* pixel = linear.at(x, y);
+      for (int c = 0; c < 3; ++c)
+        pixel[c] =
+            static_cast<float>((1 - covered) * pixel[c] + sum[c] / (kSubpixels * kSubpixels));
+      if (covered >= 0.5) *mask.at(x, y) = 0;
+    }
+  };
+  ParallelFor(linear.height, row, 16);
+}
+
+}  // namespace keypose::synth
