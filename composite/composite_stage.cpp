@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/composite_input.h"
+#include "composite/composite_options.h"
 #include "composite/composite_output.h"
 #include "core/values/file_names.h"
 #include "core/io/text/files.h"
@@ -16,66 +17,6 @@ namespace {
 using keypose::StageContext;
 using namespace keypose::composite;
 using nlohmann::ordered_json;
-
-struct CompositeOptions {
-  int samples = 4;
-  double shutter = 0;
-  double fps = 24;
-  std::string format = "film";
-  bool follow = false;
-  StatedLight light;
-  bool shadow = true, grain = true, video = true, compare = true, blender = true;
-
-  void Describe(keypose::OptionVisitor& visit) {
-    visit("samples", samples, {"rays along each side of a pixel", "", 1, 16, {}});
-    visit("shutter", shutter,
-          {"motion blur: how long the shutter is open, 360 is a picture's whole time; 0: none, as "
-           "filmed frames of stop motion have none",
-           "deg",
-           0,
-           360,
-           {}});
-    visit("fps", fps, {"of the frames, where their folder does not say", "1/s", 0.1, 1000, {}});
-    visit("format", format,
-          {.help = "of rendered pictures; film: TIFF beside filmed TIFFs, else PNG; exr is linear "
-                   "light without grain, layers premultiplied",
-           .unit = "",
-           .choices = {"film", "png", "tiff", "exr"}});
-    visit("follow", follow,
-          {"bend the frames that were filmed until they lie on the film, and in-betweens as the "
-           "filmed frames beside them",
-           ""});
-    visit("shadow", shadow, {"the character's shadow on the table", ""});
-    visit(
-        "lamp", light.lamp,
-        {"where no filmed frame shows the character: share of the light that comes from a lamp; 0: "
-         "an even sky",
-         "",
-         0,
-         1,
-         {}});
-    visit("lamp_from", light.from_deg,
-          {"where that lamp stands: 0 on the camera's side, 90 to the right, -90 to the left, 180 "
-           "behind",
-           "deg",
-           -180,
-           180,
-           {}});
-    visit("lamp_height", light.height_deg, {"its height above the table", "deg", 10, 90, {}});
-    visit(
-        "lamp_size", light.size_deg,
-        {"how large it looks from the table; the larger, the softer the shadow", "deg", 1, 90, {}});
-    visit("brightness", light.brightness,
-          {"of the character over its textures, where no filmed frame shows it", "", 0.1, 10, {}});
-    visit("grain", grain, {"the film's grain on rendered pictures", ""});
-    visit("video", video, {"write shot.mp4", ""});
-    visit(
-        "compare", compare,
-        {"write compare/: for each located frame filmed, rendered, and four times their difference",
-         ""});
-    visit("blender", blender, {"write blender/: the shot as a scene", ""});
-  }
-};
 
 const keypose::StageSpec kSpec{
     .name = "composite",

@@ -6,25 +6,12 @@
 #include <vector>
 
 #include "composite/film/film_files.h"
+#include "composite/locate_options.h"
 #include "composite/locating/search/locate_shot.h"
 #include "core/io/project/shot_io.h"
-#include "core/values/options.h"
 #include "core/stage/stage.h"
 
 namespace keypose::composite {
-
-struct LocateStageOptions {
-  double focal_35mm = 0;
-  bool distortion = true;
-  std::string camera = "still";
-  std::string shows, poses;
-  double fps = 0;
-  int max_size = 1920;
-  double min_iou = 0.8;
-  bool quick = false;
-
-  void Describe(OptionVisitor& visit);
-};
 
 /// The input, and how to write its result.
 struct LocateInput {

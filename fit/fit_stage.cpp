@@ -26,6 +26,7 @@
 #include "fit/cameras/late_cameras.h"
 #include "fit/cameras/rig_motions.h"
 #include "fit/contours/disagreement.h"
+#include "fit/fit_options.h"
 #include "fit/fit_pose.h"
 #include "fit/outline_picture.h"
 #include "fit/picks/pose_picks.h"
@@ -33,20 +34,6 @@
 
 namespace keypose::fit {
 namespace {
-
-struct FitStageOptions {
-  int max_size = 1600;
-  double min_iou = 0.8;  ///< a lower overlap with the masks throws QualityError
-
-  void Describe(OptionVisitor& visit) {
-    visit("max_size", max_size,
-          {"photographs are scaled down to this longer side", "px", 128, 16384});
-    visit("min_iou", min_iou,
-          {"fail when the result's outlines overlap with the masks by less than this (intersection "
-           "over union, mean of the photographs)",
-           "", 0, 1});
-  }
-};
 
 StageSpec Spec() {
   StageSpec spec;

@@ -14,6 +14,7 @@
 #include "core/values/size_of.h"
 #include "core/stage/stage.h"
 #include "fit/follow_input.h"
+#include "fit/follow_options.h"
 #include "fit/following/follow.h"
 #include "fit/outline_picture.h"
 
@@ -26,35 +27,6 @@ constexpr double kUsualRate = 25;
 constexpr int kBatch = 8;        // frames that are judged at once
 constexpr double kUnseen = 0.1;  // confidence below which no view holds a vertex
 constexpr double kLowOverlap = 0.75;
-
-struct FollowStageOptions {
-  double stiffness = 1, calm = 1.5;
-  bool grey = true, volume = true;
-  int vertices = 2500, max_size = 1000;
-  std::string cameras;
-
-  void Describe(OptionVisitor& visit) {
-    visit("stiffness", stiffness,
-          {"of the mesh: less follows finer folds, and noise of the masks", "", 0.01, 100, {}});
-    visit("calm", calm,
-          {"standard deviation in time of the means over frames; more is calmer, less follows "
-           "faster waves of cloth",
-           "frames",
-           0,
-           60,
-           {}});
-    visit("grey", grey,
-          {.help = "what two films show alike counts beside outlines, and the texture if it is "
-                   "given"});
-    visit("volume", volume,
-          {.help = "the volume of each closed part changes in time as it does in the frames"});
-    visit("vertices", vertices,
-          {"of the decimated copy that is bent; the mesh follows it", "", 100, 50000, {}});
-    visit("max_size", max_size, {"films are scaled down to this longer side", "px", 100, 8192, {}});
-    visit("cameras", cameras,
-          {.help = "names of the cameras that are used, comma-separated; empty: all"});
-  }
-};
 
 StageSpec Spec() {
   StageSpec spec;

@@ -21,6 +21,7 @@
 #include "core/stage/stage.h"
 #include "fit/body/body_clip.h"
 #include "fit/track_input.h"
+#include "fit/track_options.h"
 #include "fit/track_output.h"
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/calm_take.h"
@@ -37,60 +38,6 @@ constexpr int kGoodCameras = 8, kFewCameras = 5;
 constexpr int kTurnFrames = 24, kLeastTurnFrames = 8;  // that tell how a camera is turned
 constexpr double kLeastTurn_px = 2;                    // of the reduced pictures
 constexpr double kTurnGain = 0.9;                      // of the outlines' cost, at most
-
-struct TrackOptions {
-  int actor_frame = 0;
-  int actor_frames = 12;
-  std::string cameras;
-  std::string up = "auto";
-  double height_m = 0;
-  double fps = 0;
-  int sync_frames = 10;
-  double calm = 1;
-
-  void Describe(OptionVisitor& visit) {
-    visit("actor_frame", actor_frame,
-          {"the frame that the actor's lengths and girths are fitted to first: one in which the "
-           "limbs are apart",
-           "",
-           0,
-           1e6,
-           {}});
-    visit("actor_frames", actor_frames,
-          {"frames over the whole performance that lengths and girths are fitted to then; 1: only "
-           "that one, as in the paper",
-           "",
-           1,
-           60,
-           {}});
-    visit(
-        "cameras", cameras,
-        {.help = "names of the cameras that are used, comma-separated; empty: all. The others are "
-                 "only compared with the result"});
-    visit(
-        "up", up,
-        {.help = "the calibration's axis that points up; auto: the one that is up in the pictures",
-         .choices = {"auto", "x", "y", "z", "-x", "-y", "-z"}});
-    visit("height_m", height_m,
-          {"the actor's height, where the calibration has no unit; 0: not known", "m", 0, 3, {}});
-    visit("fps", fps,
-          {"frames per second of numbered pictures; 0: the videos', else 25", "1/s", 0, 1000, {}});
-    visit("sync_frames", sync_frames,
-          {"largest offset between the cameras' clocks that is looked for; 0: they agree",
-           "frames",
-           0,
-           1000,
-           {}});
-    visit("calm", calm,
-          {"how much of the fits' trembling from frame to frame is taken out: a factor on the "
-           "noise that the take itself shows; 0: none, each frame as it was fitted",
-           "",
-           0,
-           10,
-           {}});
-  }
-  TrackInputOptions Input() const { return {cameras, up, height_m, sync_frames, actor_frame}; }
-};
 
 StageSpec Spec() {
   StageSpec spec;

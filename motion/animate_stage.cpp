@@ -17,6 +17,7 @@
 #include "core/surfaces/mesh_checks.h"
 #include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "motion/animate_options.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
 #include "motion/bvh_rig/rig.h"
@@ -28,26 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie on the ground
-
-struct AnimateOptions {
-  double fps = 24, from = 0, to = 0;
-  std::string up = "auto";
-  bool all_parts = false;
-
-  void Describe(OptionVisitor& visit) {
-    visit("fps", fps, {"frames per second of the result", "", 0.1, 1000, {}});
-    visit("from", from, {"where in the clip it begins", "s", 0, 1e6, {}});
-    visit("to", to, {"where in the clip it ends; 0: at the clip's end", "s", 0, 1e6, {}});
-    visit(
-        "up", up,
-        {.help = "which way is up in the clip and in the rig; auto: for each, against its legs at "
-                 "rest. The result has z up",
-         .unit = "",
-         .choices = {"auto", "y", "z"}});
-    visit("all_parts", all_parts,
-          {.help = "also the mesh's small separate parts, such as teeth; else only the largest"});
-  }
-};
 
 StageSpec Spec() {
   StageSpec spec;

@@ -16,37 +16,10 @@
 #include "register/landmarks/landmark_picture.h"
 #include "register/landmarks/landmarks.h"
 #include "register/landmarks_bind.h"
+#include "register/landmarks_options.h"
 
 namespace keypose::registration {
 namespace {
-
-struct ProgramOptions {
-  SuggestOptions suggest;
-  std::string accept;
-  std::string up = "z";
-  int panel = 360;
-
-  void Describe(OptionVisitor& visit) {
-    visit("count", suggest.count,
-          {"largest number of pairs to suggest, in addition to those given", "", 1, 1000, {}});
-    visit("min_confidence", suggest.min_confidence,
-          {"leave out suggestions with a lower confidence", "", 0, 1, {}});
-    visit("proxy_vertices", suggest.proxy_vertices,
-          {"size of the decimated meshes that are compared", "vertices", 100, 20000, {}});
-    visit("samples", suggest.samples,
-          {"points at which candidate maps are compared", "", 50, 5000, {}});
-    visit("functions", suggest.functions,
-          {"eigenfunctions that the last refinement uses", "", 20, 500, {}});
-    visit("candidates", suggest.candidates,
-          {"number of assignments of limbs to try", "", 1, 10000, {}});
-    visit("accept", accept,
-          {"confirm these pairs, by their numbers in the picture: 1,2,5-9, or all", "", 0, 0, {}});
-    visit("up", up,
-          {.help = "axis that points up in the picture", .unit = "", .choices = {"x", "y", "z"}});
-    visit("panel", panel, {"width and height of each view in the picture", "px", 64, 4096, {}});
-  }
-  std::vector<std::string> Problems() const { return suggest.Problems(); }
-};
 
 StageSpec Spec() {
   StageSpec spec;
@@ -164,7 +137,7 @@ std::string ShortName(const std::filesystem::path& path) {
   return full.parent_path().filename().string() + "/" + full.filename().string();
 }
 
-void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh& source,
+void WritePicture(StageContext& stage, const LandmarksOptions& options, const Mesh& source,
                   const Mesh& target, const std::vector<LandmarkPair>& pairs,
                   const Suggestion& suggestion) {
   const std::filesystem::path path = stage.Output("picture");
@@ -182,7 +155,7 @@ void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh
 }
 
 void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion& suggestion,
-            const ProgramOptions& options) {
+            const LandmarksOptions& options) {
   stage.Report("known", std::ssize(known.goals));
   stage.Report("suggested", std::ssize(suggestion.pairs));
   stage.Report("distortion", suggestion.distortion);
@@ -220,7 +193,7 @@ Mesh LoadMesh(StageContext& stage, const std::string& port) {
   return mesh;
 }
 
-void Run(StageContext& stage, const ProgramOptions& options) {
+void Run(StageContext& stage, const LandmarksOptions& options) {
   const Mesh source = LoadMesh(stage, "source"), target = LoadMesh(stage, "target");
   std::vector<LandmarkPair> pairs = LoadConfirmed(stage, source, target);
   std::vector<PickedPair> picked;
@@ -251,6 +224,6 @@ int main(int argc, char** argv) {
     ++argv;
   }
   if (word == "bind") return keypose::registration::BindMain(argc, argv);
-  return keypose::RunStage<keypose::registration::ProgramOptions>(
+  return keypose::RunStage<keypose::registration::LandmarksOptions>(
       argc, argv, keypose::registration::Spec(), keypose::registration::Run);
 }

@@ -7,17 +7,10 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/stage/stage.h"
 #include "texture/bake/complete.h"
+#include "texture/complete_options.h"
 
 namespace keypose::texture {
 namespace {
-
-struct CompleteOptions {
-  int gutter = 12;
-
-  void Describe(OptionVisitor& visit) {
-    visit("gutter", gutter, {"width by which colours continue around each chart", "px", 0, 256});
-  }
-};
 
 StageSpec Spec() {
   StageSpec spec;

@@ -8,22 +8,14 @@
 #include "core/surfaces/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "texture/unwrap/unwrap.h"
+#include "texture/unwrap_options.h"
 
 namespace {
 
 using keypose::StageContext;
 using keypose::StageSpec;
-using keypose::texture::UnwrapOptions;
 using keypose::texture::UnwrapResult;
-
-struct UnwrapStageOptions : UnwrapOptions {
-  bool keep = false;
-
-  void Describe(keypose::OptionVisitor& visit) {
-    visit("keep", keep, {.help = "a mesh that has texture coordinates already keeps them"});
-    UnwrapOptions::Describe(visit);
-  }
-};
+using keypose::texture::UnwrapStageOptions;
 
 void Run(StageContext& stage, const UnwrapStageOptions& options) {
   keypose::RequireMeshName(stage.Output("unwrapped"));
