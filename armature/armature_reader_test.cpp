@@ -16,12 +16,11 @@
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/values/errors.h"
 #include "core/io/text/serial_port.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::armature_reader_test {
 
 Armature OneJoint() {
   return DescriptionFile::Parse("node { name a axis 1 0 0 sensor 0 scale 25 }", "arm.txt")
@@ -53,7 +52,7 @@ TEST(ArmatureReader, AControllerThatLostItsPowerWithItsCableSaysSoLast) {
   ReadUntil(reader, "cable-out", &codes);
   box.Make({FaultKind::kPower});
   ReadUntil(reader, "cable-back", &codes);
-  EXPECT_THAT(codes, testing::ElementsAre("cable-out", "cable-back", "power-lost"));
+  EXPECT_THAT(codes, ::testing::ElementsAre("cable-out", "cable-back", "power-lost"));
 }
 
 std::vector<std::string> CodesOf(ArmatureReader& reader, double seconds) {
@@ -74,11 +73,11 @@ TEST(ArmatureReader, PowerThatWasLostIsToldOnceAndNotAgainByTheNextProgram) {
   Calibration kept{7, std::vector<SensorState>(1)};  // of a controller before its power-up
   {
     ArmatureReader reader(arm, port, kept);
-    EXPECT_THAT(CodesOf(reader, 0.1), testing::ElementsAre("power-lost"));
+    EXPECT_THAT(CodesOf(reader, 0.1), ::testing::ElementsAre("power-lost"));
     kept = reader.calibration();
   }
   ArmatureReader next(arm, port, kept);
-  EXPECT_THAT(CodesOf(next, 0.1), testing::IsEmpty());
+  EXPECT_THAT(CodesOf(next, 0.1), ::testing::IsEmpty());
 }
 
 TEST(ArmatureReader, ACounterThatLostItsCountStandsAsItDidAndIsNotCalledWellAgain) {
@@ -90,18 +89,18 @@ TEST(ArmatureReader, ACounterThatLostItsCountStandsAsItDidAndIsNotCalledWellAgai
   auto reader = std::make_unique<ArmatureReader>(arm, port, Calibration{});
   reader->ResetCounters();
   box.MoveTo({0.5});
-  EXPECT_THAT(CodesOf(*reader, 0.4), testing::IsEmpty());
+  EXPECT_THAT(CodesOf(*reader, 0.4), ::testing::IsEmpty());
   const double before = reader->Poll().values[0];
   EXPECT_NEAR(before, 0.5, 1e-3);
   box.Make({FaultKind::kLost, 0});
-  EXPECT_THAT(CodesOf(*reader, 0.6), testing::ElementsAre("sensor-jumped", "sensor-lost-count"));
+  EXPECT_THAT(CodesOf(*reader, 0.6), ::testing::ElementsAre("sensor-jumped", "sensor-lost-count"));
   EXPECT_EQ(reader->last().values[0], before);
   EXPECT_TRUE(reader->last().held.empty());
   reader->SetValue(0, 0);  // a person has put it there
   const Calibration kept = reader->calibration();
   reader.reset();
   ArmatureReader next(arm, port, kept);
-  EXPECT_THAT(CodesOf(next, 0.1), testing::IsEmpty());
+  EXPECT_THAT(CodesOf(next, 0.1), ::testing::IsEmpty());
 }
 
 /// As a port is whose cable was just plugged in.
@@ -185,8 +184,7 @@ TEST(ArmatureReader, ABoardsResetButtonIsNoEndAsItsBootLoaderIsLeftAlone) {
   board.PressReset();
   std::vector<std::string> codes;
   ReadUntil(reader, "cable-back", &codes);
-  EXPECT_THAT(codes, testing::ElementsAre("silent", "cable-back"));
+  EXPECT_THAT(codes, ::testing::ElementsAre("silent", "cable-back"));
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::armature_reader_test

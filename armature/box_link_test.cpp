@@ -10,8 +10,7 @@
 
 #include "armature/firmware/keypose_box.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::box_link_test {
 
 struct Bench final : keypose_box::Sensors, keypose_box::Line {
   explicit Bench(int sensors) : counts(sensors), flags(sensors) {}
@@ -252,5 +251,4 @@ TEST(Box, AnyBytesLeaveItWhole) {
   EXPECT_EQ(link.Greet().sensors, 74);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::box_link_test

@@ -7,8 +7,7 @@
 #include "armature/example/theropod.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::chain_file_test {
 
 using ::testing::HasSubstr;
 
@@ -134,5 +133,4 @@ TEST(ChainsText, IsReadAgainAsTheSamePlan) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::chain_file_test

@@ -8,8 +8,7 @@
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::curve_edits_test {
 
 using ::testing::HasSubstr;
 
@@ -136,5 +135,4 @@ TEST(CurveEdits, FaultsAreNamedWithTheirLine) {
   EXPECT_THAT(fault("# nothing\n"), HasSubstr("has no edit"));
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::curve_edits_test

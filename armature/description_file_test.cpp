@@ -9,8 +9,7 @@
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::description_file_test {
 
 using ::testing::HasSubstr;
 
@@ -258,5 +257,4 @@ TEST(DescriptionFile, TooManyNodesAreAFault) {
   EXPECT_THAT(Fault(text), HasSubstr("leg.txt:10001:1: there are more than 10000 nodes"));
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::description_file_test

@@ -7,8 +7,7 @@
 
 #include "armature/controller/box_link.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::firmware_sketch_test {
 
 /// An LS7366R as its data sheet has it: what the sketch uses of it.
 struct FakeCounter {
@@ -129,5 +128,4 @@ TEST(FirmwareSketch, DropsAHalfRequestWhenTheLineIsQuiet) {
   EXPECT_EQ(link.Greet().sensors, 74);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::firmware_sketch_test

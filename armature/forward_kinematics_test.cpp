@@ -5,8 +5,7 @@
 #include "armature/example/theropod.h"
 #include "core/values/angles.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::forward_kinematics_test {
 
 ArmatureNode Node(const std::string& name, int parent, NodeKind kind, const Eigen::Vector3d& axis,
                   double length = 0) {
@@ -132,5 +131,4 @@ TEST(ChainsMovedBy, NamesOnlyChainsBelowTheJoint) {
   EXPECT_EQ(chains_of("rigLift").size(), 6u);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::forward_kinematics_test

@@ -16,21 +16,20 @@
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
 #include "armature/recording/curves.h"
-#include "core/testing/paths.h"
-#include "core/values/camera.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/camera.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::live_programs_test {
 
 namespace fs = std::filesystem;
 
-class LivePrograms : public testing::Test {
+class LivePrograms : public ::testing::Test {
  protected:
   LivePrograms() {
     if (!fs::exists(folder_ / "t")) {
@@ -51,8 +50,8 @@ class LivePrograms : public testing::Test {
   }
   /// @return the exit code; what it printed is in out and err
   int Run(const std::string& command, const std::string& input = "/dev/null") {
-    const int status = std::system((BinFolder() + "/keypose-armature " + command +
-                                    " <" + input + " >" + Path("out") + " 2>" + Path("err"))
+    const int status = std::system((BinFolder() + "/keypose-armature " + command + " <" + input +
+                                    " >" + Path("out") + " 2>" + Path("err"))
                                        .c_str());
     return WEXITSTATUS(status);
   }
@@ -437,9 +436,8 @@ TEST_F(LivePrograms, LiveTellsAPageAllThatItShows) {
                               " --port simulated --simulated frames --faults wrap@0 --mesh " +
                               Path("t/theropod.ply") + " --session " + Path("session") +
                               " --page_rate 20 --rate 60 --page " + Path("page");
-  const std::string shell = "sh " + Path("typing") + " | " + BinFolder() +
-                            "/keypose-armature " + command + " > " + Path("out") + " 2> " +
-                            Path("err");
+  const std::string shell = "sh " + Path("typing") + " | " + BinFolder() + "/keypose-armature " +
+                            command + " > " + Path("out") + " 2> " + Path("err");
   ASSERT_EQ(WEXITSTATUS(std::system(shell.c_str())), 0) << Err();
   std::ifstream lines(folder_ / "out");
   nlohmann::json pose;
@@ -490,5 +488,4 @@ TEST_F(LivePrograms, LiveRefusesWhatIsNotThere) {
   EXPECT_EQ(Run("live" + Puppet() + " --port simulated --simulated frames"), 2);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::live_programs_test

@@ -12,8 +12,7 @@
 #include "armature/example/theropod.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::mutations_test {
 
 /// Some thousands, or as many as the environment variable KEYPOSE_MUTANTS says.
 int Mutants() {
@@ -102,5 +101,4 @@ TEST(MutatedFiles, ChainsAreReadOrRefusedWithTheirLine) {
   std::printf("%d of %d were refused, each with its line\n", refused, mutants);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::mutations_test

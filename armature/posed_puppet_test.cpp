@@ -12,13 +12,12 @@
 #include "armature/live/pose_text.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/skinning/stick_mesh.h"
-#include "core/values/errors.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::posed_puppet_test {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
@@ -285,5 +284,4 @@ TEST(DrawPuppet, CharacterIsPlacedInTheWorld) {
   EXPECT_NE(picture.data, empty.data);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::posed_puppet_test

@@ -11,17 +11,16 @@
 #include "armature/example/theropod_body.h"
 #include "armature/live/page_stream.h"
 #include "armature/live/posed_puppet.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::puppet_files_test {
 
 FilmedShot MovingShot(const std::vector<int>& located) {
   FilmedShot shot;
@@ -105,5 +104,4 @@ TEST(PageStream, ASlideIsShownInMillimetresOnlyIfTheDescriptionHasAUnit) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::puppet_files_test

@@ -6,13 +6,12 @@
 #include "armature/recording/flipbook.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/values/errors.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::recording_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -243,5 +242,4 @@ TEST_F(Session, OfAnotherRateOrArmatureOrDamagedIsAFault) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::recording_test

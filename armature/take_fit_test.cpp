@@ -9,8 +9,7 @@
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::take_fit_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -24,7 +23,7 @@ std::string Arm(bool has_wrist) {
          " } } } } }\n";
 }
 
-class TakeFit : public testing::Test {
+class TakeFit : public ::testing::Test {
  protected:
   TakeFit() {
     WriteFile(folder_.path() / "arm.txt", Arm(true));
@@ -41,9 +40,9 @@ class TakeFit : public testing::Test {
   }
   /// @return the exit code; what it printed is in `said_`
   int Run(const std::string& command, const std::string& description) {
-    const std::string line =
-        "cd " + folder_.path().string() + " && " + BinFolder() + "/keypose-armature " + command +
-        " --description " + description + " --curves curves.json > said.txt 2>&1";
+    const std::string line = "cd " + folder_.path().string() + " && " + BinFolder() +
+                             "/keypose-armature " + command + " --description " + description +
+                             " --curves curves.json > said.txt 2>&1";
     const int status = std::system(line.c_str());
     said_ = ReadFile(folder_.path() / "said.txt");
     return WEXITSTATUS(status);
@@ -77,5 +76,4 @@ TEST_F(TakeFit, CheckNamesAJointThatTheTakeHasNot) {
   EXPECT_THAT(said_, HasSubstr("has no joint 'knee', but 'elbow', which the description has not"));
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::take_fit_test

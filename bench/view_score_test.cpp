@@ -7,12 +7,11 @@
 #include <fstream>
 #include <random>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::bench {
-namespace {
+namespace keypose::bench::view_score_test {
 namespace fs = std::filesystem;
 
 /// 80 x 60 pixels, 100 pixels per unit at z = 1, camera at the origin.
@@ -200,7 +199,7 @@ TEST(Ssim, NothingOutsideTheMaskEnters) {
   EXPECT_NEAR(Ssim(a, b, mask), 1, 1e-9);
 }
 
-class TexturedObj : public testing::Test, public TestingFolder {
+class TexturedObj : public ::testing::Test, public TestingFolder {
  protected:
   TexturedObj() {
     WriteImage(folder_ / "red page.png", PhotographOf(MaskOf(0, 0, 80, 60), 200, 0));
@@ -233,5 +232,4 @@ TEST_F(TexturedObj, FaultsAreTold) {
   EXPECT_THROW(Read("usemtl two\nf 1/1 2/2 3/3\n"), DiskError);
 }
 
-}  // namespace
-}  // namespace keypose::bench
+}  // namespace keypose::bench::view_score_test

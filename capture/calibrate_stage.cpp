@@ -12,13 +12,13 @@
 #include "capture/calibrate_options.h"
 #include "capture/rig/point_placement.h"
 #include "capture/rig/rig_calibrator.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/known_points_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "views/shot/filmed_view.h"
 #include "views/shot/shot.h"
 
@@ -39,7 +39,8 @@ StageSpec Spec() {
   spec.summary =
       "Lenses and places of fixed cameras, from films of a calibration board or from points of "
       "known place.";
-  spec.inputs = {
+  spec.title = "Cameras of the films",
+  .inputs = {
       {"video", "folder",
        "films of a moved board that begin together: one folder of numbered pictures, or one video, "
        "for each camera",

@@ -10,17 +10,16 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/painted_masks.h"
+#include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
 #include "core/testing/paths.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::capture_program_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST_F(CaptureProgram, KeepsJpegBytesAndWritesMasksListAndSheet) {
   ExifToWrite exif;
@@ -177,8 +176,7 @@ TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
 
 TEST_F(CaptureProgram, PrintsTheBoardAlone) {
   const fs::path pdf = root / "board.pdf";
-  const std::string program =
-      BinFolder() + "/keypose-capture --print-board " + pdf.string();
+  const std::string program = BinFolder() + "/keypose-capture --print-board " + pdf.string();
   EXPECT_EQ(std::system((program + " > /dev/null 2>&1").c_str()), 0);
   EXPECT_EQ(ReadFile(pdf).substr(0, 5), "%PDF-");
   EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())),
@@ -188,8 +186,8 @@ TEST_F(CaptureProgram, PrintsTheBoardAlone) {
 TEST_F(CaptureProgram, PrintsABoardOfTheAskedSizeAndPaper) {
   const auto board = [&](const std::string& options) {
     const fs::path pdf = root / "board.pdf";
-    const std::string command = BinFolder() + "/keypose-capture --print-board " +
-                                pdf.string() + " " + options + " > /dev/null 2>&1";
+    const std::string command = BinFolder() + "/keypose-capture --print-board " + pdf.string() +
+                                " " + options + " > /dev/null 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << options;
     return ReadFile(pdf);
   };
@@ -238,5 +236,4 @@ TEST_F(CaptureProgram, PhotographsInTheFolderAndInSubfoldersAreAnInputError) {
   EXPECT_THAT(outcome.output, HasSubstr("subfolder lying"));
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::capture_program_test

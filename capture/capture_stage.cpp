@@ -17,14 +17,14 @@
 #include "capture/pictures/working_image.h"
 #include "capture/said_figure.h"
 #include "capture/segmentation/masking.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/reduced_image.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace {
 using namespace keypose;
@@ -406,6 +406,10 @@ const StageSpec kSpec = {
     .name = "capture",
     .version = "11",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
+    .title = "Photographs",
+    .measurements = {{"images_total", "photographs"},
+                     {"images", "photographs used"},
+                     {"mean_sharpness", "mean sharpness", "", 0.4}},
     .inputs = {{.name = "photos",
                 .kind = "folder",
                 .help = "photographs of one pose: JPEG, PNG, TIFF, HEIC or RAW; or subfolders, one "

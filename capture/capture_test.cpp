@@ -11,14 +11,13 @@
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/testing/test_images.h"
+#include "core/numbers/parallel.h"
 #include "core/values/errors.h"
 #include "core/values/exif_focal.h"
-#include "core/numbers/parallel.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::capture_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 template <class Call>
 std::string MessageOf(const Call& call) {
@@ -63,7 +62,7 @@ Photograph Photo(const std::string& name, int width, int height, std::uint64_t d
   return photograph;
 }
 
-class SegmentSetOn : public testing::TestWithParam<TestWall> {};
+class SegmentSetOn : public ::testing::TestWithParam<TestWall> {};
 
 // The outline is known to the pixel; at this size one pixel all round is 2 % of the area, so 0.95
 // allows a pixel and a little.
@@ -80,7 +79,7 @@ TEST_P(SegmentSetOn, CleanPlateFindsTheObjectInASinglePhotograph) {
   EXPECT_GT(Iou(masks[0], set.truths[0]), 0.95);
 }
 
-INSTANTIATE_TEST_SUITE_P(Walls, SegmentSetOn, testing::Values(TestWall::kLight, TestWall::kDark));
+INSTANTIATE_TEST_SUITE_P(Walls, SegmentSetOn, ::testing::Values(TestWall::kLight, TestWall::kDark));
 
 TEST(SegmentSet, SameBitsForAnyThreadCount) {
   const Set set = MakeSet(6, 180, 120, TestWall::kLight);
@@ -262,5 +261,4 @@ TEST(SharedPlaces, JoinsPhotographsOfOneSideAndNotThoseOfTwo) {
   EXPECT_EQ(ties[1].second, 3);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::capture_test

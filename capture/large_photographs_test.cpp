@@ -8,13 +8,12 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::large_photographs_test {
 
 constexpr int kScale = 3, kWidth = 1334, kHeight = 889;  // no multiples of eight
 
@@ -69,5 +68,4 @@ TEST_F(CaptureProgram, LargePhotographsHaveMasksOfTheirSizeInAGibibyte) {
   EXPECT_LT(nlohmann::json::parse(Report()).at("peak_bytes"), 1 << 30);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::large_photographs_test

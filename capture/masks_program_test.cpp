@@ -12,18 +12,17 @@
 #include <vector>
 
 #include "capture/testing/test_ring.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::masks_program_test {
 namespace fs = std::filesystem;
 
-class MasksProgram : public testing::Test, public TestingFolder {
+class MasksProgram : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     ring = MakeTestRing();
@@ -82,7 +81,7 @@ TEST_F(MasksProgram, WritesAnImagesFolderAndLeavesTheUsersMasks) {
   EXPECT_EQ(ReadImage(masked.MaskPath(4), 1).data, ring.masks[4].data);
   EXPECT_EQ(ReadImage(masked.MaskPath(kRingViews - 1), 1).data, ring.masks[kRingViews - 1].data);
   EXPECT_EQ(ReadFile(masked.ImagePath(3)), ReadFile(set.ImagePath(3)));
-  EXPECT_THAT(ReadFile(root / "report.json"), testing::HasSubstr("\"agreement_before\""));
+  EXPECT_THAT(ReadFile(root / "report.json"), ::testing::HasSubstr("\"agreement_before\""));
 }
 
 TEST_F(MasksProgram, SizeAndSmoothnessOfTheSegmentationChangeTheMasks) {
@@ -112,11 +111,11 @@ TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndNotTrusted) {
         << i;
   }
   EXPECT_THAT(masked.images[7].why,
-              testing::HasSubstr("of the figure that the other photographs agree on"));
+              ::testing::HasSubstr("of the figure that the other photographs agree on"));
   const std::string report = ReadFile(root / "report.json");
-  EXPECT_THAT(report, testing::HasSubstr("\"distrusted\""));
+  EXPECT_THAT(report, ::testing::HasSubstr("\"distrusted\""));
   EXPECT_THAT(report,
-              testing::HasSubstr(ring.views[7].name + " contradicts the other photographs"));
+              ::testing::HasSubstr(ring.views[7].name + " contradicts the other photographs"));
 }
 
 TEST_F(MasksProgram, PhotographOfAFigureOfTheSameOutlineAndOtherColoursIsNamed) {
@@ -127,7 +126,7 @@ TEST_F(MasksProgram, PhotographOfAFigureOfTheSameOutlineAndOtherColoursIsNamed) 
   const ImageSet masked = ReadImageSet(root / "masked");
   for (int i = 0; i < kRingViews; ++i)
     EXPECT_EQ(masked.images[static_cast<std::size_t>(i)].trusted, i != 7) << i;
-  EXPECT_THAT(masked.images[7].why, testing::HasSubstr("other colours"));
+  EXPECT_THAT(masked.images[7].why, ::testing::HasSubstr("other colours"));
 }
 
 TEST_F(MasksProgram, FigureThatWasMovedHalfWayRoundIsAnInputErrorThatSaysWhatToDo) {
@@ -137,7 +136,7 @@ TEST_F(MasksProgram, FigureThatWasMovedHalfWayRoundIsAnInputErrorThatSaysWhatToD
     WriteImage(set.MaskPath(static_cast<int>(i)), ring.masks[i]);
   }
   EXPECT_EQ(Run(), 3);
-  EXPECT_THAT(ReadFile(root / "log.txt"), testing::HasSubstr("shoot the rest again"));
+  EXPECT_THAT(ReadFile(root / "log.txt"), ::testing::HasSubstr("shoot the rest again"));
   EXPECT_FALSE(fs::exists(root / "masked"));
 }
 
@@ -158,8 +157,8 @@ TEST_F(MasksProgram, RefusedRoomLeavesASheetOfWhatWasTakenForTheFigure) {
   EXPECT_FALSE(fs::exists(root / "masked"));
   const fs::path sheet = root / "masked.failed.jpg";
   EXPECT_THAT(ReadFile(root / "log.txt"),
-              testing::AllOf(testing::HasSubstr("it cannot be told what the figure is"),
-                             testing::HasSubstr(sheet.string())));
+              ::testing::AllOf(::testing::HasSubstr("it cannot be told what the figure is"),
+                             ::testing::HasSubstr(sheet.string())));
   ASSERT_TRUE(fs::exists(sheet));
   const Image8 shown = ReadImage(sheet, 3);
   EXPECT_GE(shown.width * shown.height, kRingViews * 240 * 180);  // a cell for each photograph
@@ -178,15 +177,14 @@ TEST_F(MasksProgram, InARoomAPhotographWithoutACameraIsNotTrusted) {
   const ImageSet masked = ReadImageSet(root / "masked");
   for (std::size_t i = 0; i < kRingViews; ++i)
     EXPECT_EQ(masked.images[i].trusted, i + 1 < kRingViews) << i;
-  EXPECT_THAT(masked.images.back().why, testing::HasSubstr("no camera"));
+  EXPECT_THAT(masked.images.back().why, ::testing::HasSubstr("no camera"));
 }
 
 TEST_F(MasksProgram, ModelOfOtherPhotographsIsAnInputError) {
   ring.views[2].name = "elsewhere.png";
   EXPECT_EQ(Run(), 3);
-  EXPECT_THAT(ReadFile(root / "log.txt"), testing::HasSubstr("elsewhere.png"));
+  EXPECT_THAT(ReadFile(root / "log.txt"), ::testing::HasSubstr("elsewhere.png"));
   EXPECT_FALSE(fs::exists(root / "masked"));
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::masks_program_test

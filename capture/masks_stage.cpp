@@ -13,13 +13,14 @@
 #include "capture/pictures/working_image.h"
 #include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/values/memory.h"
+#include "core/io/project/colmap_io.h"
 #include "core/numbers/parallel.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
+#include "core/values/percent.h"
 
 namespace {
 namespace fs = std::filesystem;
@@ -101,20 +102,17 @@ void ReportAgreement(StageContext& stage, const ImageSet& set, const PosedImages
   stage.ReportJson("agreement_of_views", each.dump());
 }
 
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
-}
-
 /// Describes for the user why a view is an outlier.
 std::string WhyNot(const OutlineFit& fit, const ColorFit& color, const ColorOptions& options) {
   if (color.places >= options.least_places && color.contrary > options.most_contrary)
-    return Percent(color.contrary) +
+    return PercentHalfUp(color.contrary) +
            " of what it shows of the figure has other colours than the other photographs show "
            "there";
   const double missing = *std::max_element(std::begin(fit.missing), std::end(fit.missing));
-  return "its outline leaves out " + Percent(missing) +
+  return "its outline leaves out " + PercentHalfUp(missing) +
          " of the figure that the other photographs agree on" +
-         (fit.excess > 0.02 ? ", and " + Percent(fit.excess) + " lies where they see past it" : "");
+         (fit.excess > 0.02 ? ", and " + PercentHalfUp(fit.excess) + " lies where they see past it"
+                            : "");
 }
 
 /// Marks outlier photographs as not trusted, and warns.
@@ -170,7 +168,7 @@ void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& 
   if (!names.empty() && !in_room)
     stage.Warn("something touches the figure in " + names +
                " that the other photographs see past (a hand, a tool, a stand), as large as " +
-               Percent(largest) +
+               PercentHalfUp(largest) +
                " of the figure; it was cut off. If it is no stand, shoot such photographs again "
                "without, or delete them");
   stage.ReportJson("touched", touched.dump());
@@ -200,7 +198,7 @@ void DistrustHidden(StageContext& stage, const PosedImages& posed,
     CapturedImage& image = set->images[posed.index[v]];
     if (hidden[v] < kHides || image.mask_given || !image.trusted) continue;
     image.trusted = false;
-    image.why = "something before the figure hides " + Percent(hidden[v]) + " of it";
+    image.why = "something before the figure hides " + PercentHalfUp(hidden[v]) + " of it";
     photographs.push_back({{"name", image.name}, {"share", hidden[v]}});
     names += (names.empty() ? "" : ", ") + image.name;
   }
@@ -275,6 +273,9 @@ const StageSpec kSpec = {
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",
+    .title = "Masks",
+    .measurements = {{"agreement", "masks' overlap with their hull"},
+                     {"least_agreement", "least of a view"}},
     .inputs = {{.name = "images",
                 .kind = "folder",
                 .help = "photographs and masks, as capture makes them",

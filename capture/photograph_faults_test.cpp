@@ -8,13 +8,12 @@
 
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::photograph_faults_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST_F(CaptureProgram, FilesThatAreNoPhotographsAreNamedInAWarning) {
   WritePhotos(8);
@@ -32,7 +31,7 @@ TEST_F(CaptureProgram, FilesThatAreNoPhotographsAreNamedInAWarning) {
 TEST_F(CaptureProgram, OrdinaryFolderGivesNoWarningOfFiles) {
   WritePhotos(8);
   ASSERT_EQ(Run().code, 0);
-  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+  EXPECT_THAT(Report(), ::testing::Not(HasSubstr("no photographs")));
 }
 
 TEST_F(CaptureProgram, EmptyFolderIsAnInputError) {
@@ -169,5 +168,4 @@ TEST_F(CaptureProgram, SmallSetIsAnInputErrorWhereMoreAreAskedFor) {
   EXPECT_EQ(Run("--min_images 8").code, 0);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::photograph_faults_test

@@ -11,16 +11,15 @@
 #include "capture/shoot/record/side_file.h"
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/testing/dng.h"
+#include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
+#include "core/testing/dng.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::photograph_formats_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST_F(CaptureProgram, PhotographsWithoutExifAreAccepted) {
   WritePhotos(8);
@@ -130,7 +129,7 @@ TEST_F(CaptureProgram, OfARawAndJpegPairTakesTheJpegSilently) {
   WritePhotos(8);
   for (int i = 0; i < 8; ++i) WriteFile(photos / ("p" + std::to_string(10 + i) + ".CR2"), "x");
   ASSERT_EQ(Run().code, 0);
-  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+  EXPECT_THAT(Report(), ::testing::Not(HasSubstr("no photographs")));
   EXPECT_EQ(ReadImageSet(images).images.size(), 8u);
 }
 
@@ -153,7 +152,7 @@ TEST_F(CaptureProgram, PhotographsOfASessionKeepTheirAngleTiltAndFlip) {
   fs::create_directories(photos / "stacks");
   WriteFile(photos / "stacks/r1_a045_f1.jpg", "never read");
   ASSERT_EQ(Run().code, 0);
-  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+  EXPECT_THAT(Report(), ::testing::Not(HasSubstr("no photographs")));
   const ImageSet set = ReadImageSet(images);
   ASSERT_EQ(set.images.size(), 8u);
   ASSERT_TRUE(set.images[3].place);
@@ -197,5 +196,4 @@ TEST_F(CaptureProgram, AppliesExifOrientationToPixels) {
   EXPECT_EQ(info.height, 180);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::photograph_formats_test

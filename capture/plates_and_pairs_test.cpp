@@ -7,14 +7,13 @@
 #include "capture/shoot/record/side_file.h"
 #include "capture/testing/capture_program.h"
 #include "core/io/pictures/image_set.h"
-#include "core/testing/dng.h"
 #include "core/pictures/srgb.h"
+#include "core/testing/dng.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::plates_and_pairs_test {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Share of the figure's pixels, in the mask or the truth, that are in both.
 double SharedPart(const Image8& mask, const Image8& truth) {
@@ -79,5 +78,4 @@ TEST_F(CaptureProgram, RawFilesInAFolderOfTheirOwnAreNoOtherPlacement) {
   EXPECT_THAT(outcome.output, HasSubstr("8 .cr2"));
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::plates_and_pairs_test

@@ -7,10 +7,9 @@
 #include "capture/testing/capture_program.h"
 #include "core/pictures/image_turns.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::said_figure_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr int kWidth = 240, kHeight = 160, kRadius = 24;
 constexpr double kAsideX = 200.5, kAsideY = 60.5;
@@ -111,5 +110,4 @@ TEST_F(TwoThings, StrokesThatAreNotUsedAreNamed) {
   EXPECT_GT(Iou(2, middles), 0.9);  // nothing was there
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::said_figure_test

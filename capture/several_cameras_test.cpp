@@ -7,11 +7,10 @@
 #include "capture/testing/capture_program.h"
 #include "core/io/pictures/image_set.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::several_cameras_test {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Turn by turn a photograph of a larger camera, `large` and `small` px wide, both 3 : 2.
 class SeveralCameras : public CaptureProgram {
@@ -86,5 +85,4 @@ TEST_F(SeveralCameras, CleanPlateOfNoneIsAnInputError) {
   EXPECT_THAT(outcome.output, HasSubstr("clean plate"));
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::several_cameras_test

@@ -9,14 +9,13 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "views/shot/shot.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::silhouettes_program_test {
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 3, kWidth = 160, kHeight = 120;
@@ -119,5 +118,4 @@ TEST(SilhouettesProgram, StrokeInACameraThatIsNotThereIsAUsageError) {
       << ReadFile(root / "log.txt");
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::silhouettes_program_test

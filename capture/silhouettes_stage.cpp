@@ -10,14 +10,14 @@
 #include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
 #include "capture/silhouettes_options.h"
-#include "core/values/errors.h"
-#include "core/values/figure_strokes.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/size_of.h"
 #include "views/shot/rig.h"
 #include "views/shot/shot.h"
 
@@ -31,7 +31,8 @@ StageSpec Spec() {
   spec.name = "silhouettes";
   spec.version = "4";
   spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
-  spec.inputs = {
+  spec.title = "Masks of the films",
+  .inputs = {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg "
        "where there is a picture of the empty set",

@@ -12,12 +12,11 @@
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/testing/damage.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::adapt_test {
 
 /// Faces that the plane x = `at` runs through.
 int FacesRound(const Mesh& mesh, double at) {
@@ -179,5 +178,4 @@ TEST(SplitTo, KeepsTheSurfaceAndHitsTheCount) {
   EXPECT_NEAR(SurfaceArea(mesh.points, mesh.faces), 6, 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::adapt_test

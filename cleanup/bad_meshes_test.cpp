@@ -11,19 +11,16 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/geometry.h"
 #include "core/testing/paths.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/meshes/mesh_io.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::bad_meshes_test {
 
 namespace fs = std::filesystem;
 
-fs::path Data() {
-  return DataFolder();
-}
+fs::path Data() { return DataFolder(); }
 
 std::vector<fs::path> BadMeshes() {
   const fs::path folder = Data() / "bad_meshes";
@@ -100,5 +97,4 @@ TEST(BadMeshes, AnotherUnitGivesTheSameFacesAndPlaces) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::bad_meshes_test

@@ -7,17 +7,17 @@
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/support/ground.h"
 #include "cleanup/support/unseen.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/pictures/sight_io.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
-#include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/io/pictures/sight_io.h"
-#include "core/values/memory.h"
-#include "core/surfaces/mesh_checks.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
+#include "core/values/size_of.h"
 
 namespace {
 
@@ -218,6 +218,19 @@ const StageSpec kSpec = {
     .summary =
         "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
         "wanted size.",
+    .title = "Clean mesh",
+    .measurements = {{"faces", "faces"},
+                     {"closed", "closed 2-manifold", "", 1},
+                     {"holes_filled", "holes filled"},
+                     {"self_intersections", "self-intersections", "", -kAnyNumber, 0},
+                     {"genus", "genus"},
+                     {"strategy", "repair strategy"},
+                     {"unseen_share", "surface that no camera saw, soles left out", "share",
+                      -kAnyNumber, 0.1},
+                     {"distance_to_input_p99_over_diag", "distance of the mesh to the scan, 99 %",
+                      "diagonal"},
+                     {"distance_from_input_p99_over_diag", "distance of the scan to the mesh, 99 %",
+                      "diagonal"}},
     .inputs = {{.name = "surface",
                 .kind = "file",
                 .help = "triangles of any quality (.ply, .obj, .off, .stl)",

@@ -14,13 +14,12 @@
 #include "cleanup/repair/soup.h"
 #include "cleanup/strategies/damage.h"
 #include "cleanup/testing/damage.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::cleanup_test {
 
 constexpr double kSphereVolume = 4 * EIGEN_PI / 3;
 
@@ -432,5 +431,4 @@ TEST(OrientedManifold, NonManifoldEdgeIsCut) {
   EXPECT_GT(FindPieces(cut).list.size(), 1u);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::cleanup_test

@@ -12,17 +12,16 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/testing/damage.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/testing/shots.h"
-#include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::ground_test {
 
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
@@ -154,5 +153,4 @@ TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {
   EXPECT_LT(lowest("--ground keep"), -0.9 * kCap);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::ground_test

@@ -10,11 +10,10 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/testing/damage.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::mutilated_test {
 
 constexpr int kMeshes = 1000;
 constexpr int kFaces = 1500;
@@ -56,5 +55,4 @@ TEST(MakeClosedManifold, MutilatedMeshesComeOutClosedOrAreRefused) {
   EXPECT_LE(handles, kMeshes / KEYPOSE_MUTILATED_STEP / 100);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::mutilated_test

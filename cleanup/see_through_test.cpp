@@ -14,20 +14,19 @@
 #include "cleanup/repair/handles.h"
 #include "cleanup/repair/topology.h"
 #include "cleanup/strategies/cleanup.h"
-#include "core/testing/paths.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
-#include "core/testing/shots.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/testing/shots.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::see_through_test {
 
 namespace fs = std::filesystem;
 using Cell = std::tuple<int, int, int>;
@@ -195,5 +194,4 @@ TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {
   EXPECT_EQ(run("--images " + at + "/images"), 2);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::see_through_test

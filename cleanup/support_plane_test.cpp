@@ -10,8 +10,7 @@
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::support_plane_test {
 
 /// A pole of radius 0.1 and height 1 that grows out of a disc of thickness 0.03: one surface of
 /// revolution.
@@ -109,5 +108,4 @@ TEST(ClippedAbove, HalfABoxHasHalfItsSidesAndAFlatBorder) {
     for (int k = 0; k < 3; ++k) EXPECT_GE(half.points(half.faces(f, k), 2), 1 - 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::support_plane_test

@@ -8,17 +8,16 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
+#include "core/testing/shots.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
-#include "core/testing/shots.h"
-#include "core/surfaces/shapes.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::unseen_test {
 
 using Eigen::Vector3d;
 
@@ -89,5 +88,4 @@ TEST(CleanupProgram, SaysHowMuchPhotographsOfOneSideDoNotSee) {
   EXPECT_NEAR(measured["unseen_share"], truth.share, 0.01);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::unseen_test

@@ -7,10 +7,10 @@
 #include "composite/composite_input.h"
 #include "composite/composite_options.h"
 #include "composite/composite_output.h"
-#include "core/values/file_names.h"
 #include "core/io/text/files.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/file_names.h"
+#include "core/values/size_of.h"
 
 namespace {
 
@@ -22,6 +22,7 @@ const keypose::StageSpec kSpec{
     .name = "composite",
     .version = "6",
     .summary = "Renders in-betweens into a filmed shot.",
+    .title = "Into the shot",
     .inputs = {{.name = "frames",
                 .kind = "folder",
                 .help = "the animation's frames (frame_0000.ply, ..., distortion.json)"},

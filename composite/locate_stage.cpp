@@ -6,11 +6,11 @@
 
 #include "composite/locate_input.h"
 #include "composite/locate_output.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
-#include "core/values/size_of.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::composite {
 namespace {
@@ -23,7 +23,8 @@ StageSpec Spec() {
   spec.name = "locate";
   spec.version = "8";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
-  spec.inputs = {
+  spec.title = "Camera of the shot",
+  .inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
       {"mesh", "file", "instead: the mesh of each pose that the film shows", "", true, true},
       {"textures", "path", "the texture, or a folder whose first picture it is", "", true, false},

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/frame_folder.h"
+#include "core/io/text/files.h"
+#include "core/stage/stage.h"
 #include "core/values/name_list.h"
 #include "core/values/size_of.h"
-#include "core/stage/stage.h"
 #include "export/export_options.h"
 #include "export/formats.h"
 #include "export/read_scene.h"
@@ -193,14 +193,15 @@ int main(int argc, char** argv) {
   spec.name = "export";
   spec.version = "10";
   spec.summary = "Writes the animation in the formats of other programs.";
-  spec.inputs = {{"frames", "folder",
-                  "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
-                 {"textures", "path",
-                  "of each key on the timeline, in order, in the frames' UV layout; or one for "
-                  "all; or a folder with one for each frame",
-                  "", true, true},
-                 {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
-                  true, false}};
+  spec.title = "Export",
+  .inputs = {{"frames", "folder", "frame_0000.ply, ... of one connectivity, and distortion.json",
+              "", false, false},
+             {"textures", "path",
+              "of each key on the timeline, in order, in the frames' UV layout; or one for "
+              "all; or a folder with one for each frame",
+              "", true, true},
+             {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
+              true, false}};
   spec.outputs = {{"animation", "folder", "the files of each format, textures/, animation.json",
                    "animation", false, false}};
   spec.cores = 0;

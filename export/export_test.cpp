@@ -6,14 +6,13 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "export/gltf/gltf.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::export_test {
 
 // A unit box. Each face has its own patch of the texture, so the eight corners become 24 or more
 // split vertices.
@@ -152,7 +151,7 @@ void ExpectInputError(const std::vector<Mesh>& frames, const std::string& part) 
     MakeAnimatedMesh(frames, Names(frames.size()));
     FAIL() << "no error; expected one that says '" << part << "'";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(part));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(part));
   }
 }
 
@@ -446,5 +445,4 @@ TEST(PlaybackMoments, LastPictureThatComesAsAStepStandsForAFrame) {
       << "a loop goes on at once";
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::export_test

@@ -8,10 +8,9 @@
 
 #include "fit/testing/spotted_lump.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::fit_pose_test {
 
-class FitPoseStarts : public testing::Test {
+class FitPoseStarts : public ::testing::Test {
  protected:
   FitPoseStarts() {
     for (const int i : {0, 2, 3, 6}) views_.push_back(PhotographOf(mesh_, texture_, rig_[i]));
@@ -135,5 +134,4 @@ TEST(StartsOf, EachCameraByItselfOnlyWhereNoMotionIsClear) {
   EXPECT_EQ(StartsOf({}, rig, cameras).size(), 1u);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::fit_pose_test

@@ -7,32 +7,31 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/kd_tree.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::fit_program_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 int Call(const std::string& program, const std::string& words, const fs::path& log) {
-  const std::string command = BinFolder() + "/keypose-" + program + " " + words +
-                              " > " + log.string() + " 2>&1";
+  const std::string command =
+      BinFolder() + "/keypose-" + program + " " + words + " > " + log.string() + " 2>&1";
   return std::system(command.c_str()) >> 8;
 }
 
 /// The template of a clay character, made from its true surface and cameras, and six photographs of
 /// it with moved limbs. Made once for all tests.
-class FitProgram : public testing::Test {
+class FitProgram : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     own = std::make_unique<TestingFolder>();
@@ -305,5 +304,4 @@ TEST_F(FitProgram, ATemplateWithoutTextureCoordinatesIsAnError) {
   EXPECT_THAT(Log(), HasSubstr("unwrap"));
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::fit_program_test

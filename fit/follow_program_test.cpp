@@ -8,27 +8,26 @@
 #include <string>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
+#include "core/testing/cut_in_charts.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/shapes.h"
-#include "core/testing/cut_in_charts.h"
 #include "fit/testing/breathing_ball.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::follow_program_test {
 
 namespace fs = std::filesystem;
 
 constexpr int kFilmed = 3;
 
-class Follow : public testing::Test, public TestingFolder {
+class Follow : public ::testing::Test, public TestingFolder {
  protected:
   Follow() {
     fs::create_directories(folder_ / "frames");
@@ -55,8 +54,8 @@ class Follow : public testing::Test, public TestingFolder {
   }
   int Run(const std::string& more = "") {
     const std::string command =
-        "cd '" + folder_.string() +
-        "' && '" + BinFolder() + "/keypose-follow' --frames frames --video shot --calibration rig.yml --followed out "
+        "cd '" + folder_.string() + "' && '" + BinFolder() +
+        "/keypose-follow' --frames frames --video shot --calibration rig.yml --followed out "
         "--overwrite --report report.json " +
         more + " > log.txt 2>&1";
     const int status = std::system(command.c_str());
@@ -170,5 +169,4 @@ TEST_F(Follow, ShortFilmIsToldAndFittedFromTheOthers) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / FrameFileName(2)));
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::follow_program_test

@@ -3,16 +3,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "fit/follow_input.h"
 #include "fit/follow_options.h"
 #include "fit/following/follow.h"
@@ -33,7 +33,12 @@ StageSpec Spec() {
   spec.name = "follow";
   spec.version = "2";
   spec.summary = "Bends a moving mesh, frame by frame, until it agrees with the films.";
-  spec.inputs = MovingMeshPorts();
+  spec.title = "Surface from the films",
+  .measurements = {{"iou_before_mean", "overlap with the masks before bending, mean", "IoU"},
+                   {"iou_mean", "overlap with the masks, mean", "IoU"},
+                   {"iou_least", "overlap with the masks, least", "IoU"},
+                   {"flipped", "faces turned over", "", -kAnyNumber, 0}},
+  .inputs = MovingMeshPorts();
   spec.inputs.push_back({"texture", "file",
                          "the mesh's own texture, which is then compared with the films too", "",
                          true, false});

@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "fit/body/body_clip.h"
 #include "fit/track_input.h"
 #include "fit/track_options.h"
@@ -44,7 +44,14 @@ StageSpec Spec() {
   spec.name = "track";
   spec.version = "9";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
-  spec.inputs = {
+  spec.title = "Tracked body",
+  .measurements = {{"frames", "frames"},
+                   {"cameras", "cameras"},
+                   {"iou_mean", "overlap with the masks, mean", "IoU", 0.9},
+                   {"iou_least", "overlap with the masks, least", "IoU"},
+                   {"limbs_found_again", "limbs lost and found again"},
+                   {"actor_height_m", "height of the actor", "m"}},
+  .inputs = {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera; masks/ and background/ "
        "beside them",

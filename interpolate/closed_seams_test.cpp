@@ -11,8 +11,7 @@
 #include "interpolate/sequence.h"
 #include "interpolate/testing/played_poses.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::closed_seams_test {
 
 /// A tube cut into four charts, each with vertices of its own.
 struct CutTube {
@@ -91,5 +90,4 @@ TEST(ClosedSeams, RegionsHoldTheJoinedVertexOnce) {
   EXPECT_EQ(seams.Closed(keys)[0].row(held[0]), keys[0].row(last));
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::closed_seams_test

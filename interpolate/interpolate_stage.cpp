@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
 #include "core/io/project/regions_io.h"
 #include "core/io/project/timeline.h"
+#include "core/io/text/files.h"
+#include "core/stage/stage.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
-#include "core/stage/stage.h"
 #include "interpolate/closed_seams.h"
 #include "interpolate/distortion.h"
 #include "interpolate/interpolate_options.h"
@@ -30,7 +30,8 @@ StageSpec Spec() {
   spec.name = "interpolate";
   spec.version = "7";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
-  spec.inputs = {
+  spec.title = "In-betweens",
+  .inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
       {"timeline", "file",
        "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume",

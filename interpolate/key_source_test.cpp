@@ -8,16 +8,15 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/values/camera.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/testing/played_poses.h"
 #include "interpolate/timing/easing.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::key_source_test {
 
 /// Velocities [frame^-1] of all vertices just before and just after the key that ends `span`.
 struct PaceAtKey {
@@ -314,5 +313,4 @@ TEST(KeySource, SameBitsAtOneAndTwoThreads) {
   EXPECT_EQ(one.points, two.points);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::key_source_test

@@ -7,15 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include "core/values/camera.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 #include "interpolate/distortion.h"
 #include "interpolate/testing/played_poses.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::sequence_test {
 
 TEST(StreamFrames, KeysComeOutWithTheirOwnBitsWhateverTheMethod) {
   const Poses p;
@@ -153,5 +152,4 @@ TEST(DistortionMeter, UniformGrowthHasKnownMeanDeviationAndRatio) {
   EXPECT_EQ(total, mesh.face_count());
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::sequence_test

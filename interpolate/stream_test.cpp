@@ -9,19 +9,18 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose {
-namespace {
+namespace keypose::stream_test {
 
 namespace fs = std::filesystem;
 
-class InterpolateProgram : public testing::Test, public TestingFolder {
+class InterpolateProgram : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     mesh_ = MakeCylinder(0.12, 2, 30, 59);  // 3,600 faces
@@ -140,7 +139,8 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
   const int files = Files() + 1;
   const pid_t child = ::fork();
   if (child == 0) {
-    const std::string command = "exec '" + BinFolder() + "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 "
+    const std::string command = "exec '" + BinFolder() +
+                                "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 "
                                 "--frames frames > log.txt 2>&1";
     if (::chdir(folder_.c_str()) != 0) ::_exit(1);
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
@@ -173,5 +173,4 @@ TEST_F(InterpolateProgram, ATimelineThatIsWrongIsRefusedByName) {
   EXPECT_EQ(Run("--keys a.ply --keys b.ply --timeline t.json --frames frames --method linear"), 2);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::stream_test

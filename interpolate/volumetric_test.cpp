@@ -8,16 +8,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/shapes.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/testing/bars.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::volumetric_test {
 
 TEST(Volumetric, RigidMotionGivesRigidFrames) {
   const Bar bar(0.2);
@@ -160,7 +159,7 @@ TEST(Volumetric, FillsTheOtherKeyWhereTheSmootherOneCrossesItself) {
   const PointsX3 crossing = bar.Bent(2.3 * kPi);
   const VolumetricInterpolator solid(crossing, rough, bar.mesh.faces);
   EXPECT_EQ(solid.report().meshed_key, 1);
-  EXPECT_THAT(solid.report().note, testing::HasSubstr("passes through itself"));
+  EXPECT_THAT(solid.report().note, ::testing::HasSubstr("passes through itself"));
   EXPECT_TRUE(solid.At(0.5).allFinite());
 }
 
@@ -175,7 +174,7 @@ TEST(Volumetric, WhereBothKeysCrossThemselvesThePlacesArePartedToFillThem) {
   u.col(2) *= 1.1;
   const VolumetricInterpolator solid(v, u, bar.mesh.faces);
   EXPECT_GT(solid.report().parted, 0);
-  EXPECT_THAT(solid.report().note, testing::HasSubstr("passes through itself"));
+  EXPECT_THAT(solid.report().note, ::testing::HasSubstr("passes through itself"));
   EXPECT_LT(Gap(solid.At(1e-10), v), 1e-8);
   EXPECT_LT(Gap(solid.At(1 - 1e-10), u), 1e-8);
   const PointsX3 exact = v * Turn(0.5, Eigen::Vector3d::UnitX()).transpose() *
@@ -188,7 +187,7 @@ TEST(Volumetric, WhatNoPartingHelpsThrows) {
   EXPECT_THAT(MessageOf([&] {
                 VolumetricInterpolator(bar.Bent(2.3 * kPi), bar.Bent(2.5 * kPi), bar.mesh.faces);
               }),
-              testing::HasSubstr("nor can the"));
+              ::testing::HasSubstr("nor can the"));
 }
 
 TEST(Volumetric, TetrahedraThatTheSurfaceTurnsInsideOutAreCountedAndTheEndsStayExact) {
@@ -217,8 +216,7 @@ TEST(Volumetric, KeysOfOtherSizesAndMirroredKeysThrow) {
   const Mesh mesh = MakeIcosphere(1);
   EXPECT_THROW(VolumetricInterpolator(mesh.points, mesh.points.topRows(5), mesh.faces), InputError);
   EXPECT_THAT(MessageOf([&] { VolumetricInterpolator(mesh.points, -mesh.points, mesh.faces); }),
-              testing::HasSubstr("inside out"));
+              ::testing::HasSubstr("inside out"));
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::volumetric_test

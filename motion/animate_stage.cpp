@@ -8,15 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/frame_folder.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/mesh_checks.h"
-#include "core/values/size_of.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/text/files.h"
+#include "core/numbers/statistics.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "motion/animate_options.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
@@ -35,13 +36,13 @@ StageSpec Spec() {
   spec.name = "animate";
   spec.version = "2";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
-  spec.inputs = {
-      {"clip", "file", "motion clip (.bvh)", "", false, false},
-      {"mesh", "file", "the rig's mesh, in the pose in which it is bound", "", false, false},
-      {"skeleton", "file", "the rig's bones (.mhskel or .tgf)", "", false, false},
-      {"weights", "file", "the bones' weights (.mhw or .dmat)", "", false, false},
-      {"joints", "file", "table of the clip's joints and the rig's bones (.json)", "", true,
-       false}};
+  spec.title = "Motion of a clip",
+  .inputs = {{"clip", "file", "motion clip (.bvh)", "", false, false},
+             {"mesh", "file", "the rig's mesh, in the pose in which it is bound", "", false, false},
+             {"skeleton", "file", "the rig's bones (.mhskel or .tgf)", "", false, false},
+             {"weights", "file", "the bones' weights (.mhw or .dmat)", "", false, false},
+             {"joints", "file", "table of the clip's joints and the rig's bones (.json)", "", true,
+              false}};
   spec.outputs = {
       {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
       {"reference", "file", "the mesh as it is bound, upright (.ply)", "reference.ply", true,
@@ -137,9 +138,7 @@ double GroundOf(const Rig& rig, const Retarget& retarget, const std::vector<doub
   std::vector<double> lowest;
   for (double moment : moments)
     lowest.push_back(Skinned(rig, retarget.At(moment)).col(y_up ? 1 : 2).minCoeff());
-  const auto at = lowest.begin() + static_cast<long>(kGroundShare * (lowest.size() - 1.0));
-  std::nth_element(lowest.begin(), at, lowest.end());
-  return *at;
+  return QuantileFloor(std::move(lowest), kGroundShare);
 }
 
 void Run(StageContext& stage, const AnimateOptions& options) {

@@ -7,8 +7,7 @@
 #include "motion/testing/rigged_scan.h"
 #include "motion/transfer.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::known_poses_test {
 
 std::vector<PointsX3> TransferredBy(const RiggedScan& scan, TransferMethod method) {
   TransferOptions options;
@@ -42,5 +41,4 @@ TEST(KnownPoses, LiteralAndFastAgree) {
     EXPECT_LT((fast[t] - literal[t]).rowwise().norm().maxCoeff(), 1e-10 * diagonal);
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::known_poses_test

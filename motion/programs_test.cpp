@@ -7,29 +7,28 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/testing/paths.h"
-#include "core/values/angles.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/rotations.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "core/testing/cut_in_charts.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 #include "deform/levels/geodesics.h"
 #include "motion/root/feet.h"
 #include "motion/testing/rigged_scan.h"
 #include "motion/transfer.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::programs_test {
 
 namespace fs = std::filesystem;
 
-class Programs : public testing::Test, public TestingFolder {
+class Programs : public ::testing::Test, public TestingFolder {
  protected:
   int Run(const std::string& program, const std::string& arguments) {
     const std::string command = "cd '" + folder_.string() + "' && '" + BinFolder() + "/keypose-" +
@@ -395,5 +394,4 @@ TEST_F(LibraryWalk, FeetOfAShortLeggedBodyDoNotSlide) {
   EXPECT_GT(lowest, -0.03 * target_.points.col(2).maxCoeff());
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::programs_test

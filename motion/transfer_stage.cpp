@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_binding.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/values/same_faces.h"
 #include "core/surfaces/seams.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/same_faces.h"
 #include "core/values/size_of.h"
-#include "core/stage/stage.h"
 #include "motion/transfer.h"
 #include "motion/transfer_options.h"
 
@@ -42,7 +42,10 @@ StageSpec Spec() {
   spec.name = "transfer";
   spec.version = "4";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
-  spec.inputs = {
+  spec.title = "Moving scan",
+  .measurements = {{"marks", "marks"},
+                   {"volume_deviation", "largest change of volume", "share", -kAnyNumber, 0.02}},
+  .inputs = {
       {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,
        false},
       {"target", "file", "the mesh that shall move", "", false, false},

@@ -7,17 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "motion/testing/rigged_scan.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::transfer_test {
 
 Mark OnBoth(int face, const std::string& name = "") {
   Mark mark;
@@ -420,5 +419,4 @@ TEST(Transfer, UnusableMarksAreNamed) {
   EXPECT_NE(message(bar, bar.points).find("no marks"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::transfer_test

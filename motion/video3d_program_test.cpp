@@ -8,24 +8,23 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/size_of.h"
 #include "motion/testing/filmed_ball.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::video3d_program_test {
 
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 3;
 
-class Video3d : public testing::Test, public TestingFolder {
+class Video3d : public ::testing::Test, public TestingFolder {
  protected:
   Video3d() {
     fs::create_directories(folder_ / "frames");
@@ -199,5 +198,4 @@ TEST_F(Video3d, FaultsOfCamerasAndViewsAreNamed) {
   EXPECT_TRUE(Says("camera cam1")) << log_;
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::video3d_program_test

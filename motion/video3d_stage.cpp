@@ -4,15 +4,15 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "motion/films/video3d_input.h"
 #include "motion/video3d/free_view.h"
 #include "motion/video3d/picture_difference.h"
@@ -35,7 +35,7 @@ StageSpec Spec() {
   spec.name = "video3d";
   spec.version = "3";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
-  spec.inputs = MovingMeshPorts();
+  spec.title = "Painted by the films", .inputs = MovingMeshPorts();
   spec.inputs.push_back(
       {"texture", "file", "the mesh's own texture, for what no camera ever sees", "", true, false});
   spec.inputs.push_back(

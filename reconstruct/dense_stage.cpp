@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/pictures/cloud_picture.h"
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/png_io.h"
-#include "core/values/size_of.h"
+#include "core/io/project/colmap_io.h"
+#include "core/pictures/cloud_picture.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/dense.h"
 #include "reconstruct/stereo/dense_colmap.h"
@@ -133,8 +133,12 @@ int main(int argc, char** argv) {
   spec.summary =
       "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured "
       "cloud.";
-  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
-                 {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
+  spec.title = "Depth",
+  .measurements = {{"points", "dense points"},
+                   {"cpu_seconds", "CPU time", "s"},
+                   {"completeness_mean", "completeness"}},
+  .inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
+             {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
   spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"},
                   {.name = "picture",
                    .kind = "file",

@@ -5,17 +5,16 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::dense_stage_test {
 
 namespace fs = std::filesystem;
 
@@ -39,8 +38,8 @@ class DenseStage : public ::testing::Test, public TestingFolder {
   }
 
   int Run(const std::string& more = "") {
-    const std::string command = "cd '" + folder_.string() +
-                                "' && '" + BinFolder() + "/keypose-dense' --images images --model model --cloud cloud.ply " +
+    const std::string command = "cd '" + folder_.string() + "' && '" + BinFolder() +
+                                "/keypose-dense' --images images --model model --cloud cloud.ply " +
                                 "--report report.json --hull_resolution 64 " + more +
                                 " >log.txt 2>&1";
     const int status = std::system(command.c_str());
@@ -123,5 +122,4 @@ TEST_F(DenseStage, ColmapWithCudaIsRunAndItsPointsAreCutToTheHull) {
   EXPECT_NEAR(read.points(0, 2), 0.9, 1e-6);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::dense_stage_test

@@ -2,14 +2,14 @@
 #include <memory>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/pictures/image_set.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_set.h"
 #include "core/io/pictures/sight_io.h"
-#include "core/values/memory.h"
+#include "core/io/project/colmap_io.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
 #include "reconstruct/meshing/surface.h"
 #include "views/hull/silhouettes.h"
 #include "views/load/prepared_views.h"
@@ -76,10 +76,11 @@ int main(int argc, char** argv) {
   spec.name = "mesh";
   spec.version = "5";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
-  spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
-                 {"images", "folder", "photographs and masks, which show windows; with model", "",
-                  true, false},
-                 {"model", "folder", "COLMAP model of the cameras", "", true, false}};
+  spec.title = "Surface", .measurements = {{"faces", "Poisson faces"}},
+  .inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
+             {"images", "folder", "photographs and masks, which show windows; with model", "", true,
+              false},
+             {"model", "folder", "COLMAP model of the cameras", "", true, false}};
   spec.outputs = {
       {"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
   spec.cores = 1;

@@ -11,31 +11,30 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::sfm_program_test {
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Outcome {
   int code = -1;
   std::string output;
 };
 
-class SfmProgram : public testing::Test, public TestingFolder {
+class SfmProgram : public ::testing::Test, public TestingFolder {
  protected:
   Outcome Run(const std::string& environment, const std::string& program,
               const std::string& arguments) const {
     const fs::path log = root / "log.txt";
-    const std::string command = environment + " " + BinFolder() + "/" + program + " " +
-                                arguments + " > " + log.string() + " 2>&1";
+    const std::string command = environment + " " + BinFolder() + "/" + program + " " + arguments +
+                                " > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
   }
@@ -258,8 +257,7 @@ TEST_F(SfmProgram, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
 }
 
 TEST_F(SfmProgram, BoardGivesCamerasInMetresOfAFigureWithoutTexture) {
-  if (!fs::exists(BinFolder() + "/keypose-synth") ||
-      !fs::exists(BinFolder() + "/keypose-capture"))
+  if (!fs::exists(BinFolder() + "/keypose-synth") || !fs::exists(BinFolder() + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
   ASSERT_EQ(Run("", "keypose-synth",
                 "photos --output " + root.string() +
@@ -333,5 +331,4 @@ TEST_F(SfmProgram, FolderThatIsNoImageSetIsAnInputError) {
   EXPECT_THAT(outcome.output, HasSubstr("capture.json"));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::sfm_program_test

@@ -6,13 +6,13 @@
 #include <set>
 #include <string>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
+#include "core/stage/stage.h"
+#include "core/values/errors.h"
 #include "core/values/memory.h"
 #include "core/values/size_of.h"
-#include "core/stage/stage.h"
 #include "reconstruct/sfm/colmap_programs.h"
 #include "reconstruct/sfm/evidence_check.h"
 #include "reconstruct/sfm/final_adjustment.h"
@@ -229,6 +229,12 @@ const StageSpec kSpec = {
     .version = "16",
     .summary =
         "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
+    .title = "Cameras",
+    .measurements = {{"method", "cameras from"},
+                     {"images_placed", "photographs placed"},
+                     {"reprojection_error_px", "reprojection error", "px", -kAnyNumber, 1.0},
+                     {"points", "sparse points"},
+                     {"mean_track_length", "mean track length"}},
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
                {.name = "poses",
                 .kind = "path",

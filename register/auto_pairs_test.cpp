@@ -11,17 +11,16 @@
 #include <string>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/testing/paths.h"
 #include "register/auto/auto_registration.h"
 #include "register/landmarks/landmarks.h"
 #include "register/quality/flipped_faces.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::auto_pairs_test {
 
 namespace fs = std::filesystem;
 
@@ -98,11 +97,10 @@ Figures Measure(const Mesh& source, const PointsX3& registered, const Mesh& targ
   return measured;
 }
 
-class RealPair : public testing::TestWithParam<const char*> {};
+class RealPair : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealPair, IsRegisteredAsWellAsDocumented) {
-  const fs::path folder =
-      DataFolder() / "pairs" / GetParam();
+  const fs::path folder = DataFolder() / "pairs" / GetParam();
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");
   std::vector<PickedPair> picked;
@@ -116,7 +114,7 @@ TEST_P(RealPair, IsRegisteredAsWellAsDocumented) {
   const Figures documented = DocumentedFigures(GetParam()),
                 measured =
                     Measure(source, result.points, target, ReadTruth(folder / "gt.txt", target));
-  SCOPED_TRACE(testing::Message() << "measured: " << measured << "; documented: " << documented);
+  SCOPED_TRACE(::testing::Message() << "measured: " << measured << "; documented: " << documented);
   EXPECT_LE(measured.mean_error, kTolerance * documented.mean_error);
   EXPECT_LE(measured.flipped, kTolerance * documented.flipped);
   if (documented.flipped_true >= 0) {
@@ -125,7 +123,6 @@ TEST_P(RealPair, IsRegisteredAsWellAsDocumented) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, RealPair,
-                         testing::Values("cheb_rest_01", "faust_000_008", "wolf_rest_1"));
+                         ::testing::Values("cheb_rest_01", "faust_000_008", "wolf_rest_1"));
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::auto_pairs_test

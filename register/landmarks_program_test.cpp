@@ -7,25 +7,24 @@
 #include <filesystem>
 #include <string>
 
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "register/testing/limbed_bodies.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::landmarks_program_test {
 
-class LandmarksProgram : public testing::Test, public TestingFolder {
+class LandmarksProgram : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     WriteMesh(folder_ / "a.ply", source_);
     WriteMesh(folder_ / "b.ply", target_);
   }
   int Run(const std::string& arguments) {
-    const std::string command = "cd '" + folder_.string() +
-                                "' && '" + BinFolder() + "/keypose-landmarks' suggest --source a.ply --target b.ply " +
+    const std::string command = "cd '" + folder_.string() + "' && '" + BinFolder() +
+                                "/keypose-landmarks' suggest --source a.ply --target b.ply " +
                                 arguments + " > log.txt 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -65,5 +64,4 @@ TEST_F(LandmarksProgram, ExitCodesAndNoHalfWrittenFiles) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "s.json"));
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::landmarks_program_test

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/mesh_checks.h"
 #include "core/pictures/render.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "register/intrinsic/suggest.h"
 #include "register/landmarks/landmark_picture.h"
 #include "register/landmarks/landmarks.h"
@@ -28,7 +28,8 @@ StageSpec Spec() {
   spec.summary =
       "Suggests pairs of landmarks between two poses; a person confirms them. (To bind picks to "
       "their mesh: keypose landmarks bind --help.)";
-  spec.inputs = {
+  spec.title = "Landmarks",
+  .inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
       {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},

@@ -6,18 +6,17 @@
 #include <cmath>
 #include <limits>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/project/stiffness_map.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/alignment.h"
 #include "register/quality/quality.h"
 #include "register/testing/scenes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::nricp_test {
 
 /// A body without symmetry: a sphere with smooth bumps.
 Mesh Bumpy(int levels) {
@@ -254,5 +253,4 @@ TEST(MeasureRegistration, CountsFlipsAndDistances) {
   EXPECT_NEAR(grown.surface_rms, 0.1 / BoundingDiagonal(mesh.points), 1e-3);
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::nricp_test

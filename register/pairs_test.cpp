@@ -5,23 +5,20 @@
 #include <filesystem>
 #include <sstream>
 
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/paths.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/nricp.h"
 #include "register/quality/quality.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::pairs_test {
 
-class Pairs : public testing::TestWithParam<const char*> {};
+class Pairs : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Pairs, AreFiniteAndLieOnTheTarget) {
-  const std::filesystem::path folder =
-      DataFolder() / "pairs" /
-      GetParam();
+  const std::filesystem::path folder = DataFolder() / "pairs" / GetParam();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");
   std::vector<PickedPair> picked;
@@ -41,7 +38,6 @@ TEST_P(Pairs, AreFiniteAndLieOnTheTarget) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, Pairs,
-                         testing::Values("faust_000_008", "horse_to_camel", "wolf_rest_1"));
+                         ::testing::Values("faust_000_008", "horse_to_camel", "wolf_rest_1"));
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::pairs_test

@@ -9,23 +9,22 @@
 #include <string>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::register_program_test {
 
 using Eigen::RowVector3d;
 
-class Program : public testing::Test, public TestingFolder {
+class Program : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     WriteMesh(folder_ / "source.ply", MakeCylinder(kRadius, kLength, 12, 20));
@@ -34,9 +33,9 @@ class Program : public testing::Test, public TestingFolder {
     WriteMesh(folder_ / "target.ply", target_);
   }
   int Run(const std::string& arguments) {
-    const std::string line = "cd '" + folder_.string() +
-                             "' && '" + BinFolder() + "/keypose-register' --target target.ply " +
-                             arguments + " > log.txt 2>&1";
+    const std::string line = "cd '" + folder_.string() + "' && '" + BinFolder() +
+                             "/keypose-register' --target target.ply " + arguments +
+                             " > log.txt 2>&1";
     const int status = std::system(line.c_str());
     log_ = ReadFile(folder_ / "log.txt");
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -131,5 +130,4 @@ TEST_F(Program, BadInputHasItsExitCodeAndWritesNothing) {
   for (const std::string name : {"out.ply", "c.txt"}) EXPECT_FALSE(Wrote(name)) << name;
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::register_program_test

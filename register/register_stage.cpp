@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/project/stiffness_io.h"
+#include "core/io/text/files.h"
+#include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/seams.h"
-#include "core/stage/stage.h"
+#include "core/values/errors.h"
 #include "register/auto/auto_registration.h"
 #include "register/auto/topology.h"
 #include "register/landmarks/landmarks.h"
@@ -34,7 +34,22 @@ StageSpec Spec() {
   spec.name = "register";
   spec.version = "6";
   spec.summary = "Bends the template onto a pose: same vertices and faces, new positions.";
-  spec.inputs = {
+  spec.title = "Registration",
+  .measurements = {{"flipped", "flipped triangles"},
+                   {"flipped_clearly", "clearly flipped triangles"},
+                   {"degenerate", "degenerate triangles", "", -kAnyNumber, 0},
+                   {"iterations", "iterations"},
+                   {"landmarks", "landmarks"},
+                   {"landmark_mean_over_diag", "landmark residual, mean", "diagonal", -kAnyNumber,
+                    0.03},
+                   {"landmark_max_over_diag", "landmark residual, largest", "diagonal"},
+                   {"surface_rms_over_diag", "distance to the target, rms", "diagonal", -kAnyNumber,
+                    0.004},
+                   {"target_coverage", "target covered", "share"},
+                   {"self_intersections_gained", "self-intersections gained"},
+                   {"stretch_low", "stretch, 1 %", "", 0.4},
+                   {"stretch_high", "stretch, 99 %", "", -kAnyNumber, 2.5}},
+  .inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
       {"landmarks", "file", "pairs, or picks of source and target", "", true, true},

@@ -12,19 +12,18 @@
 #include <tuple>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/seams.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
+#include "core/values/size_of.h"
 #include "deform/arap/rigid_pieces.h"
 #include "register/auto/auto_registration.h"
 #include "register/quality/quality.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::robustness_test {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
@@ -272,7 +271,7 @@ Mesh Without(const Mesh& mesh, const Gone& gone) {
 }
 
 /// The remaining share of the length of a bent slender target, and the angle of its bend.
-class CutTarget : public testing::TestWithParam<std::tuple<double, double>> {};
+class CutTarget : public ::testing::TestWithParam<std::tuple<double, double>> {};
 
 TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
   const double left = std::get<0>(GetParam()), angle = std::get<1>(GetParam());
@@ -297,8 +296,8 @@ TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
 }
 
 INSTANTIATE_TEST_SUITE_P(LeftAndBend, CutTarget,
-                         testing::Combine(testing::Values(0.4, 0.8),
-                                          testing::Values(0.5, 2.5, 4.5)));
+                         ::testing::Combine(::testing::Values(0.4, 0.8),
+                                          ::testing::Values(0.5, 2.5, 4.5)));
 
 /// A sheet of n x m vertices, nearly flat, or bent about one side.
 Mesh Sheet(int n, int m, bool bent) {
@@ -323,7 +322,7 @@ Mesh Sheet(int n, int m, bool bent) {
   return sheet;
 }
 
-class SmallSheet : public testing::TestWithParam<std::pair<int, int>> {};
+class SmallSheet : public ::testing::TestWithParam<std::pair<int, int>> {};
 
 TEST_P(SmallSheet, DoesNotShrinkAwayFromItsRim) {
   const auto [n, m] = GetParam();
@@ -340,7 +339,6 @@ TEST_P(SmallSheet, DoesNotShrinkAwayFromItsRim) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, SmallSheet,
-                         testing::Values(std::pair(3, 3), std::pair(4, 5), std::pair(6, 9)));
+                         ::testing::Values(std::pair(3, 3), std::pair(4, 5), std::pair(6, 9)));
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::robustness_test

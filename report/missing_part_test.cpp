@@ -6,17 +6,16 @@
 
 #include <algorithm>
 
-#include "core/pictures/fit_view.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/fit_view.h"
 #include "core/surfaces/shapes.h"
 #include "report/view_evidence.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::missing_part_test {
 
-using testing::IsEmpty;
-using testing::Not;
-using testing::UnorderedElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr int kViews = 10;
 
@@ -60,7 +59,7 @@ TEST(FindMissingPart, NamesTheMasksThatLeaveItOut) {
   const MissingPart part = FindMissingPart(Round(ball, {1, 6}), ball.points);
   EXPECT_THAT(part.left_out_by, UnorderedElementsAre("1", "6"));
   EXPECT_GT(part.shown_by.size(), 3u);
-  EXPECT_THAT(part.shown_by, Not(testing::Contains("1")));
+  EXPECT_THAT(part.shown_by, Not(::testing::Contains("1")));
   EXPECT_GT(part.largest, 0.06);
   EXPECT_LT(part.largest, 0.13);  // the disc of the arm is 0.083 of both, and nearer than the ball
 }
@@ -97,5 +96,4 @@ TEST(FindMissingPart, HasTheSameBitsForAnyThreadCount) {
   EXPECT_EQ(one.largest, four.largest);
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::missing_part_test

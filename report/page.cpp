@@ -199,7 +199,7 @@ std::string BuildPage(const Contents& contents, const Encoder& encode) {
   for (const PosePart& pose : contents.poses) body += PoseSection(contents, pose, encode);
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
   if (!contents.run.performance) body += AnimationSection(contents, encode);
-  body += StepsSection(contents);
+  body += OtherStepsSection(contents) + StepsSection(contents);
   body +=
       "<footer>All lengths are shares of the bounding-box diagonal unless a unit is given. "
       "<code>report.json</code>, beside this page, has everything on it and all other "

@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "core/pictures/cloud_picture.h"
-#include "core/surfaces/geometry.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "report/html.h"
 
 namespace keypose::report {

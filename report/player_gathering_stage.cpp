@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 #include "report/player_data.h"

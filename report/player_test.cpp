@@ -8,16 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/testing/folder.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "report/contents.h"
 #include "report/player_data.h"
 #include "report/sections.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::player_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Eight frames: keys 0, 3 and 7; 1 repeats 0, 5 repeats 4.
 const std::vector<int> kRepeats = {0, 0, 2, 3, 4, 4, 6, 7};
@@ -196,5 +195,4 @@ TEST(Player, ShowsThePosterWithoutWebGl) {
   EXPECT_THAT(dom, HasSubstr("alt=\"poster\""));
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::player_test

@@ -6,18 +6,18 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/mesh_checks.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "report/contents.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -35,10 +35,11 @@ constexpr int kPairSide = 1024;  ///< longer side of a photograph before its fig
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "15";
+  spec.version = "16";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
-  spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
+  spec.title = "Report",
+  .inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
   spec.memory_gib = 2;
   return spec;

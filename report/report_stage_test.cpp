@@ -10,21 +10,20 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/io/project/colmap_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/project/colmap_io.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::report_stage_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr int kViews = 9, kStray = 4, kWidth = 200, kHeight = 180;
 
@@ -101,8 +100,8 @@ class Project : public TestingFolder {
 
   int Report() const {
     const std::string f = folder_.string();
-    return std::system((BinFolder() + "/keypose-report --run " + f + " --report " +
-                        f + "/report --report " + f + "/stage.json --compared_px " +
+    return std::system((BinFolder() + "/keypose-report --run " + f + " --report " + f +
+                        "/report --report " + f + "/stage.json --compared_px " +
                         std::to_string(kWidth) + " > " + f + "/log 2>&1")
                            .c_str()) >>
            8;
@@ -206,5 +205,4 @@ TEST(ReportStage, ElseTheFirstMasksAre) {
   EXPECT_EQ(json::parse(project.Text("stage.json"))["verdicts"][0]["grade"], "wrong");
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::report_stage_test

@@ -9,19 +9,18 @@
 #include <regex>
 #include <sstream>
 
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/errors.h"
-#include "core/testing/folder.h"
 #include "report/contents.h"
 #include "report/html.h"
 #include "report/pictures.h"
 #include "report/sections.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::report_test {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 Mesh Tetrahedron(double size = 1, double lift = 0) {
   Mesh mesh;
@@ -237,21 +236,52 @@ TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
   EXPECT_THAT(page, Not(HasSubstr("<link")));
 }
 
-TEST(BuildPage, TheMostImportantNumbersHaveTheNamesOfTheStages) {
-  Contents contents = Minimal();
-  StepRecord capture, cleanup;
-  capture.stage = "capture", cleanup.stage = "cleanup";
-  capture.pose = cleanup.pose = "rest";
-  capture.numbers = {{"mean_sharpness", 0.6875}};
-  cleanup.numbers = {{"distance_to_input_p99_over_diag", 0.0013},
-                     {"distance_from_input_p99_over_diag", 0.0003}};
-  contents.run.steps = {capture, cleanup};
+/// A run with steps of a stage that this project does not have.
+std::string RunOfAStrangeStage() {
+  return R"({"schema": 1, "project": {"name": "a", "template": "rest", "poses": ["rest", "up"]}, "steps": [
+    {"stage": "polish", "title": "Polish <it>", "pose": "rest", "report": "polish.json", "described": [
+      {"key": "shine", "label": "shine", "unit": "dB", "good": {"min": 20}},
+      {"key": "dust", "label": "dust that is left", "unit": "share", "good": {"max": 0.1}},
+      {"key": "absent", "label": "not measured", "unit": ""}]},
+    {"stage": "frame", "title": "Picture frame", "pose": "", "report": "frame.json", "described": [
+      {"key": "wide_m", "label": "width", "unit": "m"}]}]})";
+}
+
+std::string ReadStrange(const std::filesystem::path& path) {
+  if (path == "/base/polish.json")
+    return R"({"schema": 1, "measurements": {"shine": 12, "dust": 0.05, "scratches": 3}})";
+  return R"({"schema": 1, "measurements": {"wide_m": 0.25}})";
+}
+
+TEST(BuildPage, AStageOfOnesOwnIsShownAsItDescribesItself) {
+  Contents contents;
+  contents.run = ParseRun(RunOfAStrangeStage(), "/base", ReadStrange);
+  contents.poses.push_back({});
+  contents.poses.back().name = "rest";
   const std::string page = BuildPage(contents, NoPictures);
   for (const char* expected :
-       {"<span>mean sharpness</span><b>0.6875</b>",
-        "<span>distance of the mesh to the scan, 99 %</span><b>0.13\u00a0%</b>",
-        "<span>distance of the scan to the mesh, 99 %</span><b>0.03\u00a0%</b>"})
+       {"<h4>Polish &lt;it&gt;</h4>", "<h3>Picture frame</h3>", "<span>width</span><b>0.25 m</b>",
+        "<span>dust that is left</span><b>5\u00a0%</b>", "scratches",
+        "<span>shine</span><b><span class=off title=\"outside of what is usual\">12 dB</span></b>"})
     EXPECT_THAT(page, HasSubstr(expected));
+  EXPECT_THAT(page, Not(HasSubstr("not measured")));
+}
+
+TEST(BuildPage, WhatAPoseLacksIsNamedByTheTitlesThatOthersHave) {
+  Contents contents = Minimal();
+  const auto step = [](const char* stage, const char* pose) {
+    StepRecord record;
+    record.stage = stage;
+    record.title = "the " + record.stage;
+    record.pose = pose;
+    return record;
+  };
+  contents.poses.back().name = "up";
+  contents.run.steps = {step("sfm", "rest"),  step("unwrap", "rest"), step("bake", "rest"),
+                        step("sfm", "wave"),  step("bake", "wave"),   step("sfm", "up"),
+                        step("fit", "small"), step("polish", "small")};
+  const std::string page = BuildPage(contents, NoPictures);
+  EXPECT_THAT(page, HasSubstr("Not made for this pose: the bake.</p>"));
 }
 
 TEST(FindAll, NamesAPhotographWhoseDetailsTheRenderDoesNotRepeat) {
@@ -333,9 +363,8 @@ TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
   std::filesystem::create_directories(folder / "run");
   std::ofstream(folder / "run/run.json") << kRun;
   const std::string f = folder.string();
-  const std::string command = BinFolder() + "/keypose-report --run " + f +
-                              "/run --report " + f + "/report --report " + f + "/stage.json > " +
-                              f + "/log 2>&1";
+  const std::string command = BinFolder() + "/keypose-report --run " + f + "/run --report " + f +
+                              "/report --report " + f + "/stage.json > " + f + "/log 2>&1";
   std::ostringstream log;
   const int code = std::system(command.c_str()) >> 8;
   log << std::ifstream(folder / "log").rdbuf();
@@ -351,5 +380,4 @@ TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
   EXPECT_THAT(std::string(said["verdicts"][1]["why"]), HasSubstr("keypose log cleanup/up"));
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::report_test

@@ -46,12 +46,28 @@ void ReadStageReport(const fs::path& path, const FileReader& read, StepRecord& s
   }
 }
 
+std::optional<double> Bound(const json& described, const char* which) {
+  const json good = described.value("good", json::object());
+  return good.contains(which) ? std::optional(good[which].get<double>()) : std::nullopt;
+}
+
+std::vector<Described> ReadDescribed(const json& entry) {
+  std::vector<Described> all;
+  for (const json& one : entry.value("described", json::array()))
+    all.push_back({TextOf(one, "key"), TextOf(one, "label"), TextOf(one, "unit"),
+                   Bound(one, "min"), Bound(one, "max")});
+  return all;
+}
+
 StepRecord ReadStep(const json& entry, const fs::path& base, const FileReader& read) {
   StepRecord step;
   step.id = TextOf(entry, "id");
   step.step = TextOf(entry, "step");
   step.stage = TextOf(entry, "stage");
   if (step.stage.empty()) step.stage = step.step;
+  step.title = TextOf(entry, "title");
+  if (step.title.empty()) step.title = step.stage;
+  step.described = ReadDescribed(entry);
   step.pose = TextOf(entry, "pose");
   step.source_pose = TextOf(entry, "source_pose");
   if (entry.contains("status")) step.status = TextOf(entry, "status");

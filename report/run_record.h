@@ -11,8 +11,17 @@
 
 namespace keypose::report {
 
+/// What a stage says of one of its measurements.
+struct Described {
+  std::string key, label;
+  std::string unit;  ///< "share" and "diagonal" are shown in percent
+  std::optional<double> good_min, good_max;
+};
+
 /// One step of the run with its stage's report.
 struct StepRecord {
+  std::string title;  ///< what an artist calls its work; the stage's name where it says none
+  std::vector<Described> described;  ///< its most important measurements, in the order to show
   std::string id, step, stage, pose, source_pose, status = "done", fingerprint, version;
   double seconds = 0;
   std::int64_t peak_bytes = 0;

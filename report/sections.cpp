@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "report/html.h"
 #include "report/limits.h"
@@ -32,13 +33,40 @@ std::string Value(const StepRecord& step, const std::string& name) {
   return Pretty(*number);
 }
 
-/// Adds those of `names` that the step has measured.
-void AddFacts(const StepRecord* step, const std::vector<std::pair<const char*, const char*>>& names,
-              Pairs& facts) {
-  if (!step) return;
-  for (const auto& [label, name] : names)
-    if (const std::string value = Value(*step, name); !value.empty())
-      facts.emplace_back(label, value);
+bool IsGood(const Described& described, double value) {
+  return value >= described.good_min.value_or(value) && value <= described.good_max.value_or(value);
+}
+
+/// The value with its unit; orange outside of what the stage calls good. Empty if it is missing.
+std::string Value(const StepRecord& step, const Described& described) {
+  const auto number = step.Number(described.key);
+  const bool is_flag = step.flags.contains(described.key);
+  std::string text = Value(step, described.key);
+  if (text.empty()) return "";
+  if (number && !is_flag) {
+    const bool of_whole = described.unit == "share" || described.unit == "diagonal";
+    if (of_whole) text = Percent(*number);
+    if (described.unit == "s") text = PrettySeconds(*number);
+    if (!of_whole && described.unit != "s" && !described.unit.empty())
+      text += " " + Escape(described.unit);
+  }
+  if (!number || IsGood(described, *number)) return text;
+  return "<span class=off title=\"outside of what is usual\">" + text + "</span>";
+}
+
+/// What the stage itself calls its most important measurements, as far as this step has them.
+Pairs DescribedFacts(const StepRecord& step) {
+  Pairs facts;
+  for (const Described& described : step.described)
+    if (const std::string value = Value(step, described); !value.empty())
+      facts.emplace_back(Escape(described.label), value);
+  return facts;
+}
+
+/// Under the stage's title; empty if it describes nothing.
+std::string DescribedPart(const StepRecord& step) {
+  const Pairs facts = DescribedFacts(step);
+  return facts.empty() ? "" : "<h4>" + Escape(step.title) + "</h4>" + Facts(facts);
 }
 
 std::string Chip(const StepRecord& step) {
@@ -47,97 +75,44 @@ std::string Chip(const StepRecord& step) {
                      : "<span class=\"chip good\">made</span>";
 }
 
-/// A pose from few photographs has other stages than a scanned one.
-std::vector<std::string> StagesOf(const RunRecord& run, const std::string& pose) {
-  if (run.performance) return {"track", "export"};
-  if (run.Find("fit", pose)) return {"capture", "fit", "bake"};
-  return {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"};
+std::set<std::string> StagesOf(const RunRecord& run, const std::string& pose) {
+  std::set<std::string> stages;
+  for (const StepRecord& step : run.steps)
+    if (step.pose == pose) stages.insert(step.stage);
+  return stages;
 }
 
-std::string MissingStages(const Contents& contents, const PosePart& pose) {
-  std::string missing;
-  for (const std::string& stage : StagesOf(contents.run, pose.name)) {
-    if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
-    missing += (missing.empty() ? "" : ", ") + stage;
-  }
-  return missing.empty() ? "" : "<p class=lead>Not made for this pose: " + missing + ".</p>";
-}
-
-/// A fact about a pose: the stage that measured it, its label, and its key in the report.
-struct Fact {
-  const char *stage, *label, *key;
-};
-constexpr Fact kCaptureFacts[] = {
-    {"capture", "photographs", "images"},
-    {"capture", "photographs", "images_total"},
-    {"capture", "mean sharpness", "mean_sharpness"},
-};
-constexpr Fact kPoseFacts[] = {
-    {"sfm", "cameras from", "method"},
-    {"sfm", "reprojection error (px)", "reprojection_error_px"},
-    {"sfm", "sparse points", "points"},
-    {"sfm", "mean track length", "mean_track_length"},
-    {"masks", "masks' overlap with their hull", "agreement"},
-    {"masks", "least of a view", "least_agreement"},
-    {"dense", "dense points", "points"},
-    {"dense", "dense CPU time", "cpu_seconds"},
-    {"dense", "dense completeness", "completeness_mean"},
-    {"mesh", "Poisson faces", "faces"},
-    {"refine", "shift of the surface by the photographs (pixels, 95 %)", "moved_95_footprints"},
-    {"refine", "distance of outlines and masks (px)", "outline_gap_px"},
-    {"refine", "surface determined by photographs (share)", "evidence"},
-    {"refine", "difference of its brightness to the photographs (share)", "shading_error_after"},
-    {"cleanup", "faces", "faces"},
-    {"cleanup", "closed 2-manifold", "closed"},
-    {"cleanup", "holes filled", "holes_filled"},
-    {"cleanup", "self-intersections", "self_intersections"},
-    {"cleanup", "genus", "genus"},
-    {"cleanup", "repair strategy", "strategy"},
-    {"cleanup", "surface that no camera saw, soles left out (share)", "unseen_share"},
-    {"cleanup", "distance of the mesh to the scan, 99 %", "distance_to_input_p99_over_diag"},
-    {"cleanup", "distance of the scan to the mesh, 99 %", "distance_from_input_p99_over_diag"},
-    {"fit", "features matched to the template", "matches"},
-    {"fit", "distance of outlines and masks (px)", "outline_gap_px"},
-    {"fit", "correlation of grey values", "correlation"},
-    {"fit", "volume over the template's", "volume_ratio"},
-    {"fit", "surface in no photograph (share)", "unseen"},
-    {"track", "frames", "frames"},
-    {"track", "cameras", "cameras"},
-    {"track", "overlap with the masks, mean (IoU)", "iou_mean"},
-    {"track", "overlap with the masks, least (IoU)", "iou_least"},
-    {"track", "limbs lost and found again", "limbs_found_again"},
-    {"track", "height of the actor (m)", "actor_height_m"},
-    {"follow", "overlap with the masks before bending, mean (IoU)", "iou_before_mean"},
-    {"follow", "overlap with the masks, mean (IoU)", "iou_mean"},
-    {"follow", "overlap with the masks, least (IoU)", "iou_least"},
-    {"follow", "faces turned over", "flipped"},
-    {"transfer", "marks", "marks"},
-    {"transfer", "largest change of volume (share)", "volume_deviation"},
-    {"unwrap", "UV charts", "charts"},
-    {"unwrap", "L2 stretch", "stretch_l2"},
-    {"unwrap", "UV area used", "utilisation"},
-    {"unwrap", "flipped in UV", "flipped"},
-    {"bake", "texels unseen", "unseen_fraction"},
-    {"bake", "views used", "views_used"},
-    {"bake", "views a texel", "mean_views_per_texel"},
-    {"bake", "PSNR to photographs (dB)", "psnr_gain_db"},
-    {"bake", "PSNR to photographs left out (dB)", "held_out_psnr_db"},
-    {"bake", "... after one gain per channel (dB)", "held_out_psnr_gain_db"},
-    {"bake", "SSIM to photographs left out", "held_out_ssim"},
-};
-
-Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
-  Pairs facts;
-  const auto add = [&](std::span<const Fact> of) {
-    for (const Fact& fact : of)
-      AddFacts(run.Find(fact.stage, pose), {{fact.label, fact.key}}, facts);
+/// Whether this pose may lack the stage: only the template has it, or all but the template.
+bool IsOfTemplateAlone(const RunRecord& run, const std::string& stage) {
+  const bool has = run.Find(stage, run.template_pose) != nullptr;
+  const auto of_other = [&](const StepRecord& step) {
+    return step.stage == stage && !step.pose.empty() && step.pose != run.template_pose;
   };
-  add(kCaptureFacts);
-  if (const StepRecord* sfm = run.Find("sfm", pose); sfm && sfm->Number("images_total"))
-    facts.emplace_back("placed by sfm",
-                       Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
-  add(kPoseFacts);
-  return facts;
+  return has != std::any_of(run.steps.begin(), run.steps.end(), of_other);
+}
+
+/// Stages that another pose has which has all of this one's: then both were found in the same way.
+std::string MissingStages(const RunRecord& run, const std::string& pose) {
+  const std::set<std::string> own = StagesOf(run, pose);
+  std::vector<std::string> titles;
+  for (const StepRecord& step : run.steps) {
+    if (step.pose.empty() || own.contains(step.stage) || IsOfTemplateAlone(run, step.stage))
+      continue;
+    const std::set<std::string> others = StagesOf(run, step.pose);
+    const bool alike = std::includes(others.begin(), others.end(), own.begin(), own.end());
+    const bool told = std::find(titles.begin(), titles.end(), step.title) != titles.end();
+    if (alike && !told) titles.push_back(step.title);
+  }
+  if (titles.empty()) return "";
+  return fmt::format("<p class=lead>Not made for this pose: {}.</p>",
+                     Escape(fmt::format("{}", fmt::join(titles, ", "))));
+}
+
+std::string PoseFacts(const RunRecord& run, const std::string& pose) {
+  std::string html;
+  for (const StepRecord& step : run.steps)
+    if (step.pose == pose && step.stage != "register") html += DescribedPart(step);
+  return html;
 }
 
 std::string HowItWasFound(const RunRecord& run, const std::string& pose) {
@@ -271,7 +246,7 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
                      (contents.run.performance ? "\"><h2>Shot \u2018" : "\"><h2>Pose \u2018") +
                      Escape(pose.name) + "\u2019</h2><p class=lead>" +
                      HowItWasFound(contents.run, pose.name) + "</p>" +
-                     MissingStages(contents, pose);
+                     MissingStages(contents.run, pose.name);
   if (!pose.sides.empty())
     html += (contents.run.performance ? "<h3>Frames</h3>" : "<h3>Textured, from all round</h3>") +
             Shots(pose.sides, encode);
@@ -299,7 +274,7 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
     html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"),
                                       Escape(pose.masks->caption));
   html += "<details><summary>The most important numbers</summary>" +
-          Facts(PoseFacts(contents.run, pose.name)) + "</details>";
+          PoseFacts(contents.run, pose.name) + "</details>";
   for (const StepRecord& step : contents.run.steps)
     if (step.pose == pose.name && step.stage != "register") html += EverythingMeasured(step);
   return html + "</section>\n";
@@ -355,22 +330,7 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
   std::string html = "<section id=\"register-" + Escape(step.pose) +
                      "\"><h2>Registration of the template onto \u2018" + Escape(step.pose) +
                      "\u2019</h2>";
-  Pairs facts;
-  AddFacts(&step,
-           {{"flipped triangles", "flipped"},
-            {"clearly flipped triangles", "flipped_clearly"},
-            {"degenerate triangles", "degenerate"},
-            {"iterations", "iterations"},
-            {"landmarks", "landmarks"},
-            {"landmark residual, mean", "landmark_mean_over_diag"},
-            {"landmark residual, largest", "landmark_max_over_diag"},
-            {"surface rms / diagonal", "surface_rms_over_diag"},
-            {"target covered", "target_coverage"},
-            {"self-intersections gained", "self_intersections_gained"},
-            {"stretch, 1 %", "stretch_low"},
-            {"stretch, 99 %", "stretch_high"}},
-           facts);
-  html += Facts(facts) + StartsTable(step);
+  html += Facts(DescribedFacts(step)) + StartsTable(step);
   if (!pair.advice.empty())
     html += "<h3>Where one more landmark would help most</h3>" + WidePictures(pair.advice, encode);
   if (!pair.carried.empty())
@@ -380,6 +340,18 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
         Shots(pair.carried, encode);
   if (pair.diagonal > 0) html += PairDistances(pair, encode);
   return html + LandmarkResiduals(step) + EverythingMeasured(step) + "</section>\n";
+}
+
+std::string OtherStepsSection(const Contents& contents) {
+  std::string html;
+  const StepRecord* frames = contents.run.Find("interpolate");
+  const StepRecord* exported = frames ? contents.run.ExportOf(frames->Output("frames")) : nullptr;
+  for (const StepRecord& step : contents.run.steps) {
+    if (!step.pose.empty() || &step == frames || &step == exported) continue;
+    html += "<h3>" + Escape(step.title) + "</h3>" + Facts(DescribedFacts(step)) +
+            EverythingMeasured(step);
+  }
+  return html.empty() ? "" : "<section id=others><h2>Other steps</h2>" + html + "</section>\n";
 }
 
 }  // namespace keypose::report

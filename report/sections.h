@@ -10,6 +10,8 @@ namespace keypose::report {
 std::string StepsSection(const Contents& contents);
 std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode);
 std::string PairSection(const PairPart& pair, const Encoder& encode);
+/// What the steps that are of no pose say of themselves, but for those with a section of their own.
+std::string OtherStepsSection(const Contents& contents);
 std::string AnimationSection(const Contents& contents, const Encoder& encode);
 
 /// Poster and controls of the player; empty if there is no player.

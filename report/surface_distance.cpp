@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numbers/statistics.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/surface_distance.h"
 
@@ -16,10 +17,7 @@ OneWayDistance DistanceTo(const Mesh& from, const Mesh& to, int samples) {
   result.mean = spread.mean();
   result.rms = std::sqrt(spread.squaredNorm() / static_cast<double>(spread.size()));
   result.max = std::max(spread.maxCoeff(), result.at_vertex.maxCoeff());
-  const auto nth =
-      spread.data() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(spread.size() - 1));
-  std::nth_element(spread.data(), nth, spread.data() + spread.size());
-  result.p99 = *nth;
+  result.p99 = QuantileFloor(std::move(spread), 0.99);
   return result;
 }
 

@@ -8,11 +8,10 @@
 #include "report/contents.h"
 #include "report/html.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::verdicts_test {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 using Numbers = std::map<std::string, double>;
 
@@ -152,7 +151,7 @@ TEST(Judge, APartThatTheMeshLacksIsToldWithTheMasksThatLeaveItOut) {
   Verdict verdict = Judged(contents);
   EXPECT_EQ(verdict.grade, Grade::kLook);
   EXPECT_THAT(verdict.why,
-              testing::AllOf(HasSubstr("IMG_112"), HasSubstr("IMG_105"), HasSubstr("5.2")));
+              ::testing::AllOf(HasSubstr("IMG_112"), HasSubstr("IMG_105"), HasSubstr("5.2")));
   EXPECT_THAT(verdict.cure, HasSubstr("these masks"));
   contents.poses[0].evidence.missing.left_out_by.clear();
   verdict = Judged(contents);
@@ -359,5 +358,4 @@ TEST(Judge, PoseFromFewPhotographsSaysWhatToDoWhenTheyDisagree) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::verdicts_test

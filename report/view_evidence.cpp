@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/numbers/statistics.h"
 #include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
 #include "report/limits.h"
@@ -173,9 +174,7 @@ RenderOptions AsTextured(const Mesh& mesh, const Image8* texture) {
 double MiddleOf(const std::vector<ViewEvidence>& views, double ViewEvidence::*member) {
   std::vector<double> values;
   for (const ViewEvidence& view : views) values.push_back(view.*member);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return UpperMedian(std::move(values));
 }
 
 }  // namespace

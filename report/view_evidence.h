@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 #include "report/missing_part.h"
 
 namespace keypose::report {

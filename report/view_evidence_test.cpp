@@ -3,16 +3,15 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "report/limits.h"
 #include "report/shots_stage.h"
 #include "report/view_evidence.h"
 
-namespace keypose::report {
-namespace {
+namespace keypose::report::view_evidence_test {
 
 /// An ellipsoid with stripes all round, so that no two sides are alike.
 Mesh Figure(double width = 1) {
@@ -143,5 +142,4 @@ TEST(SideBySide, ShowsPhotographAndRenderOfOneSizeWithTheMasksOutline) {
   EXPECT_EQ(pair.height, 280);
 }
 
-}  // namespace
-}  // namespace keypose::report
+}  // namespace keypose::report::view_evidence_test

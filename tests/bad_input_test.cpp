@@ -10,16 +10,15 @@
 #include <fstream>
 #include <memory>
 
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::bad_input_test {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -453,5 +452,4 @@ TEST_F(BadInput, AStageByHandRemovesNothingThatItDidNotWrite) {
   EXPECT_TRUE(fs::exists(here() / "frames/mine.txt"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::bad_input_test

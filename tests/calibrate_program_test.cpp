@@ -6,18 +6,17 @@
 #include <numbers>
 
 #include "capture/board/testing/seen_board.h"
-#include "core/values/errors.h"
-#include "core/pictures/fit_view.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/io/project/known_points_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
+#include "core/pictures/fit_view.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::calibrate_program_test {
 
 namespace fs = std::filesystem;
 
@@ -186,5 +185,4 @@ TEST(CalibrateProgram, NothingToCalibrateFromIsAUsageError) {
   EXPECT_NE(run.output.find("--points"), std::string::npos) << run.output;
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::calibrate_program_test

@@ -5,8 +5,7 @@
 #include "core/io/pictures/image_levels.h"
 #include "tests/generated_shot.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::composite_kinds_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -179,5 +178,4 @@ TEST_F(FilmKinds, AHoldoutsAlphaTellsWhereThePropIs) {
   EXPECT_EQ(ReadFile(folder_ / "by_roto/0001.png"), ReadFile(folder_ / "by_mask/0001.png"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::composite_kinds_test

@@ -11,8 +11,7 @@
 #include "views/film/mp4.h"
 #include "views/shot/shot.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::composite_program_test {
 
 using ::testing::HasSubstr;
 
@@ -353,5 +352,4 @@ TEST_F(MovingShot, AFrameWithoutAPlateIsNamed) {
   EXPECT_THAT(result.output, HasSubstr("no plate for filmed frame 1"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::composite_program_test

@@ -247,7 +247,8 @@ def main():
         print("demo: missed: " + "; ".join(missed), file=sys.stderr)
         return 6
     print(f"all goals reached in {total / 60:.1f} minutes")
-    print(f"Open it in the studio: {os.path.relpath(demo.program('keypose'))} studio -C {os.path.relpath(demo.project)}")
+    build = "" if os.path.exists(demo.program("keypose-studio")) else "./dev build, then "
+    print(f"Open it in the studio: {build}{os.path.relpath(demo.program('keypose'))} studio -C {os.path.relpath(demo.project)}")
     print(f"Or look at it: open {os.path.relpath(report)} in a browser, or import {os.path.relpath(glb[0])} into Blender (Shading: Smooth).")
     return 0
 

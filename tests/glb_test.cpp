@@ -5,16 +5,15 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::glb_test {
 
 namespace fs = std::filesystem;
 constexpr int kFrames = 6;
@@ -62,8 +61,7 @@ class ExportedGlb : public ::testing::Test {
   std::string Glb() const { return animation_ / "character.glb"; }
 
   RunResult Validate() {
-    return RunProgram({"node", SourceFolder() + "/tests/validate_gltf.mjs", Glb()},
-                      folder_.path());
+    return RunProgram({"node", SourceFolder() + "/tests/validate_gltf.mjs", Glb()}, folder_.path());
   }
   RunResult ImportInBlender(int shape_keys, int vertices, int texture_width) {
     return RunProgram(
@@ -275,5 +273,4 @@ TEST_F(ExportedGlb, FolderWithoutFramesIsAnInputError) {
   EXPECT_NE(exported.output.find("no frames"), std::string::npos) << exported.output;
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::glb_test

@@ -10,15 +10,14 @@
 #include <memory>
 #include <random>
 
-#include "core/values/camera.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/testing/folder.h"
+#include "core/values/camera.h"
 #include "core/values/size_of.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::image_folders_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -206,5 +205,4 @@ TEST_F(ImageFolders, RandomHarmfulMixturesAreRefusedByName) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::image_folders_test

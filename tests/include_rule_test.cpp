@@ -6,8 +6,7 @@
 #include "core/testing/paths.h"
 #include "tests/include_rules.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::include_rule_test {
 
 const std::filesystem::path kRoot = SourceFolder();
 
@@ -163,5 +162,4 @@ TEST(UnitRules, HeaderAndSourceCountAsOne) {
   EXPECT_EQ(circle[0].reason, "reaches itself: a -> b -> a");
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::include_rule_test

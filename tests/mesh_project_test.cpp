@@ -2,18 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/surfaces/geometry.h"
-#include "core/values/image.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
-#include "core/values/same_faces.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/image.h"
+#include "core/values/same_faces.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::mesh_project_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -230,5 +229,4 @@ TEST_F(MeshProject, AFolderOfMeshesIsNoFolderOfPhotographsAndSaysWhatToDo) {
   EXPECT_THAT(textured.output, HasSubstr("name each file itself"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::mesh_project_test

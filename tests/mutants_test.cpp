@@ -9,15 +9,14 @@
 #include <memory>
 #include <set>
 
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::mutants_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -27,9 +26,7 @@ constexpr double kSeconds = 60;
 // limit of address space [kB]; the libraries alone map a fifth of it
 constexpr const char* kKilobytes = "4000000";
 
-fs::path Data() {
-  return DataFolder() / "mutants";
-}
+fs::path Data() { return DataFolder() / "mutants"; }
 
 class Mutants : public ::testing::Test {
  protected:
@@ -165,5 +162,4 @@ TEST_F(Mutants, VolumeTextureThroughCapture) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::mutants_test

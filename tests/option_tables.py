@@ -12,10 +12,23 @@ import pathlib
 import subprocess
 import sys
 
-STAGES = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'fit', 'bake', 'complete', 'interpolate', 'transfer', 'animate', 'video3d', 'track', 'follow', 'calibrate', 'silhouettes', 'locate', 'composite', 'export', 'report')
 DOCS = pathlib.Path(__file__).resolve().parent.parent / 'docs/stages'
 BEGIN = '<!-- All options, written by tests/option_tables.py from `keypose {stage} --describe`; do not edit. -->\n'
 END = '<!-- End of all options. -->\n'
+
+
+def described_stages(programs):
+    """What each program says of itself that follows the stage contract, by stage."""
+    found = {}
+    for program in sorted(programs.glob('keypose-*')):
+        told = subprocess.run([program, '--describe'], capture_output=True)
+        try:
+            described = json.loads(told.stdout) if told.returncode == 0 else {}
+        except json.JSONDecodeError:
+            described = {}
+        if 'stage' in described:
+            found[described['stage']] = described
+    return found
 
 
 def number(value):
@@ -69,9 +82,11 @@ def main():
     parser.add_argument('--write', action='store_true')
     given = parser.parse_args()
     stale = []
-    for stage in STAGES:
-        described = json.loads(subprocess.run([given.bin / 'keypose', stage, '--describe'], stdout=subprocess.PIPE, check=True).stdout)
+    for stage, described in described_stages(given.bin).items():
         page = DOCS / f'{stage}.md'
+        if not page.exists():
+            stale.append(f'docs/stages/{stage}.md (it is missing)')
+            continue
         text = page.read_text(encoding='utf-8')
         wanted = page_with(text, stage, described)
         if wanted == text:

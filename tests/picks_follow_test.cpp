@@ -7,17 +7,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/project/regions_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/kd_tree.h"
+#include "core/surfaces/geometry.h"
+#include "core/testing/folder.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::picks_follow_test {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -234,5 +233,4 @@ TEST_F(PicksFollow, RegionsOfTheTimelineTakeTheVerticesAtTheirPlaces) {
   EXPECT_THAT(lost.output, HasSubstr("'hand'"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::picks_follow_test

@@ -9,8 +9,7 @@
 #include "core/testing/paths.h"
 #include "tests/include_rules.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::test_folders_test {
 
 /// Whether a test names the system's folder for temporary files itself.
 bool NamesTemporaryFolder(const std::string& text) {
@@ -34,10 +33,9 @@ TEST(TestFolders, AreAllTestingFolders) {
 }
 
 TEST(TestFolders, OthersAreFound) {
-  EXPECT_TRUE(NamesTemporaryFolder("fs::path(testing::TempDir()) / \"keypose_fit_program\""));
+  EXPECT_TRUE(NamesTemporaryFolder("fs::path(::testing::TempDir()) / \"keypose_fit_program\""));
   EXPECT_TRUE(NamesTemporaryFolder("fs::temp_directory_path() / name"));
-  EXPECT_FALSE(NamesTemporaryFolder("class Files : public testing::Test, public TestingFolder {"));
+  EXPECT_FALSE(NamesTemporaryFolder("class Files : public ::testing::Test, public TestingFolder {"));
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::test_folders_test

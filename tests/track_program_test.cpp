@@ -7,21 +7,20 @@
 #include <numbers>
 #include <regex>
 
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "tests/run_program.h"
 
-namespace keypose::tests {
-namespace {
+namespace keypose::tests::track_program_test {
 
 namespace fs = std::filesystem;
 
 /// One performance for all tests: 24 frames, an arm missing from all masks for a third of a second.
-class TrackProgram : public testing::Test {
+class TrackProgram : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TestingFolder;
@@ -212,8 +211,7 @@ TEST_F(TrackProgram, NamesThatDoNotMatchAreAnError) {
 }
 
 TEST(TrackRealShot, EightOfTheDomesViewsExplainTheOtherTwelve) {
-  const fs::path dome =
-      DataFolder() / "motion/dome";
+  const fs::path dome = DataFolder() / "motion/dome";
   if (!fs::exists(dome)) GTEST_SKIP() << dome << " is not here; set KEYPOSE_DATA";
   const TestingFolder folder;
   for (int c = 0; c < 20; ++c) {
@@ -233,5 +231,4 @@ TEST(TrackRealShot, EightOfTheDomesViewsExplainTheOtherTwelve) {
   EXPECT_GT(report["measurements"]["iou_other_cameras_least"], 0.88);
 }
 
-}  // namespace
-}  // namespace keypose::tests
+}  // namespace keypose::tests::track_program_test

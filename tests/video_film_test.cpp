@@ -3,16 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "composite/film/film_files.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/movie_header.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "views/film/mp4.h"
 #include "views/shot/shot.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::video_film_test {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -200,5 +199,4 @@ TEST_F(Video, AnyDamageOfTheIndexIsAnErrorOrAFilm) {
     }
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::video_film_test

@@ -1,18 +1,18 @@
 // keypose-bake: photographs into the texture of a mesh.
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/values/memory.h"
-#include "core/surfaces/mesh_checks.h"
-#include "core/values/size_of.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
+#include "core/values/percent.h"
+#include "core/values/size_of.h"
 #include "texture/bake/bake.h"
 #include "texture/bake/bake_scan.h"
 
@@ -25,7 +25,15 @@ StageSpec Spec() {
   spec.version = "8";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
-  spec.inputs = {
+  spec.title = "Textures",
+  .measurements = {{"unseen_fraction", "texels unseen", "share", -kAnyNumber, 0.25},
+                   {"views_used", "views used"},
+                   {"mean_views_per_texel", "views a texel"},
+                   {"psnr_gain_db", "PSNR to photographs", "dB"},
+                   {"held_out_psnr_db", "PSNR to photographs left out", "dB"},
+                   {"held_out_psnr_gain_db", "... after one gain per channel", "dB"},
+                   {"held_out_ssim", "SSIM to photographs left out"}},
+  .inputs = {
       {"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
       {"images", "folder", "photographs and masks, as capture makes them", "", true},
       {"model", "folder", "COLMAP model with the cameras", "", true},
@@ -116,10 +124,6 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
   stage.ReportJson("views", views.dump());
 }
 
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
-}
-
 std::string Names(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -140,7 +144,7 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
     if (c.other_light) other_light.push_back(name);
     if (c.distrusted) {
       const std::string why =
-          Percent(c.contrary) +
+          PercentHalfUp(c.contrary) +
           " of what it shows of the figure has other colours than the other photographs show there";
       distrusted.push_back({{"name", name}, {"why", why}});
       stage.Warn(name + " contradicts the other photographs: " + why +
@@ -150,7 +154,7 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
       hidden.push_back({{"name", name}, {"share", c.hidden_share}});
       if (!c.told) continue;
       stage.Warn("something lies before the figure in " + name +
-                 " (a hand, a tool, a lamp's mirror image): " + Percent(c.hidden_share) +
+                 " (a hand, a tool, a lamp's mirror image): " + PercentHalfUp(c.hidden_share) +
                  " of what it shows has other colours than the other photographs show there, and "
                  "was left out of the texture; "
                  "look at it, and shoot it again without");

@@ -6,27 +6,26 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "texture/bake/testing_spheres.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::bake_stage_test {
 
 /// The stage's program on files.
 /// @return its exit code
 int RunBake(const std::filesystem::path& folder, const std::string& texture = "texture.png",
             const std::string& options = "") {
   const std::string f = folder.string();
-  const std::string command = BinFolder() + "/keypose-bake --mesh " + f +
-                              "/mesh.obj --images " + f + "/images --model " + f +
-                              "/model --texture_size 128 --texture " + f + "/" + texture + " " +
-                              options + " --report " + f + "/report.json > " + f + "/log 2>&1";
+  const std::string command = BinFolder() + "/keypose-bake --mesh " + f + "/mesh.obj --images " +
+                              f + "/images --model " + f + "/model --texture_size 128 --texture " +
+                              f + "/" + texture + " " + options + " --report " + f +
+                              "/report.json > " + f + "/log 2>&1";
   return std::system(command.c_str()) >> 8;
 }
 
@@ -58,7 +57,7 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   WriteColmapModel(folder / "model", scene);
   ASSERT_EQ(RunBake(folder), 0) << ReadFile(folder / "log");
   EXPECT_GT(PsnrAgainst(mesh, ReadImage(folder / "texture.png", 3), Smooth), 34);
-  EXPECT_THAT(ReadFile(folder / "report.json"), testing::HasSubstr("\"unseen_fraction\""));
+  EXPECT_THAT(ReadFile(folder / "report.json"), ::testing::HasSubstr("\"unseen_fraction\""));
   ASSERT_EQ(RunBake(folder, "texture.exr"), 0) << ReadFile(folder / "log");
   EXPECT_EQ(ReadFile(folder / "texture.exr").substr(0, 4), "v/1\x01");
   ASSERT_EQ(RunBake(folder, "texture.tif"), 0) << ReadFile(folder / "log");
@@ -68,7 +67,7 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   WriteColmapModel(folder / "model", scene);
   std::filesystem::remove(folder / "texture.png");
   EXPECT_EQ(RunBake(folder), 3);
-  EXPECT_THAT(ReadFile(folder / "log"), testing::HasSubstr("elsewhere.png"));
+  EXPECT_THAT(ReadFile(folder / "log"), ::testing::HasSubstr("elsewhere.png"));
   EXPECT_FALSE(std::filesystem::exists(folder / "texture.png"));
 }
 
@@ -79,8 +78,8 @@ TEST(BakeStage, TakesTheColoursOfAScanInPlaceOfPhotographs) {
   WriteMesh(own.path() / "mesh.obj", mesh);
   WriteImage(own.path() / "skin.png", Image8(64, 64, 3, 140));
   const auto bake = [&](const std::string& from) {
-    return std::system((BinFolder() + "/keypose-bake --mesh " + f + "/mesh.obj " +
-                        from + " --texture_size 64 --texture " + f + "/texture.png --report " + f +
+    return std::system((BinFolder() + "/keypose-bake --mesh " + f + "/mesh.obj " + from +
+                        " --texture_size 64 --texture " + f + "/texture.png --report " + f +
                         "/report.json > " + f + "/log 2>&1")
                            .c_str()) >>
            8;
@@ -88,17 +87,16 @@ TEST(BakeStage, TakesTheColoursOfAScanInPlaceOfPhotographs) {
   const std::string scan = "--scan " + f + "/mesh.obj ";
   ASSERT_EQ(bake(scan + "--scan_texture " + f + "/skin.png"), 0) << ReadFile(f + "/log");
   EXPECT_EQ(ReadImage(f + "/texture.png", 3).data, Image8(64, 64, 3, 140).data);
-  EXPECT_THAT(ReadFile(f + "/report.json"), testing::HasSubstr("\"unseen_fraction\": 0"));
+  EXPECT_THAT(ReadFile(f + "/report.json"), ::testing::HasSubstr("\"unseen_fraction\": 0"));
   EXPECT_EQ(bake(scan), 0);
-  EXPECT_THAT(ReadFile(f + "/log"), testing::HasSubstr("no colours of its vertices"));
+  EXPECT_THAT(ReadFile(f + "/log"), ::testing::HasSubstr("no colours of its vertices"));
   EXPECT_EQ(bake(""), 2) << "from what?";
   EXPECT_EQ(bake(scan + "--images " + f + " --model " + f), 2) << "both";
   Mesh elsewhere = mesh;
   elsewhere.points.col(0).array() += 9;
   WriteMesh(own.path() / "far.obj", elsewhere);
   ASSERT_EQ(bake("--scan " + f + "/far.obj --scan_texture " + f + "/skin.png"), 0);
-  EXPECT_THAT(ReadFile(f + "/log"), testing::HasSubstr("nowhere near"));
+  EXPECT_THAT(ReadFile(f + "/log"), ::testing::HasSubstr("nowhere near"));
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::bake_stage_test

@@ -10,8 +10,7 @@
 #include "core/surfaces/shapes.h"
 #include "texture/unwrap/unwrap.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::hidden_seams_test {
 
 /// Two balls, one on the other, with a deep crease around the waist at z = 0.
 Mesh Snowman(int levels) {
@@ -124,5 +123,4 @@ TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
   EXPECT_GE(std::count(sector.begin(), sector.end(), 1), 60);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::hidden_seams_test

@@ -2,11 +2,11 @@
 #include <filesystem>
 #include <string>
 
-#include "core/io/pictures/frame_folder.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
-#include "core/surfaces/mesh_checks.h"
+#include "core/io/pictures/frame_folder.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/mesh_checks.h"
 #include "texture/unwrap/unwrap.h"
 #include "texture/unwrap_options.h"
 
@@ -53,6 +53,11 @@ const StageSpec kSpec = {
     .version = "4",
     .summary =
         "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
+    .title = "Texture layout",
+    .measurements = {{"charts", "UV charts"},
+                     {"stretch_l2", "L2 stretch"},
+                     {"utilisation", "UV area used", "share"},
+                     {"flipped", "flipped in UV", "", -kAnyNumber, 0}},
     .inputs = {{.name = "clean",
                 .kind = "path",
                 .help = "closed mesh (.ply, .obj, .off, .stl), or a folder of frames, whose first "

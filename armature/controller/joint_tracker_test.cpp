@@ -9,8 +9,7 @@
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::joint_tracker_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -208,5 +207,4 @@ TEST(Calibration, OfAnotherDescriptionIsAFault) {
   EXPECT_THROW(ParseCalibration(std::string(100000, '['), "c.json", arm), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::joint_tracker_test

@@ -4,8 +4,7 @@
 
 #include <random>
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::wire_test {
 
 TEST(WireCrc, MeetsItsKnownAnswer) { EXPECT_EQ(WireCrc("123456789"), 0x29B1); }
 
@@ -52,5 +51,4 @@ TEST(PayloadReader, KnowsWhenItIsTooShort) {
   EXPECT_FALSE(reader.fine());
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::wire_test

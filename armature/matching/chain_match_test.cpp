@@ -13,8 +13,7 @@
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::chain_match_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -369,5 +368,4 @@ TEST(MatchBothEnds, BadInputThrowsInputError) {
   EXPECT_THROW(MatchGreedily(curve, Eigen::Vector2d(1, 0)), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::chain_match_test

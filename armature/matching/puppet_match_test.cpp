@@ -12,8 +12,7 @@
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::puppet_match_test {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -290,5 +289,4 @@ TEST(TurnsAlong, PartsTakeTheMeanOfTheirPieces) {
   EXPECT_LT(turns[2].angularDistance(about_y(1)), 1e-9);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::puppet_match_test

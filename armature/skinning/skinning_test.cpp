@@ -8,14 +8,13 @@
 #include "armature/skinning/skin.h"
 #include "armature/skinning/stick_mesh.h"
 #include "armature/skinning/weights_text.h"
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/shapes.h"
 
-namespace keypose::armature {
-namespace {
+namespace keypose::armature::skinning_test {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -226,5 +225,4 @@ TEST(ParseWeights, SaysWhatIsWrong) {
   EXPECT_NE(FaultOf("2 2 1 0 1 0").find("vertex 1"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace keypose::armature
+}  // namespace keypose::armature::skinning_test

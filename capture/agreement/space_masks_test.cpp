@@ -9,11 +9,10 @@
 
 #include "capture/agreement/space_queries.h"
 #include "capture/testing/test_ring.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::space_masks_test {
 
 const SpaceOptions kCoarse{.resolution = 80};
 
@@ -219,5 +218,4 @@ TEST(Touched, AreTheFewViewsThatHoldWhatTheOthersSeePast) {
   EXPECT_TRUE(Touched(consensus, {}).empty());
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::space_masks_test

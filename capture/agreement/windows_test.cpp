@@ -9,8 +9,7 @@
 #include "capture/testing/test_images.h"
 #include "core/numbers/parallel.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::windows_test {
 
 constexpr int kWidth = 200, kHeight = 160, kViews = 24;
 constexpr double kFocal = 240, kDistance = 4;
@@ -120,5 +119,4 @@ TEST(OpenWindows, SameBitsForAnyThreadCount) {
   for (std::size_t i = 0; i < once.size(); ++i) EXPECT_EQ(once[i].data, again[i].data);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::windows_test

@@ -11,12 +11,11 @@
 #include "capture/board/testing/seen_board.h"
 #include "core/pictures/fit_view.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::board_survey_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// A camera that looks at the board's middle, turned about its axis.
 Seeing From(const Vector3d& eye, double roll_deg, int width = 640, int height = 480,
@@ -126,5 +125,4 @@ TEST(BoardSurvey, ABoardThatCannotBeReadIsNamedAsFarAsItIs) {
   EXPECT_EQ(nothing.Seen(), "");
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::board_survey_test

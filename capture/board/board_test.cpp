@@ -14,10 +14,9 @@
 #include "core/values/camera.h"
 #include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::board_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 cv::Mat View(const Image8& image) {
   return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data.data())};
@@ -235,5 +234,4 @@ TEST(BoardOdds, KnowThePrintFromWhatStandsOnItAlsoWhereSquaresAreSmall) {
     }
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::board_test

@@ -13,11 +13,10 @@
 #include "capture/films/pixel_modes.h"
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::film_masks_test {
 
 constexpr int kWidth = 256, kHeight = 192, kFrames = 36;
 
@@ -226,5 +225,4 @@ TEST(ChooseActor, KeepsPiecesNearTheActorAndLeavesOthersOut) {
   EXPECT_EQ(*ChooseActor(regions, {}).mask.at(80, 30), 255) << "the largest, if nothing is known";
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::film_masks_test

@@ -6,8 +6,7 @@
 
 #include "capture/pictures/cv_image.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::network_looks_test {
 
 constexpr int kSide = 60;
 
@@ -72,5 +71,4 @@ TEST(NetworkLooks, AnOpinionHoldsWhereColoursStayAndFades) {
   EXPECT_EQ(*looks.Odds(8, changed, 6).at(40, 30), later);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::network_looks_test

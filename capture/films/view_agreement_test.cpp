@@ -9,8 +9,7 @@
 
 #include "capture/pictures/cv_image.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::view_agreement_test {
 
 using Eigen::Vector3d;
 
@@ -42,7 +41,7 @@ Image8 MaskOf(const View& view, const Vector3d& ball) {
   return mask;
 }
 
-class ViewAgreementOfABall : public testing::Test {
+class ViewAgreementOfABall : public ::testing::Test {
  protected:
   ViewAgreementOfABall() {
     for (const double degrees : {0, 80, 190, 280}) views_.push_back(ViewAt(degrees));
@@ -102,5 +101,4 @@ TEST(OddsOfDenials, AreTheRatiosOfTheMasksAndNeverRise) {
   EXPECT_GE(odds[1], -0.3F - 1e-6F);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::view_agreement_test

@@ -6,13 +6,12 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/pictures/fit_view.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::point_placement_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 double Wobble(int i, double size) {
   const double x = std::sin(12.9898 * i) * 43758.5453;
@@ -159,5 +158,4 @@ TEST(SeePoints, APointThatWasMeasuredWronglyIsSeenWhereItIs) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::point_placement_test

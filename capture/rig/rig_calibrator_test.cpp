@@ -4,11 +4,10 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::rig_calibrator_test {
 
 // Small errors that are the same on every machine, with a standard deviation of about `size`.
 double Wobble(int i, double size) {
@@ -196,5 +195,4 @@ TEST(CalibrateLens, ABoardThatIsNoneIsLeftOut) {
   EXPECT_LT(lens.rms_px, 0.1);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::rig_calibrator_test

@@ -9,8 +9,7 @@
 #include "capture/testing/test_ring.h"
 #include "core/numbers/parallel.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::first_masks_test {
 
 const Eigen::Vector3d kMiddle = Eigen::Vector3d::Zero();
 
@@ -149,5 +148,4 @@ TEST(TakesBothForOne, OnlyWhereOnePartHoldsBothStrokes) {
   EXPECT_FALSE(TakesBothForOne({}, strokes));
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::first_masks_test

@@ -8,8 +8,7 @@
 #include "capture/room/free_standing.h"
 #include "capture/testing/test_ring.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::room_evidence_test {
 
 Scene SceneWith(const TestRing& ring) {
   Scene scene;
@@ -101,5 +100,4 @@ TEST(FindAttachment, AReliefGoesOnIntoItsWall) {
   EXPECT_LT(before_wall.share, 0.1);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::room_evidence_test

@@ -17,8 +17,7 @@
 #include "capture/testing/test_ring.h"
 #include "core/numbers/parallel.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::standing_figure_test {
 
 using Eigen::Vector3d;
 
@@ -121,7 +120,7 @@ Still MakeStill() {
   return still;
 }
 
-class StandingFigureTest : public testing::Test {
+class StandingFigureTest : public ::testing::Test {
  protected:
   static const Still& World() {
     static const Still still = MakeStill();
@@ -413,5 +412,4 @@ TEST_F(StandingFigureTest, SameForAnyThreadCount) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::standing_figure_test

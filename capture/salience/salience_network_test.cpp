@@ -6,12 +6,11 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/values/errors.h"
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::salience_network_test {
 
 bool InBall(double x, double y) {
   const double dx = x - 190, dy = y - 130;
@@ -46,7 +45,7 @@ double OverlapWithBall(const Image8& salience) {
   return static_cast<double>(both) / either;
 }
 
-class SalienceNetworkTest : public testing::Test {
+class SalienceNetworkTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto file = FindSalienceNetwork();
@@ -101,5 +100,4 @@ TEST(FindSalienceNetwork, SaysNothingWhereItIsNotInstalled) {
   unsetenv("KEYPOSE_ISNET_ONNX");
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::salience_network_test

@@ -10,8 +10,7 @@
 #include "capture/salience/wire.h"
 #include "core/values/errors.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::single_precision_test {
 
 std::string Integer(std::uint32_t number, std::uint64_t value) {
   std::string message;
@@ -111,8 +110,8 @@ cv::Mat OutputFor(const std::string& network, int side) {
   return net.forward().clone();
 }
 
-class SinglePrecisionNetworkOfSide : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Sides, SinglePrecisionNetworkOfSide, testing::Values(8, 4, 16));
+class SinglePrecisionNetworkOfSide : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Sides, SinglePrecisionNetworkOfSide, ::testing::Values(8, 4, 16));
 
 TEST_P(SinglePrecisionNetworkOfSide, RunsInOpenCvAndGivesWhatTheWeightsSay) {
   const int side = GetParam();
@@ -159,5 +158,4 @@ TEST(WireFields, GiveBackWhatWasPut) {
   EXPECT_EQ(again, message);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::single_precision_test

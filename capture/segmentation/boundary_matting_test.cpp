@@ -8,8 +8,7 @@
 
 #include "core/pictures/srgb.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::boundary_matting_test {
 
 constexpr int kSize = 120;
 constexpr double kX = 60.2, kY = 59.7;
@@ -81,5 +80,4 @@ TEST(MatteBoundary, LeavesWhatItCannotTell) {
   EXPECT_EQ(Unlike(white, Image8(kSize, kSize, 1, 255)), 0);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::boundary_matting_test

@@ -7,8 +7,7 @@
 
 #include "capture/pictures/working_image.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::guided_border_test {
 
 constexpr int kWidth = 1600, kHeight = 1200, kFraction = 8;
 
@@ -95,5 +94,4 @@ TEST(EnlargedMask, PlacesHavePixelsOfTheirOwnEighths) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::guided_border_test

@@ -9,8 +9,7 @@
 
 #include "capture/segmentation/trimap.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::mask_holes_test {
 
 constexpr int kWidth = 240, kHeight = 180;
 constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 178}, kTeal{40, 130, 120};
@@ -149,5 +148,4 @@ TEST(BackdropsOf, TellNothingOfAFigureOfTheirOwnColours) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::mask_holes_test

@@ -11,8 +11,7 @@
 #include "capture/testing/test_images.h"
 #include "core/numbers/parallel.h"
 
-namespace keypose::capture {
-namespace {
+namespace keypose::capture::set_rounds_test {
 
 /// Object where exactly one of two features is high: no single decision separates the two.
 PixelSamples Crossed(int seed) {
@@ -191,5 +190,4 @@ TEST(SegmentByClassifier, OpensHolesThatMasksHaveFilled) {
   EXPECT_GT(open, 0.8 * all);
 }
 
-}  // namespace
-}  // namespace keypose::capture
+}  // namespace keypose::capture::set_rounds_test

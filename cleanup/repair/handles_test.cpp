@@ -10,11 +10,10 @@
 #include "cleanup/repair/topology.h"
 #include "cleanup/testing/damage.h"
 #include "core/surfaces/geometry.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::handles_test {
 
 double LoopLength(const Mesh& mesh, const std::vector<int>& loop) {
   double sum = 0;
@@ -172,5 +171,4 @@ TEST(WithoutHandles, ThinTunnelThroughASphereIsClosed) {
   ExpectSphere(result);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::handles_test

@@ -13,8 +13,7 @@
 #include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
-namespace keypose::cleanup {
-namespace {
+namespace keypose::cleanup::holes_test {
 
 // Makes the heap return memory in another order of addresses: frees blocks of many sizes, each
 // between two that stay.
@@ -121,5 +120,4 @@ TEST(Holes, ALevelRimIsFilledWithinItsPlaneByWellShapedTriangles) {
   EXPECT_NEAR(area, wanted, 1e-9 * wanted);
 }
 
-}  // namespace
-}  // namespace keypose::cleanup
+}  // namespace keypose::cleanup::holes_test

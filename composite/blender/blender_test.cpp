@@ -7,14 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/blender/blender_scene.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::blender_test {
 
 namespace fs = std::filesystem;
 
@@ -169,5 +168,4 @@ TEST(BlenderScene, F12LooksLikeTheComposite) {
   EXPECT_NEAR(at(-0.35, 0, 0), 124, 4) << "0.4 of its light";
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::blender_test

@@ -8,12 +8,11 @@
 #include "composite/composing/geometry.h"
 #include "composite/composing/join.h"
 #include "composite/layer/linear_light.h"
-#include "core/values/errors.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::composing_test {
 
 /// A ball on the table that rolls from x = 0 to x = 1 in four frames, in a mesh's own units.
 std::vector<Mesh> RollingBall() {
@@ -240,5 +239,4 @@ TEST(Join, SideBySideShowsFourTimesTheDifference) {
   EXPECT_EQ(sheet.at(28, 0)[0], 128 + 12);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::composing_test

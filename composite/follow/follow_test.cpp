@@ -9,8 +9,7 @@
 #include "core/numbers/rotations.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::follow_test {
 
 /// A ball with a spotted texture before a plain set.
 struct SpottedBall {
@@ -96,5 +95,4 @@ TEST(FollowFilm, NothingSeenIsNoShift) {
   EXPECT_EQ(followed.shifts.cwiseAbs().maxCoeff(), 0);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::follow_test

@@ -8,8 +8,7 @@
 #include "composite/layer/table_shadow.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::layer_test {
 
 /// A square with a texture of one colour, across the view at this depth.
 Character Square(PointsX3* points, double left, double top, double right, double bottom,
@@ -210,5 +209,4 @@ TEST(SetShadow, FallsOnUprightFacesAndNotTwice) {
   EXPECT_EQ(shadow.Kept({-2, 80, 0}, 0, {5, -5, 5}), 1) << "far away";
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::layer_test

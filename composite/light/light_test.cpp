@@ -9,12 +9,11 @@
 #include "composite/light/shading.h"
 #include "composite/light/shadow_fit.h"
 #include "composite/light/stated_light.h"
-#include "core/surfaces/geometry.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::light_test {
 
 /// A picture with all levels between 30 and 220.
 ImageF Ramp(int width, int height) {
@@ -257,5 +256,4 @@ TEST(StatedLight, TheShadowTakesOfTheTableWhatLampAndSkyGiveIt) {
   EXPECT_NEAR(strength.light.radius_rad, 7.5 * M_PI / 180, 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::light_test

@@ -8,21 +8,20 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
-#include "core/testing/folder.h"
-#include "core/pictures/render.h"
+#include "core/io/text/files.h"
 #include "core/numbers/rotations.h"
+#include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "views/film/mp4.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::locate_program_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 480, kHeight = 360;
@@ -55,7 +54,7 @@ View Camera50() {
   return view;
 }
 
-class LocateProgram : public testing::Test {
+class LocateProgram : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     own = std::make_unique<TestingFolder>();
@@ -84,9 +83,8 @@ class LocateProgram : public testing::Test {
       words.replace(at, 1, folder.string());
     fs::remove(folder / "shot.json");
     const std::string f = folder.string();
-    const std::string command = BinFolder() + "/keypose-locate " + words +
-                                " --shot " + f + "/shot.json --report " + f + "/report.json > " +
-                                f + "/log 2>&1";
+    const std::string command = BinFolder() + "/keypose-locate " + words + " --shot " + f +
+                                "/shot.json --report " + f + "/report.json > " + f + "/log 2>&1";
     return std::system(command.c_str()) >> 8;
   }
   static std::string Log() { return ReadFile(folder / "log"); }
@@ -341,5 +339,4 @@ TEST_F(LocateProgram, WrongSizesPosesAndPortsAreNamed) {
   EXPECT_THAT(Log(), HasSubstr("frame 7"));
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::locate_program_test

@@ -8,8 +8,7 @@
 #include "composite/locating/outline/silhouette.h"
 #include "core/values/image.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::mattes_test {
 
 TEST(MatteFromPlate, LeavesOutShadowsAndFindsNothingInAnEmptySet) {
   Image8 plate(200, 150, 3);
@@ -53,5 +52,4 @@ TEST(MatteByColours, FollowsTheFigureWhereTheMeshIsOff) {
   EXPECT_GT(Overlap(MatteByColours(picture, off, 10), truth), 0.98);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::mattes_test

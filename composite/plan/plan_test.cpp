@@ -8,11 +8,10 @@
 #include "composite/plan/camera_path.h"
 #include "composite/plan/film_plan.h"
 #include "composite/plan/placement.h"
-#include "core/values/errors.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::plan_test {
 
 using ::testing::HasSubstr;
 
@@ -212,5 +211,4 @@ TEST(CameraPath, KnotsMustBeInOrder) {
   EXPECT_THROW(CameraPath({{1, {}}, {1, {}}}), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::plan_test

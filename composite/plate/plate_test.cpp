@@ -7,8 +7,7 @@
 #include "composite/plate/plate_between.h"
 #include "core/values/errors.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::plate_test {
 
 constexpr int kWidth = 60, kHeight = 40;
 
@@ -126,5 +125,4 @@ TEST(PlateBetween, WhatTheTwoDoNotShareIsCounted) {
   EXPECT_THROW(PlateBetween(SpotsAt(0), ImageF(20, 20, 3), 0.5), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::plate_test

@@ -6,8 +6,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::cholesky_test {
 
 /// The matrix of a chain of springs, with `ground` added at its first node.
 Eigen::SparseMatrix<double> Chain(int n, double ground) {
@@ -44,5 +43,4 @@ TEST(SparseCholesky, FloatingSystemThrowsSolverError) {
   EXPECT_THROW(solver.Factor(Chain(10, -1)), SolverError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::cholesky_test

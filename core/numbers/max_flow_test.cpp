@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace keypose {
-namespace {
+namespace keypose::max_flow_test {
 
 TEST(MinCut, EqualsTheBestOfAllCuts) {
   std::uint32_t state = 7;
@@ -48,5 +47,4 @@ TEST(MinCut, EqualsTheBestOfAllCuts) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::max_flow_test

@@ -4,14 +4,13 @@
 
 #include <cmath>
 
-#include "core/testing/shots.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/shots.h"
+#include "core/values/size_of.h"
 
-namespace keypose {
-namespace {
+namespace keypose::ground_contact_test {
 
 using Eigen::Vector3d;
 
@@ -78,5 +77,4 @@ TEST(FindGroundContact, ViewsFromBelowAndTooFewOfThemTellNothing) {
   EXPECT_FALSE(FindGroundContact(few.views, few.masks, kLow, kHigh));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::ground_contact_test

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "core/numbers/parallel.h"
 #include "core/pictures/cloud_picture.h"
 #include "core/values/errors.h"
-#include "core/numbers/parallel.h"
 
-namespace keypose {
-namespace {
+namespace keypose::render_test {
 
 /// The square [-1,1]^2 at height z, facing +z, with UVs that map x to u and y to v.
 Mesh Square(double z = 0) {
@@ -316,5 +315,4 @@ TEST(TileImages, PlacesImagesInRowsWithGaps) {
   EXPECT_THROW(TileImages({}, 2), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::render_test

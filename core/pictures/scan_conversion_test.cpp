@@ -9,8 +9,7 @@
 #include "core/pictures/fit_view.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose {
-namespace {
+namespace keypose::scan_conversion_test {
 
 constexpr int kWidth = 90, kHeight = 70;
 
@@ -165,5 +164,4 @@ TEST(ScanConversion, LeavesToRaysWhatItCannotProject) {
   EXPECT_FALSE(ScanConversion::Of(broken, mesh.faces, view, Grid(1)));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::scan_conversion_test

@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "core/io/text/files.h"
+#include "core/stage/stage.h"
 #include "core/testing/folder.h"
 #include "core/values/size_of.h"
-#include "core/stage/stage.h"
 
-namespace keypose {
-namespace {
+namespace keypose::output_guard_test {
 namespace fs = std::filesystem;
 
 struct NoOptions {
@@ -19,6 +18,8 @@ StageSpec FolderSpec() {
   return {"test",
           "1",
           "Copies photographs.",
+          "Copies",
+          {},
           {{"photos", "folder", "what to copy", ""}, {"list", "file", "names", "", true}},
           {{"images", "folder", "the copies", "images"},
            {"note", "file", "what was done", "note.txt", true}},
@@ -38,7 +39,7 @@ void CopyPhotographs(StageContext& stage, const NoOptions&) {
   if (stage.Has("note")) WriteFile(stage.Output("note"), "done");
 }
 
-class OutputGuardTest : public testing::Test, public TestingFolder {
+class OutputGuardTest : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     fs::create_directories(folder_ / "shoot");
@@ -54,9 +55,9 @@ class OutputGuardTest : public testing::Test, public TestingFolder {
     arguments.insert(arguments.begin(), "keypose-test");
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     const int code = RunStage<NoOptions>(SizeOf(argv), argv.data(), FolderSpec(), CopyPhotographs);
-    error_ = testing::internal::GetCapturedStderr();
+    error_ = ::testing::internal::GetCapturedStderr();
     return code;
   }
   void ExpectOriginal() const { EXPECT_EQ(ReadFile(folder_ / "shoot/a.jpg"), "original"); }
@@ -167,5 +168,4 @@ TEST_F(OutputGuardTest, TheRunnersFoldersHaveNoMark) {
   EXPECT_EQ(files, 0);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::output_guard_test

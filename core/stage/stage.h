@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,11 +26,25 @@ struct Port {
   bool in_place = false;  ///< file outputs: may replace an input, because it is made from it
 };
 
+constexpr double kAnyNumber = std::numeric_limits<double>::infinity();
+
+/// What a measurement of the report means, for those who show it.
+struct Measurement {
+  std::string key = {};    ///< its name in the report
+  std::string label = {};  ///< e.g. "overlap with the masks, mean"
+  /// "px", "m", "s", "dB", "share" (0 to 1, shown in percent), "diagonal" (of the mesh's, likewise)
+  std::string unit = {};
+  /// what a good result has, where that can be said; flags count as 0 and 1
+  double good_min = -kAnyNumber, good_max = kAnyNumber;
+};
+
 /// Description of a stage.
 struct StageSpec {
   std::string name = {};
   std::string version = {};  ///< changes when the same inputs and options would give another result
   std::string summary = {};  ///< one sentence
+  std::string title = {};    ///< what an artist calls its work, e.g. "Clean mesh"
+  std::vector<Measurement> measurements = {};  ///< the most important ones, in the order to show
   std::vector<Port> inputs = {}, outputs = {};
   /// external programs that it calls, e.g. "colmap"; their versions are part of the fingerprint
   std::vector<std::string> tools = {};

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/values/errors.h"
 #include "core/stage/output_guard.h"
+#include "core/values/errors.h"
 
 namespace keypose::internal {
 namespace fs = std::filesystem;

@@ -15,12 +15,12 @@
 #include "core/io/text/files.h"
 #include "core/io/text/shared_files.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/stage/awaited_arguments.h"
 #include "core/stage/interruption.h"
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
+#include "core/values/size_of.h"
 
 namespace keypose::internal {
 namespace fs = std::filesystem;
@@ -83,6 +83,17 @@ json DescribePorts(const std::vector<Port>& ports) {
   return list;
 }
 
+json DescribeMeasurements(const std::vector<Measurement>& measurements) {
+  json list = json::array();
+  for (const Measurement& one : measurements) {
+    json described = {{"key", one.key}, {"label", one.label}, {"unit", one.unit}};
+    if (std::isfinite(one.good_min)) described["good"]["min"] = one.good_min;
+    if (std::isfinite(one.good_max)) described["good"]["max"] = one.good_max;
+    list.push_back(described);
+  }
+  return list;
+}
+
 json Describe(const StageSpec& spec, const BoundOptions& options) {
   DescribeVisitor visitor(spec.common);
   options.visit(visitor);
@@ -95,6 +106,8 @@ json Describe(const StageSpec& spec, const BoundOptions& options) {
           {"stage", spec.name},
           {"version", spec.version},
           {"summary", spec.summary},
+          {"title", spec.title},
+          {"measurements", DescribeMeasurements(spec.measurements)},
           {"inputs", DescribePorts(spec.inputs)},
           {"outputs", DescribePorts(spec.outputs)},
           {"options", visitor.options},

@@ -9,14 +9,13 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "core/testing/paths.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
-namespace keypose {
-namespace {
+namespace keypose::stage_test {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
@@ -37,6 +36,8 @@ StageSpec Spec() {
   return {"test",
           "1",
           "Copies a text.",
+          "Copied text",
+          {{"letters", "letters copied"}, {"lost", "letters lost", "share", -kAnyNumber, 0}},
           {{"text", "file", "what to copy", ""}},
           {{"copy", "file", "the copies", "copy.txt"}},
           {},
@@ -57,7 +58,7 @@ void CopyStage(StageContext& stage, const TestOptions& options) {
   if (options.mode == "bug") throw std::logic_error("a bug");
 }
 
-class StageTest : public testing::Test, public TestingFolder {
+class StageTest : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override { WriteFile(folder_ / "in.txt", "clay "); }
   int Run(std::vector<std::string> extra) {
@@ -71,9 +72,9 @@ class StageTest : public testing::Test, public TestingFolder {
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), CopyStage);
-    error_ = testing::internal::GetCapturedStderr();
+    error_ = ::testing::internal::GetCapturedStderr();
     return code;
   }
   int EntriesLeft() const {
@@ -155,14 +156,19 @@ TEST_F(StageTest, MissingInputIsAnInputError) {
 TEST_F(StageTest, DescribesItself) {
   std::string name = "keypose-test", flag = "--describe";
   char* argv[] = {name.data(), flag.data()};
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(RunStage<TestOptions>(2, argv, Spec(), CopyStage), 0);
-  const json description = json::parse(testing::internal::GetCapturedStdout());
+  const json description = json::parse(::testing::internal::GetCapturedStdout());
   EXPECT_EQ(description["stage"], "test");
   EXPECT_EQ(description["inputs"][0]["name"], "text");
   EXPECT_EQ(description["outputs"][0]["file"], "copy.txt");
   EXPECT_EQ(description["options"][0]["default"], 2);
   EXPECT_EQ(description["options"][1]["unit"], "m");
+  EXPECT_EQ(description["title"], "Copied text");
+  EXPECT_EQ(description["measurements"],
+            json::parse(R"([{"key": "letters", "label": "letters copied", "unit": ""},
+                            {"key": "lost", "label": "letters lost", "unit": "share",
+                             "good": {"max": 0}}])"));
 }
 
 /// An option that no range can describe.
@@ -183,10 +189,10 @@ TEST_F(StageTest, OptionsAreCheckedWithoutPorts) {
     arguments.insert(arguments.begin(), {"keypose-test", "--check_options"});
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     const int code = RunStage<PairedOptions>(SizeOf(argv), argv.data(), Spec(),
                                              [](StageContext&, const PairedOptions&) { FAIL(); });
-    error_ = testing::internal::GetCapturedStderr();
+    error_ = ::testing::internal::GetCapturedStderr();
     return code;
   };
   EXPECT_EQ(check({}), 0);
@@ -198,9 +204,9 @@ TEST_F(StageTest, OptionsAreCheckedWithoutPorts) {
 std::string HelpOf(const StageSpec& spec) {
   std::string name = "keypose-test", flag = "--help";
   char* argv[] = {name.data(), flag.data()};
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(RunStage<TestOptions>(2, argv, spec, CopyStage), 0);
-  return testing::internal::GetCapturedStdout();
+  return ::testing::internal::GetCapturedStdout();
 }
 
 TEST_F(StageTest, HelpTellsRangesOfNumbersOnly) {
@@ -231,9 +237,9 @@ TEST_F(StageTest, CommonOptionThatIsNoneIsABug) {
   spec.common = {"colour"};
   std::string name = "keypose-test", flag = "--help";
   char* argv[] = {name.data(), flag.data()};
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   EXPECT_EQ(RunStage<TestOptions>(2, argv, spec, CopyStage), 1);
-  testing::internal::GetCapturedStderr();
+  ::testing::internal::GetCapturedStderr();
 }
 
 TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
@@ -243,9 +249,9 @@ TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
   const auto run = [&](std::vector<std::string> arguments) {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), CopyStage, actions);
-    error_ = testing::internal::GetCapturedStderr();
+    error_ = ::testing::internal::GetCapturedStderr();
     return code;
   };
   const std::string card = (folder_ / "card.txt").string(), text = (folder_ / "in.txt").string();
@@ -275,9 +281,9 @@ TEST_F(StageTest, ExternalToolsFailWithExitCodeFive) {
                                        value};
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), ToolStage);
-    error_ = testing::internal::GetCapturedStderr();
+    error_ = ::testing::internal::GetCapturedStderr();
     return code;
   };
   EXPECT_EQ(run("--copies", "1"), 0);
@@ -308,7 +314,8 @@ int EndStuck(const fs::path& folder, const std::vector<int>& signals) {
   const std::string text = folder / "in.txt", copy = folder / "out.txt";
   const pid_t child = fork();
   if (child == 0) {
-    execl((BinFolder() + "/testing/core_stuck_stage").c_str(), "stuck", "--text", text.c_str(), "--copy", copy.c_str(), nullptr);
+    execl((BinFolder() + "/testing/core_stuck_stage").c_str(), "stuck", "--text", text.c_str(),
+          "--copy", copy.c_str(), nullptr);
     _exit(127);
   }
   while (!fs::exists(folder / "stuck") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
@@ -332,5 +339,4 @@ TEST_F(StageTest, SecondSignalEndsItAtOnce) {
   EXPECT_FALSE(fs::exists(folder_ / "out.txt"));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::stage_test

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
   const StageSpec spec{"stuck",
                        "1",
                        "Waits.",
+                       "Waiting",
+                       {},
                        {{"text", "file", "what to copy", ""}},
                        {{"copy", "file", "the copy", "copy.txt"}},
                        {},

@@ -12,8 +12,8 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

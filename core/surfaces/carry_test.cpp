@@ -7,14 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/project/binding_io.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::carry_test {
 
 /// A shape without symmetry: a ball whose radius and colour vary with direction. `levels` and
 /// `turn` change the vertices but not the shape.
@@ -172,5 +171,4 @@ TEST(BindingFrom, PointsFarOutsideOfTheMeshAreAnInputError) {
   EXPECT_THROW(BindingFrom(binding, "picks.json"), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::carry_test

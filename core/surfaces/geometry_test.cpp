@@ -4,11 +4,10 @@
 
 #include <numbers>
 
-#include "core/values/same_faces.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/same_faces.h"
 
-namespace keypose {
-namespace {
+namespace keypose::geometry_test {
 
 TEST(Geometry, BoxHasItsAreaVolumeAndDiagonal) {
   const Mesh box = MakeBox(1, 2, 3);
@@ -89,5 +88,4 @@ TEST(SampleSurface, IsUniformByArea) {
   EXPECT_NEAR(on_top / 20000.0, 1.0 / 14, 0.01);  // five standard deviations
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::geometry_test

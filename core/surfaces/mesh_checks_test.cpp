@@ -6,13 +6,12 @@
 #include <functional>
 #include <limits>
 
-#include "core/values/errors.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::mesh_checks_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -115,5 +114,4 @@ TEST(RequireStiffness, NamesTheVertexOrTheCounts) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::mesh_checks_test

@@ -12,13 +12,12 @@
 #include <set>
 #include <thread>
 
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::ray_scene_test {
 
 TEST(RayScene, CastHitsTheSphereWhereItMust) {
   const Mesh sphere = MakeIcosphere(4);
@@ -137,5 +136,4 @@ TEST(ParallelFor, VisitsEachIndexOnceAndRethrows) {
   SetThreadCount(0);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::ray_scene_test

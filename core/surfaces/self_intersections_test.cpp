@@ -13,14 +13,13 @@
 #include <random>
 #include <set>
 
-#include "core/testing/paths.h"
-#include "core/values/errors.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::self_intersections_test {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
@@ -213,8 +212,7 @@ TEST(FindSelfIntersections, BadInputThrows) {
 }
 
 TEST(FindSelfIntersections, RealMeshesAgreeWithCgalAtAnyThreadCount) {
-  const std::filesystem::path pairs =
-      DataFolder() / "pairs";
+  const std::filesystem::path pairs = DataFolder() / "pairs";
   if (!std::filesystem::exists(pairs)) GTEST_SKIP() << "no data at " << pairs;
   int compared = 0;
   for (const char* name :
@@ -242,5 +240,4 @@ TEST(FindSelfIntersections, RealMeshesAgreeWithCgalAtAnyThreadCount) {
   EXPECT_GE(compared, 6);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::self_intersections_test

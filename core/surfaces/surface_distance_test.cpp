@@ -5,8 +5,7 @@
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose {
-namespace {
+namespace keypose::surface_distance_test {
 
 /// A unit square at a height.
 Mesh SquareAt(double z) {
@@ -48,5 +47,4 @@ TEST(SampledDistances, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one, three);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::surface_distance_test

@@ -4,8 +4,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::camera_test {
 
 TEST(Camera, UnprojectInvertsProjectWithDistortion) {
   const Camera camera{800, 600, 700, 710, 401, 299, -0.12, 0.03, 1e-3, -5e-4};
@@ -58,5 +57,4 @@ TEST(FitSimilarity, TooFewOrCoincidentPointsThrowInputError) {
   EXPECT_THROW(FitSimilarity(PointsX3::Ones(4, 3), SomePoints().topRows(4)), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::camera_test

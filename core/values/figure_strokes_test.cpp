@@ -7,8 +7,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::figure_strokes_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector2i;
@@ -169,5 +168,4 @@ TEST(FigureStrokes, PixelsAlongAStrokeAreJoinedAndInside) {
   EXPECT_TRUE(PixelsAlong({{-5, 2}, {2, -5}}, {10, 20}).empty());
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::figure_strokes_test

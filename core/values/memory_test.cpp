@@ -7,8 +7,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::memory_test {
 
 using ::testing::HasSubstr;
 
@@ -43,5 +42,4 @@ TEST(MemoryForViews, CountsThePixelsOfAllPicturesAtTheSizeThatIsWorkedOn) {
   EXPECT_EQ(Fault([] { RequireMemoryForViews("bake", Cameras(30, 1000, 800), 1, 5); }), "");
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::memory_test

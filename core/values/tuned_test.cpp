@@ -47,7 +47,7 @@ void Crash() {
   *reinterpret_cast<volatile int*>(nowhere) = 1;
 }
 
-class Tuned : public testing::Test, public TestingFolder {
+class Tuned : public ::testing::Test, public TestingFolder {
  protected:
   std::string Out() const { return TextOf(folder_ / "out.txt"); }
   std::string Read() const { return TextOf(folder_ / "read.txt"); }
@@ -87,7 +87,7 @@ TEST_F(Tuned, AFaultOfTheProgramItselfStillEndsIt) {
 int main(int argc, char** argv) {
   const char* child = std::getenv("KEYPOSE_TUNED_CHILD");
   if (child == nullptr) {
-    testing::InitGoogleTest(&argc, argv);
+    ::testing::InitGoogleTest(&argc, argv);
     return RUN_ALL_TESTS();
   }
   const std::string name = child;

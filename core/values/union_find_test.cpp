@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace keypose {
-namespace {
+namespace keypose::union_find_test {
 
 TEST(UnionFind, TheLowestMemberNamesASetInAnyOrderOfJoining) {
   UnionFind rising(6), falling(6);
@@ -23,5 +22,4 @@ TEST(UnionFind, JoiningWhatIsTogetherChangesNothing) {
   EXPECT_EQ(sets.Find(1), 1);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::union_find_test

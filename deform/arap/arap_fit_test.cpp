@@ -15,8 +15,7 @@
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose {
-namespace {
+namespace keypose::arap_fit_test {
 
 Eigen::Matrix3d RandomMatrix(std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -384,5 +383,4 @@ TEST(ArapFit, WithoutAFactorAStartCloseByComesAsFar) {
   SetThreadCount(0);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::arap_fit_test

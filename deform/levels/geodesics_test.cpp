@@ -9,8 +9,7 @@
 
 #include "core/surfaces/shapes.h"
 
-namespace keypose {
-namespace {
+namespace keypose::geodesics_test {
 
 TEST(GeodesicGraph, MeasuresAlongTheSurfaceOfASphere) {
   const Mesh ball = MakeIcosphere(4);
@@ -82,5 +81,4 @@ TEST(FindPeaks, OrdersHillsByHowFarOneMustDescend) {
   EXPECT_EQ(peaks[2].persistence, 1);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::geodesics_test

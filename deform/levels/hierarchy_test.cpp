@@ -10,14 +10,13 @@
 #include <numeric>
 #include <set>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "deform/levels/landmark_coordinates.h"
 #include "deform/levels/levels.h"
 
-namespace keypose {
-namespace {
+namespace keypose::hierarchy_test {
 
 Mesh AsMesh(const CoarseLevel& level) {
   Mesh mesh;
@@ -319,5 +318,4 @@ TEST(LandmarkCoordinates, BendingAndSizeDoNotMatter) {
   EXPECT_LT(sum / static_cast<double>(vertices.size()) / BoundingDiagonal(source.points), 0.04);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::hierarchy_test

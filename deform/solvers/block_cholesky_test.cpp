@@ -5,11 +5,10 @@
 #include <Eigen/Dense>
 #include <limits>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::block_cholesky_test {
 
 /// The Laplacian of a grid of side x side, plus `ground` on its diagonal. Wide enough for
 /// supernodes of all shapes.
@@ -117,5 +116,4 @@ TEST(BlockCholesky, WhatCannotBeSolvedThrows) {
   EXPECT_THROW(solver.SolveInPlace(b), SolverError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::block_cholesky_test

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose {
-namespace {
+namespace keypose::volume_correction_test {
 
 TEST(VolumeCorrection, ReachesTheVolumeToRoundingInOneStep) {
   Mesh mesh = MakeCylinder(0.3, 2, 16, 20);
@@ -70,5 +69,4 @@ TEST(PathVolumes, AreGeometricAndLeaveOtherSignsAlone) {
   EXPECT_TRUE(std::isnan(path[3]));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::volume_correction_test

@@ -1,6 +1,6 @@
 // What the add-on reads, byte by byte; and what Blender shows after it read it.
-#include "core/testing/paths.h"
 #include "export/blender/blender_files.h"
+#include "core/testing/paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,19 +13,18 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/shapes.h"
 #include "core/testing/folder.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/shapes.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::blender_files_test {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// A limb along z, each face with its own patch of the texture.
 Mesh Limb(int segments) {
@@ -225,13 +224,12 @@ TEST(BlenderAddOn, ImportsAndUpdatesInBlender) {
   Scene lying = scene;
   lying.z_up = false;
   WriteProject(lying, folder / "y_up");
-  const std::string command =
-      "BLENDER_USER_SCRIPTS=" + (folder / "scripts").string() +
-      " blender -b --factory-startup --python-exit-code 1 --python " + SourceFolder() + "/export/blender/testing/add_on_test.py -- " +
-      folder.string() + " > " + (folder / "log").string() + " 2>&1";
+  const std::string command = "BLENDER_USER_SCRIPTS=" + (folder / "scripts").string() +
+                              " blender -b --factory-startup --python-exit-code 1 --python " +
+                              SourceFolder() + "/export/blender/testing/add_on_test.py -- " +
+                              folder.string() + " > " + (folder / "log").string() + " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log");
   EXPECT_THAT(ReadFile(folder / "log"), HasSubstr("add_on_test: passed"));
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::blender_files_test

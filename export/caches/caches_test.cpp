@@ -1,6 +1,6 @@
 // Point caches, decoded by hand and as Blender reads them.
-#include "core/testing/paths.h"
 #include "export/caches/caches.h"
+#include "core/testing/paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,15 +8,14 @@
 #include <bit>
 #include <cstdint>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::caches_test {
 
 namespace fs = std::filesystem;
 
@@ -109,11 +108,11 @@ TEST(MakePc2, TheMeshBesideTheCacheHasTheVerticesOfTheFirstSample) {
     }
   }
   const std::string material = ReadFile(folder.path() / "cache/character.mtl");
-  EXPECT_THAT(material, testing::HasSubstr("map_Kd ../textures/texture_0.png\n"));
+  EXPECT_THAT(material, ::testing::HasSubstr("map_Kd ../textures/texture_0.png\n"));
   Scene filmed = scene;
   filmed.frame_texture_names.assign(scene.frames.size(), "frame_0000.jpg");
   EXPECT_THAT(BytesOf(MakePc2(filmed, nullptr), "cache/character.mtl"),
-              testing::HasSubstr("map_Kd ../textures/frame_0000.jpg\n"));
+              ::testing::HasSubstr("map_Kd ../textures/frame_0000.jpg\n"));
 }
 
 TEST(MakePc2, OneFrameWithoutTextureCoordinatesIsOneSample) {
@@ -123,8 +122,8 @@ TEST(MakePc2, OneFrameWithoutTextureCoordinatesIsOneSample) {
   const Scene scene = TestScene(options);
   const FormatFiles made = MakePc2(scene, nullptr);
   EXPECT_EQ(Cache{BytesOf(made, "cache/character.pc2")}.Word(28), 1u);
-  EXPECT_THAT(BytesOf(made, "cache/character.obj"), testing::Not(testing::HasSubstr("vt ")));
-  EXPECT_THAT(BytesOf(made, "cache/character.mtl"), testing::Not(testing::HasSubstr("map_Kd")));
+  EXPECT_THAT(BytesOf(made, "cache/character.obj"), ::testing::Not(::testing::HasSubstr("vt ")));
+  EXPECT_THAT(BytesOf(made, "cache/character.mtl"), ::testing::Not(::testing::HasSubstr("map_Kd")));
 }
 
 TEST(MakePc2, VerticesWithoutAFaceAreInNeitherMeshNorCache) {
@@ -146,7 +145,7 @@ TEST(MakePc2, ANameWithBlanksIsOneWordInTheMesh) {
   Scene scene = TestScene();
   scene.name = "clay cat\nv 0 0 0";
   const FormatFiles made = MakePc2(scene, nullptr);
-  EXPECT_THAT(made.files[0].bytes, testing::HasSubstr("\no clay_cat_v_0_0_0\n"));
+  EXPECT_THAT(made.files[0].bytes, ::testing::HasSubstr("\no clay_cat_v_0_0_0\n"));
 }
 
 class StopsAtOnce : public Progress {
@@ -160,7 +159,7 @@ TEST(MakeMdd, StopsWhenAsked) {
   EXPECT_THROW(MakeMdd(TestScene(), &progress), Cancelled);
 }
 
-class CacheInBlender : public testing::TestWithParam<std::tuple<const char*, const char*, bool>> {};
+class CacheInBlender : public ::testing::TestWithParam<std::tuple<const char*, const char*, bool>> {};
 
 TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
   if (!HasReader("blender")) GTEST_SKIP() << "Blender is not installed";
@@ -188,9 +187,8 @@ TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, CacheInBlender,
-                         testing::Values(std::tuple("pc2", "new", true),
+                         ::testing::Values(std::tuple("pc2", "new", true),
                                          std::tuple("mdd", "new", true),
                                          std::tuple("pc2", "legacy", false)));
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::caches_test

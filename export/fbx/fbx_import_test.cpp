@@ -9,10 +9,9 @@
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::fbx_import_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::string kTesting = SourceFolder() + "/export/fbx/testing/";
 
@@ -28,12 +27,10 @@ class Imported {
   /// @param stands  per shown frame but the last, whether it is held until the next
   ReaderResult InBlender(const std::string& stands) const {
     return RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                      kTesting + "check_fbx.py", "--", path(),
-                      folder_.path() / "truth", stands});
+                      kTesting + "check_fbx.py", "--", path(), folder_.path() / "truth", stands});
   }
   ReaderResult InThree() const {
-    return RunReader(
-        {"node", kTesting + "check_fbx.mjs", path(), folder_.path() / "truth"});
+    return RunReader({"node", kTesting + "check_fbx.mjs", path(), folder_.path() / "truth"});
   }
 
  private:
@@ -134,5 +131,4 @@ TEST(FbxInThree, FractionalRateIsKept) {
   EXPECT_NEAR(FigureOf(result.output, "seconds"), 8 / 12.5, 1e-6);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::fbx_import_test

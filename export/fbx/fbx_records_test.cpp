@@ -8,10 +8,9 @@
 
 #include "core/values/errors.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::fbx_records_test {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 std::vector<FbxRecord> SomeRecords() {
   const std::vector<double> even(1000, 0.25);  // shorter when compressed
@@ -69,7 +68,7 @@ TEST(WriteFbx, MoreBytesThanTheFormatCountsThrowInputError) {
     WriteFbx(SomeRecords(), bytes.size() - 100);
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("use fewer in-betweens"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("use fewer in-betweens"));
   }
 }
 
@@ -120,5 +119,4 @@ TEST(FbxRecord, MissingInnerRecordThrowsInputError) {
   EXPECT_THROW(SomeRecords()[2].Inner("Color"), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::fbx_records_test

@@ -7,17 +7,16 @@
 #include <cmath>
 #include <map>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx_error.h"
 #include "export/fbx/fbx_records.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::fbx_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 std::string BytesOf(const Scene& scene) { return MakeFbx(scene, nullptr).files.at(0).bytes; }
 
@@ -205,5 +204,4 @@ TEST(MakeFbx, StopsWhenAsked) {
   EXPECT_THROW(MakeFbx(TestScene(), &progress), Cancelled);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::fbx_test

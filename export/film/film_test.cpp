@@ -8,16 +8,15 @@
 #include <opencv2/videoio.hpp>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "export/film/film.h"
 #include "views/film/mp4.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::film_test {
 
 namespace fs = std::filesystem;
 using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
@@ -295,5 +294,4 @@ TEST(TurntablePictures, AreFourSecondsAndAtLeastOne) {
   EXPECT_EQ(TurntablePictures(0.1), 1);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::film_test

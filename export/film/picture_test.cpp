@@ -5,14 +5,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "export/film/film.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::picture_test {
 
 const std::vector<Image8> kNoTextures;
 
@@ -151,5 +150,4 @@ TEST(EncodePng, OtherChannelsAndNoPixelsThrowInputError) {
   EXPECT_THROW(EncodePng(Image8()), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::picture_test

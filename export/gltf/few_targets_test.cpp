@@ -1,6 +1,6 @@
 // The GLB with few morph targets: decoded by hand, in three.js, in Blender, and by the validator.
-#include "core/testing/paths.h"
 #include "export/gltf/few_targets.h"
+#include "core/testing/paths.h"
 
 #include <gtest/gtest.h>
 
@@ -10,17 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/text/files.h"
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::few_targets_test {
 
 namespace fs = std::filesystem;
 
@@ -370,8 +369,8 @@ TEST_F(FewTargetsFile, PlaysInThreeJsAsClaimed) {
     GTEST_SKIP() << "node or node_modules/three is missing: run ./dev setup";
   for (const Scene& scene : {MixedScene(false), SceneOf(WrithingSphere(14))}) {
     const FormatFiles made = Write(scene);
-    const ReaderResult read = RunReader(
-        {"node", SourceFolder() + "/export/gltf/testing/play_few.mjs", Path(), Truth()});
+    const ReaderResult read =
+        RunReader({"node", SourceFolder() + "/export/gltf/testing/play_few.mjs", Path(), Truth()});
     ASSERT_EQ(read.exit_code, 0) << read.output;
     EXPECT_EQ(FigureOf(read.output, "targets"), made.measured.at("morph_targets"));
     EXPECT_NEAR(FigureOf(read.output, "worst"), made.error_over_diagonal, 5e-7);
@@ -399,5 +398,4 @@ TEST_F(FewTargetsFile, PlaysInBlenderAsClaimed) {
   EXPECT_LE(FigureOf(read.output, "between"), made.error_over_diagonal + 2e-6);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::few_targets_test

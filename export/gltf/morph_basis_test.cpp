@@ -11,8 +11,7 @@
 #include "export/gltf/minimax_basis.h"
 #include "export/gltf/unit_weights.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::morph_basis_test {
 
 /// One vertex on the parabola y = x^2, x from -1 to 1.
 std::vector<PointsX3> Parabola(int count) {
@@ -147,5 +146,4 @@ TEST(MakeUnitWeights, PicturesAsTargetsStayAsTheyAre) {
   for (int k = 0; k < 3; ++k) EXPECT_EQ(basis.targets[k], before.targets[k]);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::morph_basis_test

@@ -1,20 +1,19 @@
 // Numbered files, read by our reader and by Blender.
-#include "core/testing/paths.h"
 #include "export/sequences/sequences.h"
+#include "core/testing/paths.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::sequences_test {
 
 namespace fs = std::filesystem;
 
@@ -160,5 +159,4 @@ TEST(WritePlySequence, StandsUprightInBlenderByDefault) {
   EXPECT_LT(FigureOf(output, "worst"), 1e-6) << "single precision";
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::sequences_test

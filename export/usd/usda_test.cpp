@@ -1,20 +1,19 @@
 // USD files, read by their grammar and by three.js.
-#include "core/testing/paths.h"
 #include "export/usd/usda.h"
+#include "core/testing/paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
+#include "core/testing/folder.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/usd/usda_text.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::usda_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(ShortNumber, IsTheShortestTextThatReadsBack) {
   EXPECT_EQ(ShortNumber(24), "24");
@@ -137,5 +136,4 @@ TEST(MakeUsda, VerticesWithoutAFaceHaveANormal) {
   EXPECT_THAT(TextOf(scene), HasSubstr(", (0, 1, -0)]"));
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::usda_test

@@ -1,7 +1,7 @@
 // Vertex animation textures, decoded by other programs: node with three.js, Chromium, and Khronos'
 // validator.
-#include "core/testing/paths.h"
 #include "export/vat/vat.h"
+#include "core/testing/paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/errors.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/vat/vat_layout.h"
 
-namespace keypose::exporting {
-namespace {
+namespace keypose::exporting::vat_test {
 
 const std::string kTools = SourceFolder() + "/export/vat/testing/";
 
@@ -43,7 +42,7 @@ TEST(MakeVatLayout, TooManyFramesThrowInputErrorThatSaysHowManyFit) {
     MakeVatLayout(20000, 5462);
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("at most 5461 frames"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("at most 5461 frames"));
   }
 }
 
@@ -99,7 +98,7 @@ TEST(MakeVat, TheTimeOfDayIsInNoFile) {
   const std::string key("capDate\0string\0", 15);  // then the length of the text
   const auto at = exr.find(key);
   const std::string length = at == std::string::npos ? "" : exr.substr(at + key.size(), 4);
-  EXPECT_THAT(length, testing::AnyOf("", std::string(4, '\0')));
+  EXPECT_THAT(length, ::testing::AnyOf("", std::string(4, '\0')));
   EXPECT_EQ(BytesOf(made, "vat/character_positions.png").find("tIME"), std::string::npos);
 }
 
@@ -112,7 +111,7 @@ TEST(MakeVat, TextureWithoutCoordinatesThrowsInputError) {
   EXPECT_THROW(MakeVat(scene, nullptr), InputError);
 }
 
-class VatFiles : public testing::Test {
+class VatFiles : public ::testing::Test {
  protected:
   FormatFiles Write(const TestSceneOptions& options) {
     const Scene scene = TestScene(options);
@@ -171,7 +170,7 @@ TEST_F(VatFiles, TheValidatorFindsNothingWrongWithTheMesh) {
     const ReaderResult result = RunReader({"node", SourceFolder() + "/tests/validate_gltf.mjs",
                                            folder_.path() / "vat/character.glb"});
     EXPECT_EQ(result.exit_code, 0) << result.output;
-    EXPECT_THAT(result.output, testing::HasSubstr("0 errors, 0 warnings"));
+    EXPECT_THAT(result.output, ::testing::HasSubstr("0 errors, 0 warnings"));
   }
 }
 
@@ -207,5 +206,4 @@ TEST_F(VatFiles, TheDocumentedShadersOfGodotAndUnityGiveEveryVertex) {
   EXPECT_LT(FigureOf(result.output, "unity_normal_error"), 0.008);
 }
 
-}  // namespace
-}  // namespace keypose::exporting
+}  // namespace keypose::exporting::vat_test

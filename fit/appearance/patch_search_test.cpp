@@ -6,8 +6,7 @@
 
 #include "core/values/size_of.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::patch_search_test {
 
 constexpr int kSize = 200;
 constexpr double kRadius = 70;
@@ -163,5 +162,4 @@ TEST(SearchPatches, NothingOutsideOfTheMask) {
     }
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::patch_search_test

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::patch_shift_test {
 
 constexpr int kSize = 64;
 
@@ -76,5 +75,4 @@ TEST(FindShifts, PixelsOfAnotherDepthHaveNoWeight) {
   EXPECT_NEAR(shift.shift.y(), 0.4, 0.05);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::patch_shift_test

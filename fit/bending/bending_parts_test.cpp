@@ -11,8 +11,7 @@
 #include "fit/bending/unfold.h"
 #include "views/placement/picture_pose.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::bending_parts_test {
 
 const Pinhole kCamera{800, 800, 1000, 1000, 400, 400};
 
@@ -202,5 +201,4 @@ TEST(PlacePicture, FindsNothingInNoise) {
   EXPECT_FALSE(PlacePicture(kCamera, points, matches, 6, 12).found);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::bending_parts_test

@@ -7,14 +7,13 @@
 #include "core/surfaces/shapes.h"
 #include "fit/bending/marks.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::marks_test {
 
 const Pinhole kLens{800, 800, 1000, 1000, 400, 400};
 constexpr int kFace = 17;
 
 /// A ball of which a point is picked where it is after a shift.
-class MarksOfABall : public testing::Test {
+class MarksOfABall : public ::testing::Test {
  protected:
   MarksOfABall() : ball_(MakeIcosphere(2)), cells_(ball_.points.rows()) {
     for (int v = 0; v < static_cast<int>(cells_.size()); ++v) cells_[v] = v / 9;
@@ -101,5 +100,4 @@ TEST_F(MarksOfABall, OfANameOnlyTheFarthestPickIsRefused) {
   EXPECT_TRUE(pulls.empty());
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::marks_test

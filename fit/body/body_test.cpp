@@ -4,16 +4,15 @@
 #include <string>
 #include <tuple>
 
-#include "core/values/angles.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/angles.h"
 #include "core/values/motion_clip.h"
 #include "fit/body/body_clip.h"
 #include "fit/body/body_pose.h"
 #include "fit/body/body_surface.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::body_test {
 
 // A pose in which no number is zero, within the limits, the same on every machine.
 BodyPose SomePose(int seed) {
@@ -198,5 +197,4 @@ TEST(ClipOf, BvhHasTheJointsWhereTheTemplateHasThem) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::body_test

@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/pictures/fit_view.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/fit_view.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
 #include "fit/cameras/views_around.h"
 #include "fit/testing/spotted_lump.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::cameras_around_test {
 
-class CamerasAround : public testing::Test {
+class CamerasAround : public ::testing::Test {
  protected:
   /// From beside all directions that are tried.
   PreparedView Photograph(double azimuth, double elevation) const {
@@ -112,5 +111,4 @@ TEST_F(CamerasAround, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one[0].matches.size(), three[0].matches.size());
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::cameras_around_test

@@ -6,10 +6,9 @@
 #include "core/surfaces/ray_scene.h"
 #include "fit/testing/spotted_lump.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::late_cameras_test {
 
-class LateCameras : public testing::Test {
+class LateCameras : public ::testing::Test {
  protected:
   PreparedView Photograph(int i) const { return PhotographOf(mesh_, texture_, rig_[i]); }
 
@@ -119,5 +118,4 @@ TEST(KeepSureCameras, LeavesAllWhereTooFewAreSure) {
   for (const FoundCamera& camera : cameras) EXPECT_TRUE(camera.found);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::late_cameras_test

@@ -5,8 +5,7 @@
 
 #include "fit/testing/spotted_lump.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::rig_motions_test {
 
 /// About a horizontal axis through the middle.
 Rigid3 Tilted(double degrees) {
@@ -21,7 +20,7 @@ PreparedView Blank(const View& view) {
   return PrepareView(view, 0, Image8(mask.width, mask.height, 3), mask, 1, 1);
 }
 
-class RigMotions : public testing::Test {
+class RigMotions : public ::testing::Test {
  protected:
   /// Adds a photograph from a camera of the rig, with matches on the halves of the figure, which
   /// moved; its own camera follows one of them.
@@ -126,5 +125,4 @@ TEST_F(RigMotions, WithoutACameraThereIsNone) {
   EXPECT_TRUE(Found().empty());
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::rig_motions_test

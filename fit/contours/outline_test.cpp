@@ -9,8 +9,7 @@
 #include "core/surfaces/shapes.h"
 #include "fit/contours/disagreement.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::outline_test {
 
 constexpr int kSize = 201;
 constexpr double kMiddle = 100;
@@ -121,5 +120,4 @@ TEST(WorstDisagreement, ASpurOfTheMaskIsFound) {
   EXPECT_EQ(WorstDisagreement({}, MakeOutline(view, 0)).distance_px, 0);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::outline_test

@@ -4,14 +4,13 @@
 
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 #include "fit/testing/breathing_ball.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::following_test {
 
 using Eigen::Vector3d;
 
@@ -139,5 +138,4 @@ TEST(Calmed, TakesAwayTheNoiseOfSingleFrames) {
   EXPECT_TRUE(Calmed({}, 1).empty());
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::following_test

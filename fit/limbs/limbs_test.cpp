@@ -7,15 +7,14 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
-#include "core/pictures/render.h"
 #include "core/numbers/rotations.h"
-#include "core/values/size_of.h"
+#include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 #include "fit/limbs/limb_chain.h"
 #include "fit/limbs/limb_search.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::limbs_test {
 
 constexpr double kNeck = 1.3, kWrist = 2.2, kTop = 3;
 
@@ -223,5 +222,4 @@ TEST(TurnLimbs, OneThatIsRightStays) {
   EXPECT_EQ(found.points, truth);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::limbs_test

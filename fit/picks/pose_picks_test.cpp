@@ -2,22 +2,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "fit/picks/pose_picks.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::pose_picks_test {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
-class PosePicksFile : public testing::Test, public TestingFolder {
+class PosePicksFile : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
     for (const char* name : {"a.jpg", "b.jpg"}) {
@@ -161,5 +160,4 @@ TEST_F(PosePicksFile, FaultsNameThePickAndThePhotograph) {
   EXPECT_THAT(FaultOf(R"({"pairs": []})"), HasSubstr("a list 'pixels'"));
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::pose_picks_test

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <random>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/values/angles.h"
 #include "fit/tracking/calm_take.h"
 #include "fit/tracking/pose_band.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::calm_test {
 
 /// The place of the left elbow in a pose.
 int Elbow() { return Joints()[kElbowL].first_dof; }
@@ -242,5 +241,4 @@ TEST(CalmTake, SameBitsForAnyThreadCount) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::calm_test

@@ -5,14 +5,13 @@
 
 #include <cmath>
 
-#include "core/values/angles.h"
+#include "core/numbers/rotations.h"
+#include "core/pictures/render.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
-#include "core/numbers/rotations.h"
+#include "core/values/angles.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::camera_turns_test {
 
 constexpr int kSide = 320;
 
@@ -98,5 +97,4 @@ TEST(TurnedBy, TheCentreStaysAndTheAxisTurns) {
   EXPECT_LT((QuaternionOf(turn) * axis - now).norm(), 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::camera_turns_test

@@ -4,13 +4,12 @@
 
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/angles.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::second_look_test {
 
 constexpr int kSide = 280, kCount = 12;
 
@@ -133,5 +132,4 @@ TEST(LookAgain, SameBitsForAnyThreadCount) {
   for (int f = 0; f < kCount; ++f) EXPECT_EQ(one.frames[f].pose.q, three.frames[f].pose.q);
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::second_look_test

@@ -3,17 +3,16 @@
 
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/angles.h"
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/mask_runs.h"
 #include "fit/tracking/rig_checks.h"
 #include "fit/tracking/tracker.h"
 
-namespace keypose::fit {
-namespace {
+namespace keypose::fit::tracking_test {
 
 constexpr int kSide = 320;
 
@@ -460,5 +459,4 @@ TEST(FindClockOffsets, FindsByHowManyFramesEachCameraIsLate) {
   EXPECT_EQ(FindClockOffsets(same, centers, {0, 0, 0.9}, 4).frames, (std::vector<int>{0, 0, 0, 0}));
 }
 
-}  // namespace
-}  // namespace keypose::fit
+}  // namespace keypose::fit::tracking_test

@@ -8,15 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/shapes.h"
 #include "deform/volume/volume_correction.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::arap_test {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLength = 2;
@@ -75,7 +74,7 @@ struct Case {
   double mean_gap, area;  // allowed: about twice what was measured
 };
 
-class KnownWay : public testing::TestWithParam<Case> {};
+class KnownWay : public ::testing::TestWithParam<Case> {};
 
 TEST_P(KnownWay, MidwayIsHalfTheAngleWithItsAreaAndVolume) {
   const Case& c = GetParam();
@@ -103,7 +102,7 @@ TEST_P(KnownWay, MidwayIsHalfTheAngleWithItsAreaAndVolume) {
 // For comparison, at 150 degrees: bend 0.065 linear, 0.023 by Liu 2011; twist 0.024 linear, 0.0089
 // by Liu, 0.0025 by shell geodesics.
 INSTANTIATE_TEST_SUITE_P(Bodies, KnownWay,
-                         testing::Values(Case{"Bend150", false, 150, 0.12, 2e-5, 2e-5},
+                         ::testing::Values(Case{"Bend150", false, 150, 0.12, 2e-5, 2e-5},
                                          Case{"Bend270", false, 270, 0.12, 6e-5, 2e-4},
                                          Case{"Bend300", false, 300, 0.12, 1e-4, 2e-4},
                                          Case{"Bend450", false, 450, 0.05, 6e-5, 1e-4},
@@ -248,5 +247,4 @@ TEST(Arap, EndsAreMetByTheFormulaTooNotOnlyByCopies) {
   EXPECT_LT((arap.At(1 - 1e-9) - end).rowwise().norm().maxCoeff(), 1e-7 * speed);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::arap_test

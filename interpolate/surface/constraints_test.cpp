@@ -9,14 +9,13 @@
 #include <limits>
 #include <numbers>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "interpolate/surface/arap.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::constraints_test {
 
 constexpr double kLength = 2;
 
@@ -165,7 +164,7 @@ TEST(Constraints, RowsThatFollowFromOthersAreDroppedAndNamed) {
                                 .floor = {}};
   const ArapInterpolator arap = tube.With(constraints);
   EXPECT_THAT(arap.report().dropped_constraints,
-              testing::ElementsAre("foot again", "one, vertex " + std::to_string(foot[0])));
+              ::testing::ElementsAre("foot again", "one, vertex " + std::to_string(foot[0])));
   EXPECT_TRUE(arap.At(0.5).allFinite());
 }
 
@@ -238,22 +237,21 @@ TEST(Constraints, BadOnesAreNamed) {
     return "no error";
   };
   EXPECT_THAT(message({.patches = {{.name = "empty", .vertices = {}}}, .floor = {}}),
-              testing::HasSubstr("'empty' has no vertices"));
+              ::testing::HasSubstr("'empty' has no vertices"));
   EXPECT_THAT(message({.patches = {{.name = "far", .vertices = {99999}}}, .floor = {}}),
-              testing::HasSubstr("vertex 99999"));
+              ::testing::HasSubstr("vertex 99999"));
   PatchConstraint lost{.name = "lost", .vertices = {1}};
   lost.path = [](double) {
     return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval();
   };
   EXPECT_THAT(message({.patches = {lost}, .floor = {}}),
-              testing::HasSubstr("path of constraint 'lost' is not finite"));
+              ::testing::HasSubstr("path of constraint 'lost' is not finite"));
   PatchConstraint soft{.name = "soft", .vertices = {1}};
   soft.softness = -1;
-  EXPECT_THAT(message({.patches = {soft}, .floor = {}}), testing::HasSubstr("softness"));
+  EXPECT_THAT(message({.patches = {soft}, .floor = {}}), ::testing::HasSubstr("softness"));
   EXPECT_THAT(message({.patches = {{.name = "cellar", .vertices = tube.Between(-1, 0.2)}},
                        .floor = Floor{0.5, {}}}),
-              testing::HasSubstr("below the floor"));
+              ::testing::HasSubstr("below the floor"));
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::constraints_test

@@ -5,18 +5,17 @@
 #include <limits>
 #include <numbers>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/shapes.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/paper_arap.h"
 #include "interpolate/turns/turns.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::surface_test {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -237,5 +236,4 @@ TEST(Arap, BadKeysThrowInputError) {
   EXPECT_THROW(PaperInterpolator(mesh.points, nan, mesh.faces), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::surface_test

@@ -9,18 +9,17 @@
 #include <iterator>
 #include <numbers>
 
-#include "core/values/camera.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 #include "deform/solvers/lanes.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/turns/differential_turns.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::turns_test {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLength = 2;
@@ -248,5 +247,4 @@ TEST(Lanes, ElementaryFunctionsAreThoseOfTheLibrary) {
   EXPECT_LT(worst_exp, 1e-15);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::turns_test

@@ -5,15 +5,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/io/project/timeline.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "interpolate/timing/easing.h"
 #include "interpolate/timing/rules.h"
 #include "interpolate/timing/spline.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::timeline_test {
 
 Schedule FromText(const std::string& text, int keys, int steps = 9) {
   return MakeSchedule(ParseTimeline(text, "timeline.json"), keys, steps, "timeline.json");
@@ -168,7 +167,7 @@ TEST(MakeSchedule, NamesTheKeyThatDoesNotFit) {
   }
 }
 
-class RulesTest : public testing::Test {
+class RulesTest : public ::testing::Test {
  protected:
   Rules Read(const std::string& rest) const {
     const Timeline timeline = ParseTimeline(
@@ -219,5 +218,4 @@ TEST_F(RulesTest, RefusesWhatLiesNowhere) {
   EXPECT_THROW(with_region(R"({"name":"a","center":[9,9,9],"radius":0.1})"), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::timeline_test

@@ -12,8 +12,7 @@
 #include "interpolate/volume/place_inside.h"
 #include "interpolate/volume/tet_maps.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::tetrahedralize_test {
 
 double SolidVolume(const Solid& solid) {
   double sum = 0;
@@ -31,7 +30,7 @@ TEST(Tetrahedralize, FillsTheSurfaceAndKeepsItsVertices) {
     for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
       for (int n : solid.opposite[t])
         if (n >= 0) {
-          EXPECT_THAT(solid.opposite[n], testing::Contains(static_cast<int>(t)));
+          EXPECT_THAT(solid.opposite[n], ::testing::Contains(static_cast<int>(t)));
         }
   }
 }
@@ -64,18 +63,18 @@ TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
   Mesh open = MakeBox(1, 1, 1);
   open.faces.conservativeResize(11, 3);
   EXPECT_THAT(fault(open),
-              testing::AllOf(testing::HasSubstr("pose: the surface is not closed: 3 edges"),
-                             testing::HasSubstr("keypose-cleanup")));
+              ::testing::AllOf(::testing::HasSubstr("pose: the surface is not closed: 3 edges"),
+                             ::testing::HasSubstr("keypose-cleanup")));
   Mesh flat = MakeBox(1, 1, 1);
   flat.points.row(0) = flat.points.row(1);
-  EXPECT_THAT(fault(flat), testing::HasSubstr("has no area"));
+  EXPECT_THAT(fault(flat), ::testing::HasSubstr("has no area"));
   Mesh inside_out = MakeBox(1, 1, 1);
   inside_out.faces.col(1).swap(inside_out.faces.col(2));
-  EXPECT_THAT(fault(inside_out), testing::HasSubstr("inside out"));
+  EXPECT_THAT(fault(inside_out), ::testing::HasSubstr("inside out"));
   Mesh crossing = Bar(0.1).mesh;  // curled up, intersecting itself
   crossing.points = Bar(0.1).Bent(2.3 * kPi);
   EXPECT_THAT(fault(crossing),
-              testing::HasSubstr("passes through itself, where the face of vertices"));
+              ::testing::HasSubstr("passes through itself, where the face of vertices"));
 }
 
 TEST(PlaceInside, UntanglesInnerPointsThatWerePushedThroughTheirNeighbours) {
@@ -102,5 +101,4 @@ TEST(PlaceInside, InnerPointsOfAnEvenlyStretchedSolidAreStretchedAlike) {
   EXPECT_LT(Gap(placed, solid.points * map.transpose()), 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::tetrahedralize_test

@@ -16,8 +16,7 @@
 #include "interpolate/volume/tet_maps.h"
 #include "interpolate/volume/tet_paths.h"
 
-namespace keypose::interpolation {
-namespace {
+namespace keypose::interpolation::turning_maps_test {
 
 TEST(ClosestRotation, EqualsSingularValuesAlsoForMirroredAndFlatMaps) {
   for (int k = 0; k < 2000; ++k) {
@@ -112,5 +111,4 @@ TEST(LiftTurns, ARingThatTurnedInsideItselfIsReportedAsTorn) {
               0.5);
 }
 
-}  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose::interpolation::turning_maps_test

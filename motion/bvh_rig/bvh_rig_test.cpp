@@ -3,17 +3,16 @@
 #include <cmath>
 #include <string>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/numbers/rotations.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
 #include "motion/bvh_rig/rig.h"
 #include "motion/bvh_rig/rig_text.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::bvh_rig_test {
 
 const std::vector<BvhChannel> kTurns = {BvhChannel::kXrotation, BvhChannel::kYrotation,
                                         BvhChannel::kZrotation};
@@ -325,5 +324,4 @@ TEST(LargestPart, KeepsItsVerticesInOrder) {
   EXPECT_EQ(part.mesh.faces, MakeBox(1, 1, 1).faces);
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::bvh_rig_test

@@ -8,8 +8,7 @@
 
 #include "core/surfaces/shapes.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::face_fans_test {
 
 using Corners = std::array<int, 3>;
 
@@ -70,5 +69,4 @@ TEST(FaceFans, VerticesThatAreNotListedHaveNone) {
   EXPECT_EQ(FacesOf(FansOfFaces(faces, 6, {3, 4, 5})), (std::vector<Corners>{{3, 4, 5}}));
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::face_fans_test

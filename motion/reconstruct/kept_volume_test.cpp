@@ -6,8 +6,7 @@
 #include "core/surfaces/shapes.h"
 #include "motion/reconstruct/point_moves.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::kept_volume_test {
 
 /// A ball, and a smaller one beside it.
 Mesh TwoBalls() {
@@ -78,5 +77,4 @@ TEST(MovePoints, AddsStepsOfPartsAndPulls) {
   EXPECT_LT((points - expected).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::kept_volume_test

@@ -6,8 +6,7 @@
 
 #include "core/surfaces/shapes.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::feet_test {
 
 /// Two long feet under a body, as separate boxes.
 Mesh MakeFeet() {
@@ -102,5 +101,4 @@ TEST(HoldRuns, EasesInAndOut) {
     EXPECT_LT(std::abs(hold.moves(t + 1, 0) - hold.moves(t, 0)), 0.35) << t;
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::feet_test

@@ -5,19 +5,18 @@
 #include <map>
 #include <mutex>
 
+#include "core/numbers/parallel.h"
+#include "core/pictures/image_quality.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/pictures/image_quality.h"
-#include "core/numbers/parallel.h"
-#include "core/pictures/render.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/shapes.h"
 #include "motion/testing/filmed_ball.h"
 #include "motion/video3d/free_view.h"
 #include "motion/video3d/texture_sequence.h"
 
-namespace keypose::motion {
-namespace {
+namespace keypose::motion::video3d_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -77,7 +76,7 @@ TEST(DistanceToEdges, IsChamferDistance) {
   EXPECT_EQ(*DistanceToEdges(edges, 2).at(0, 0), 2);
 }
 
-struct SeenWalls : testing::Test {
+struct SeenWalls : ::testing::Test {
   Mesh scene = Joined(Wall(0, 1), Wall(-1, 0.2));
   View view = Straight(4, 200);
   Image8 picture{200, 200, 3, 128};
@@ -134,7 +133,7 @@ TEST(LevelExposure, FindsGainsAndIgnoresWhatDisagrees) {
 }
 
 /// One texel a vertex would do; here each face has some.
-struct Ball : testing::Test {
+struct Ball : ::testing::Test {
   BallWorld world{6};
   Atlas atlas = RasterizeAtlas(world.mesh, 512);
   SurfaceTexels texels = ListTexels(atlas);
@@ -386,5 +385,4 @@ TEST(FreeView, FaultsOfAPathAreNamed) {
     EXPECT_THROW(ParseCameraPath(text, "path.json"), InputError) << text;
 }
 
-}  // namespace
-}  // namespace keypose::motion
+}  // namespace keypose::motion::video3d_test

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -43,6 +43,17 @@ PortInfo ParsePort(const json& value, bool output) {
         "the file '{}' of an output is not a plain name, or is a name that the cache itself uses",
         port.file));
   return port;
+}
+
+MeasurementInfo ParseMeasurement(const json& value) {
+  MeasurementInfo info;
+  info.key = value.at("key").get<std::string>();
+  info.label = value.value("label", info.key);
+  info.unit = value.value("unit", "");
+  const json good = value.value("good", json::object());
+  if (good.contains("min")) info.good_min = good.at("min").get<double>();
+  if (good.contains("max")) info.good_max = good.at("max").get<double>();
+  return info;
 }
 
 std::string TextOf(const json& value) {
@@ -138,6 +149,9 @@ StageInfo ParseStageInfo(const std::string& text, const std::string& program) {
     info.stage = value.at("stage").get<std::string>();
     info.version = TextOf(value.at("version"));
     info.summary = value.value("summary", "");
+    info.title = value.value("title", info.stage);
+    for (const json& one : value.value("measurements", json::array()))
+      info.measurements.push_back(ParseMeasurement(one));
     for (const json& port : value.at("inputs")) info.inputs.push_back(ParsePort(port, false));
     for (const json& port : value.at("outputs")) info.outputs.push_back(ParsePort(port, true));
     for (const json& option : value.value("options", json::array()))

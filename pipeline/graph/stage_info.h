@@ -32,8 +32,17 @@ struct OptionInfo {
   std::vector<std::string> choices;
 };
 
+/// What a measurement of a stage's report means.
+struct MeasurementInfo {
+  std::string key, label;
+  std::string unit;  ///< "share" and "diagonal" are shown in percent
+  std::optional<double> good_min, good_max;
+};
+
 struct StageInfo {
   std::string stage, version, summary;
+  std::string title;  ///< what an artist calls its work; the stage's name where it says none
+  std::vector<MeasurementInfo> measurements;  ///< the most important ones, in the order to show
   std::vector<PortInfo> inputs, outputs;
   std::vector<OptionInfo> options;
   std::map<std::string, std::string> tools;  ///< external program -> the version it reports

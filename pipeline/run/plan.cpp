@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -278,6 +278,21 @@ std::vector<std::string> Plan::WaitsFor(int i) const {
   return ids;
 }
 
+namespace {
+
+nlohmann::json MeasurementsJson(const StageInfo& info) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const MeasurementInfo& one : info.measurements) {
+    nlohmann::json described = {{"key", one.key}, {"label", one.label}, {"unit", one.unit}};
+    if (one.good_min) described["good"]["min"] = *one.good_min;
+    if (one.good_max) described["good"]["max"] = *one.good_max;
+    list.push_back(described);
+  }
+  return list;
+}
+
+}  // namespace
+
 std::string Plan::RunJson(int i) const {
   using nlohmann::json;
   json steps = json::array();
@@ -296,6 +311,8 @@ std::string Plan::RunJson(int i) const {
     steps.push_back({{"id", step.id},
                      {"step", step.rule},
                      {"stage", step.info->stage},
+                     {"title", step.info->title},
+                     {"described", MeasurementsJson(*step.info)},
                      {"pose", step.pose},
                      {"source_pose", step.source_pose},
                      {"status", "done"},

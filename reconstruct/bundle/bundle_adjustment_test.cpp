@@ -5,12 +5,11 @@
 #include <iterator>
 #include <random>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::bundle_adjustment_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -110,5 +109,4 @@ TEST(AdjustBundle, TwoLensesAreFoundApart) {
   EXPECT_LT(result.after_px, 0.05);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::bundle_adjustment_test

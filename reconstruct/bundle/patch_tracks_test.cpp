@@ -6,13 +6,12 @@
 #include <optional>
 #include <random>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "reconstruct/bundle/corner_tracks.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::patch_tracks_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -129,5 +128,4 @@ TEST(AddCorners, NewPointsLieOnTheSurface) {
   EXPECT_LT(off / count, 0.03);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::patch_tracks_test

@@ -4,8 +4,7 @@
 
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::track_selection_test {
 
 TEST(SpreadPoints, KeepsTheCountAndTheObservationsOfWhatItKeeps) {
   std::vector<View> views;
@@ -25,5 +24,4 @@ TEST(SpreadPoints, KeepsTheCountAndTheObservationsOfWhatItKeeps) {
   EXPECT_EQ(SpreadPoints(scene, observations, 5000).scene.points.size(), scene.points.size());
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::track_selection_test

@@ -9,8 +9,7 @@
 
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::model_alignment_test {
 
 using Eigen::Vector3d;
 using ::testing::ElementsAre;
@@ -215,5 +214,4 @@ TEST(MatchPoints, MostVotesWinAndNoPointIsUsedTwice) {
   EXPECT_THAT(MatchPoints(first, second, matches), ElementsAre(std::pair(0, 0), std::pair(1, 1)));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::model_alignment_test

@@ -11,8 +11,7 @@
 #include "core/values/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::board_cameras_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -221,5 +220,4 @@ TEST(AdjustBundle, SecondPlateIsFoundWhereItStands) {
   EXPECT_LT(WorstCenter(result.scene, table.truth), 1e-6);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::board_cameras_test

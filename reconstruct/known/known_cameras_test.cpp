@@ -9,8 +9,7 @@
 #include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::known_cameras_test {
 
 using ::testing::HasSubstr;
 using testing::LookFrom;
@@ -72,5 +71,4 @@ TEST(MatchKnownPoses, StrangersTwinsAndOtherShapesAreInputErrors) {
               HasSubstr("1920 x 1080"));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::known_cameras_test

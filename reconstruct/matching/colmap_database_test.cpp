@@ -6,11 +6,10 @@
 #include <filesystem>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::colmap_database_test {
 
 namespace fs = std::filesystem;
 
@@ -54,5 +53,4 @@ TEST_F(DatabaseTest, MissingFileThrowsDiskError) {
   EXPECT_THROW(ColmapDatabase(folder / "none.db"), DiskError);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::colmap_database_test

@@ -8,8 +8,7 @@
 
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::flat_pairs_test {
 
 using Eigen::Vector3d;
 
@@ -60,5 +59,4 @@ TEST(FlatPairs, AreThoseOfTheMatAlone) {
   EXPECT_EQ(FlatPairs(features, {}, 1, pairs), (std::vector<char>{0, 1}));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::flat_pairs_test

@@ -11,12 +11,11 @@
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/pair_list.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::matching_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -268,5 +267,4 @@ TEST(ChoosePairs, FewImagesGiveAllPairs) {
   EXPECT_EQ(ChoosePairs(std::vector<Features>(5), {}), AllPairs(5));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::matching_test

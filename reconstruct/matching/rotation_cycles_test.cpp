@@ -7,8 +7,7 @@
 
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::rotation_cycles_test {
 
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
@@ -113,5 +112,4 @@ TEST(RotationCycles, RotationOfMatchesIsThatOfTheCameras) {
   EXPECT_LT(Degrees(found->rotation.angularDistance(True(views, 0, 2, 0, none).rotation)), 2);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::rotation_cycles_test

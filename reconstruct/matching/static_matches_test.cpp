@@ -4,8 +4,7 @@
 
 #include "reconstruct/matching/static_matches.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::static_matches_test {
 
 /// `count` matches of feature i with feature i, displaced by up to `reach` px along each axis.
 struct Pair {
@@ -51,5 +50,4 @@ TEST(RejectStaticMatches, SevenAreNoBackground) {
   EXPECT_EQ(RejectStaticMatches(pair.first, pair.second, 1000, pair.matches), 0);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::static_matches_test

@@ -7,8 +7,7 @@
 #include "core/values/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::verification_test {
 
 using Eigen::Vector2d;
 using testing::BallCamera;
@@ -49,5 +48,4 @@ TEST(VerifyPair, InliersOfARigidSceneAreFoundAmongWrongMatchesAndChanceIsNot) {
   EXPECT_FALSE(VerifyPair(first, second, PairMatches{0, 1, {{0, 0}}}, options).has_value());
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::verification_test

@@ -6,14 +6,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/meshing/merge.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::meshing_test {
 
 const Eigen::RowVector3d kCenter(3, -2, 10);
 constexpr double kRadius = 5;
@@ -329,8 +328,8 @@ void ExpectInputError(const PointCloud& cloud, const std::string& part) {
     Reconstruct(cloud);
     FAIL() << "no error; expected one that says '" << part << "'";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(part));
-    EXPECT_THAT(error.what(), testing::HasSubstr("cloud.ply"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(part));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("cloud.ply"));
   }
 }
 
@@ -369,5 +368,4 @@ TEST(DepthForSampling, HalvingTheSpacingAddsOneLevelUpToTheCap) {
   EXPECT_EQ(DepthForSampling(100, 50, 12), 4);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::meshing_test

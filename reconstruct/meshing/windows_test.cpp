@@ -5,13 +5,12 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/meshing/surface.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::windows_test {
 
 using Eigen::Vector3d;
 
@@ -118,5 +117,4 @@ TEST(Windows, WallsFaceTheWindow) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::windows_test

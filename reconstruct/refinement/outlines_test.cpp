@@ -6,15 +6,15 @@
 #include <cmath>
 #include <functional>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::outlines_test {
 
 constexpr int kSize = 300;
 constexpr double kFocal = 700;
@@ -83,7 +83,7 @@ Miss MissOf(const Mesh& mesh, const SurfaceTargets& targets, const Mesh& truth) 
   if (misses.empty()) return miss;
   std::sort(misses.begin(), misses.end());
   for (const double m : misses) miss.mean_px += m / static_cast<double>(misses.size());
-  miss.median_px = misses[misses.size() / 2], miss.p95_px = misses[misses.size() * 95 / 100];
+  miss.median_px = UpperMedian(misses), miss.p95_px = QuantileAbove(misses, 0.95);
   return miss;
 }
 
@@ -171,9 +171,8 @@ TEST(FindFrontierPoints, LieOnTheSurface) {
     EXPECT_GT(touch.normal.dot(touch.point.normalized()), 0.6);
     EXPECT_NEAR(touch.footprint, kPixel, 0.2 * kPixel);
   }
-  std::sort(misses.begin(), misses.end());
-  EXPECT_LT(misses[misses.size() / 2], 0.5) << "pieces are long between views 30 degrees apart";
-  EXPECT_LT(misses[misses.size() * 95 / 100], 1.5);
+  EXPECT_LT(UpperMedian(misses), 0.5) << "pieces are long between views 30 degrees apart";
+  EXPECT_LT(QuantileAbove(misses, 0.95), 1.5);
 }
 
 TEST(OutlineTargets, FrontierPointsBringBackWhatHasFallenIn) {
@@ -253,5 +252,4 @@ TEST(OutlineTargets, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one.weight, three.weight);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::outlines_test

@@ -6,17 +6,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/photo_profile.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::refine_test {
 
 using testing::Prepared;
 using testing::RenderedScene;
@@ -57,7 +57,7 @@ Mesh Wavy(const RenderedScene& scene, double footprints) {
   return mesh;
 }
 
-// Ascending distances to the true surface in footprints, for the part that the rings see well.
+// Distances to the true surface in footprints, for the part that the rings see well.
 std::vector<double> Errors(const RenderedScene& scene, const Mesh& mesh) {
   const RayScene rays(scene.truth.points, scene.truth.faces);
   std::vector<double> errors;
@@ -65,12 +65,7 @@ std::vector<double> Errors(const RenderedScene& scene, const Mesh& mesh) {
     if (mesh.points(v, 2) > -0.3)
       errors.push_back(std::sqrt(rays.ClosestPoint(mesh.points.row(v)).squared_distance) /
                        scene.footprint);
-  std::sort(errors.begin(), errors.end());
   return errors;
-}
-
-double At(const std::vector<double>& sorted, double share) {
-  return sorted[share * static_cast<double>(sorted.size() - 1)];
 }
 
 TEST(RefineSurface, TextureBringsAWavySurfaceBack) {
@@ -78,10 +73,10 @@ TEST(RefineSurface, TextureBringsAWavySurfaceBack) {
   const RefineResult result = RefineSurface(start, Views(Painted()), Options());
   const std::vector<double> before = Errors(Painted(), start),
                             after = Errors(Painted(), result.mesh);
-  EXPECT_GT(At(before, 0.5), 0.7);
-  EXPECT_LT(At(after, 0.5), 0.2)
+  EXPECT_GT(QuantileFloor(before, 0.5), 0.7);
+  EXPECT_LT(QuantileFloor(after, 0.5), 0.2)
       << "half a sampling step of the finest level, and less by the parabola";
-  EXPECT_LT(At(after, 0.9), 0.6);
+  EXPECT_LT(QuantileFloor(after, 0.9), 0.6);
   EXPECT_LT(result.cost_after, 0.6 * result.cost_before);
   EXPECT_GT(result.seen, 0.7);
   EXPECT_GT(result.evidence, 0.6);
@@ -107,8 +102,8 @@ TEST(RefineSurface, ARoughSurfaceFarInsideOfTheOutlinesComesOutWithoutFolds) {
   for (Eigen::Index f = 0; f < is.rows(); ++f)
     turns.push_back(std::acos(std::clamp(truth.row(f).dot(is.row(f)), -1.0, 1.0)) * 180 / M_PI);
   std::sort(turns.begin(), turns.end());
-  EXPECT_LT(At(turns, 0.95), 20) << "along normals of its own bumps it is 89";
-  EXPECT_LT(At(Errors(plain, result.mesh), 0.9), 2);
+  EXPECT_LT(QuantileFloor(turns, 0.95), 20) << "along normals of its own bumps it is 89";
+  EXPECT_LT(QuantileFloor(Errors(plain, result.mesh), 0.9), 2);
   EXPECT_LT(result.unfolded, 200) << "12,000 else";
 }
 
@@ -148,15 +143,15 @@ TEST(RefineSurface, WithoutTextureTheSurfaceStaysSmooth) {
   const Mesh start = Wavy(plain, 0.5);
   const RefineResult result = RefineSurface(start, Views(plain), Options());
   const std::vector<double> before = Errors(plain, start), after = Errors(plain, result.mesh);
-  EXPECT_LT(At(after, 0.5), At(before, 0.5) + 0.1);
-  EXPECT_LT(At(after, 0.95), At(before, 0.95) + 0.3);
+  EXPECT_LT(QuantileFloor(after, 0.5), QuantileFloor(before, 0.5) + 0.1);
+  EXPECT_LT(QuantileFloor(after, 0.95), QuantileFloor(before, 0.95) + 0.3);
   const PointsX3 was = FaceNormals(start.points, start.faces),
                  is = FaceNormals(result.mesh.points, result.mesh.faces);
   std::vector<double> turns;
   for (Eigen::Index f = 0; f < was.rows(); ++f)
     turns.push_back(std::acos(std::clamp(was.row(f).dot(is.row(f)), -1.0, 1.0)) * 180 / M_PI);
   std::sort(turns.begin(), turns.end());
-  EXPECT_LT(At(turns, 0.95), 18) << "noise does not make it rough";
+  EXPECT_LT(QuantileFloor(turns, 0.95), 18) << "noise does not make it rough";
 }
 
 TEST(RefineSurface, SameBitsWithOneThreadAndTwo) {
@@ -260,5 +255,4 @@ TEST(Diffuse, VerticesThatKnowNothingTakeFromTheOthers) {
   for (const float value : values) EXPECT_NEAR(value, 3, 1e-5f);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::refine_test

@@ -12,8 +12,7 @@
 #include "core/values/size_of.h"
 #include "reconstruct/turntable/upside_down.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::camera_evidence_test {
 
 using Eigen::Vector3d;
 
@@ -264,5 +263,4 @@ TEST(FallsApart, SixSidesShotManyTimesDoAndRingsOrBareClayDoNot) {
   EXPECT_FALSE(FallsApart(24, {}, 60));  // no texture: left to the outlines
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::camera_evidence_test

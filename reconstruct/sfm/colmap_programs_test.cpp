@@ -15,8 +15,7 @@
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/testing/reported_stage.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::colmap_programs_test {
 
 constexpr int kWidth = 320, kHeight = 240;
 
@@ -86,5 +85,4 @@ TEST_F(ColmapProgramsTest, FeaturesThatAdaptReachTheLowerSide) {
   EXPECT_LT(ScalesToEnd(Extract({.fine = true})), 1.4);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::colmap_programs_test

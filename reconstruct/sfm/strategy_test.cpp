@@ -8,8 +8,7 @@
 #include "reconstruct/sfm/turntable_strategies.h"
 #include "reconstruct/testing/reported_stage.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::strategy_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -134,5 +133,4 @@ TEST(FocalsToTry, OnlyTheKnownOneOrSevenFromTheLikeliest) {
   EXPECT_THAT(FocalsToTry(matched), ElementsAre(1200));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::strategy_test

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "reconstruct/stereo/dense_colmap.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::dense_test {
 
 using testing::Accuracy;
 using testing::Measure;
@@ -150,5 +149,4 @@ TEST(ColmapDense, KnowsBuildsWithoutCuda) {
   EXPECT_FALSE(BuiltWithCuda(""));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::dense_test

@@ -2,16 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/ray_scene.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
 #include "reconstruct/stereo/dense.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::frontier_cloud_test {
 
 constexpr double kPixel = 0.01;
 
@@ -101,9 +100,8 @@ TEST(FrontierCloud, OfAFlatBallLiesOnItsSurface) {
         std::sqrt(truth.ClosestPoint(with.cloud.points.row(with.cloud.points.rows() - 1 - i))
                       .squared_distance) /
         rendered.footprint);
-  std::sort(misses.begin(), misses.end());
-  EXPECT_LT(misses[misses.size() / 2], 0.75);
-  EXPECT_LT(misses[misses.size() * 9 / 10], 1.5);
+  EXPECT_LT(UpperMedian(misses), 0.75);
+  EXPECT_LT(QuantileAbove(misses, 0.9), 1.5);
   options.frontier_points = false;
   const DenseResult without =
       ReconstructDense(testing::Prepared(rendered), rendered.scene, options);
@@ -113,5 +111,4 @@ TEST(FrontierCloud, OfAFlatBallLiesOnItsSurface) {
             with.cloud.points.rows() - with.frontier_points + with.contradicted_points);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::frontier_cloud_test

@@ -8,8 +8,7 @@
 #include "core/pictures/render.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::fusion_test {
 
 using testing::AllOthers;
 
@@ -149,5 +148,4 @@ TEST(FuseDepthMaps, TooFewViewsOrTooPoorMatchesGiveNothing) {
   EXPECT_EQ(FuseDepthMaps(views, AllOthers(4), maps, options).cloud.points.rows(), 0);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::fusion_test

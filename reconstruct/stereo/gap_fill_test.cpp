@@ -9,8 +9,7 @@
 #include "core/pictures/render.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::gap_fill_test {
 
 using testing::AllOthers;
 
@@ -164,5 +163,4 @@ TEST(CellsOf, TakeConfirmedPixelsAndTellGapsFromTheRim) {
   EXPECT_NEAR(cells.At(1, 1), 0.25 + 0.001 * 5.5, 2e-6);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::gap_fill_test

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::window_bias_test {
 
 constexpr int kSize = 64;
 constexpr double kVariance = 16;
@@ -100,5 +99,4 @@ TEST(WindowBias, ABumpSmallerThanTheWindowMovesByAtMostTwoPixelsAndNoVarianceCha
           << x << ' ' << y;
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::window_bias_test

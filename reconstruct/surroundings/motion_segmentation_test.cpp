@@ -11,8 +11,7 @@
 #include "core/numbers/parallel.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::motion_segmentation_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -179,5 +178,4 @@ TEST(MotionSegmentation, SameResultForAnyThreadCount) {
   EXPECT_EQ(one, four);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::motion_segmentation_test

@@ -7,13 +7,12 @@
 #include <random>
 #include <vector>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "reconstruct/testing/known_scenes.h"
 #include "reconstruct/testing/printed_mat.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::print_turns_test {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
@@ -120,5 +119,4 @@ TEST(PrintTurns, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one.middle, four.middle);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::print_turns_test

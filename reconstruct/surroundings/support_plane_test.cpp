@@ -9,8 +9,7 @@
 #include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::support_plane_test {
 
 using Eigen::Vector3d;
 
@@ -72,5 +71,4 @@ TEST(LookedAt, OneStrayViewHasLittleWeight) {
   EXPECT_LT((LookedAt(scene.views) - Vector3d(0, 0, 0.5)).norm(), 0.02);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::support_plane_test

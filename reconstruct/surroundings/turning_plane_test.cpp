@@ -9,14 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "reconstruct/surroundings/turning_cameras.h"
 #include "reconstruct/testing/known_scenes.h"
 #include "reconstruct/testing/printed_mat.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::turning_plane_test {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
@@ -171,5 +170,4 @@ TEST(CamerasOverTurningPrint, NoneWithoutTripods) {
   EXPECT_FALSE(CamerasOverTurningPrint(set.Set(), set.pictures, set.regions));
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::turning_plane_test

@@ -9,8 +9,7 @@
 #include "core/values/errors.h"
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::leveling_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -103,5 +102,4 @@ TEST(LevelScene, TooFewViewsThrow) {
   EXPECT_THROW(LevelScene(scene), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::leveling_test

@@ -7,8 +7,7 @@
 
 #include "reconstruct/testing/known_scenes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::ring_fit_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -74,5 +73,4 @@ TEST(AdjustOnRings, CamerasOffTheRingStayFree) {
             7e-3);  // uncertainty of free cameras with 0.3 px at this distance from a small body
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::ring_fit_test

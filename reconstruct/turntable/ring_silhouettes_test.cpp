@@ -4,12 +4,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "reconstruct/turntable/ring_silhouettes.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::ring_silhouettes_test {
 
 using Eigen::Vector3d;
 
@@ -128,5 +127,4 @@ TEST(FitRingToSilhouettes, SameBitsForAnyThreadCountAndErrorsForOtherSizes) {
                InputError);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::ring_silhouettes_test

@@ -8,21 +8,20 @@
 #include <numeric>
 #include <random>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/ring_order.h"
 #include "reconstruct/turntable/ring_sfm.h"
 #include "reconstruct/turntable/ring_tracks.h"
 
-namespace keypose::reconstruct {
-namespace {
+namespace keypose::reconstruct::ring_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 constexpr double kPi = 3.14159265358979323846, kDegree = kPi / 180;
 
@@ -390,7 +389,7 @@ TEST(OrderOnRings, SortsShuffledPhotographsOfTwoRingsAndKeepsTheGaps) {
   ASSERT_TRUE(order);
   EXPECT_EQ(order->sorted, 19);
   EXPECT_TRUE(order->even);
-  EXPECT_THAT(order->layout.positions, testing::UnorderedElementsAre(12, 12));
+  EXPECT_THAT(order->layout.positions, ::testing::UnorderedElementsAre(12, 12));
   EXPECT_EQ(Misplaced(*order, shuffled, world), 0);
 }
 
@@ -471,5 +470,4 @@ TEST(MinimizeSimplex, FindsTheBananaValleysEnd) {
   EXPECT_LT((x - Vector2d(1, 1)).norm(), 1e-3);
 }
 
-}  // namespace
-}  // namespace keypose::reconstruct
+}  // namespace keypose::reconstruct::ring_test

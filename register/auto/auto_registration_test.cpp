@@ -10,16 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/shapes.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::auto_registration_test {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
@@ -73,7 +72,7 @@ TEST(RegisterAuto, FindsAnyTurnAndSizeWithoutLandmarks) {
   }
 }
 
-class BentTube : public testing::TestWithParam<int> {};
+class BentTube : public ::testing::TestWithParam<int> {};
 
 TEST_P(BentTube, IsFollowedWithLandmarks) {
   const double angle = GetParam() * M_PI / 180;
@@ -89,7 +88,7 @@ TEST_P(BentTube, IsFollowedWithLandmarks) {
   ASSERT_LT(static_cast<std::size_t>(result.chosen), result.starts.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Degrees, BentTube, testing::Values(40, 90, 140, 180, 230, 270));
+INSTANTIATE_TEST_SUITE_P(Degrees, BentTube, ::testing::Values(40, 90, 140, 180, 230, 270));
 
 // A landmark 4 % of the diagonal off the surface contradicts it.
 TEST(RegisterAuto, HeavierLandmarksAreMetMoreClosely) {
@@ -304,5 +303,4 @@ TEST(RegisterAuto, CancelsWithinTheRun) {
   EXPECT_THROW(RegisterAuto(Tube(), OtherTube(), {}, {}, {}, &stop), Cancelled);
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::auto_registration_test

@@ -8,17 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/shapes.h"
 #include "register/auto/auto_registration.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::imperfect_meshes_test {
 
 using Eigen::RowVector3d;
 
@@ -176,5 +175,4 @@ TEST(RegisterAuto, BadInputThrowsAndSaysWhere) {
   EXPECT_TRUE(contains(words(good, good, {}, not_numbers), "above 0"));
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::imperfect_meshes_test

@@ -1,6 +1,6 @@
 // A template whose parts touch in one shape and not in the other: a ring and a horseshoe.
-#include "core/testing/paths.h"
 #include "register/auto/topology.h"
+#include "core/testing/paths.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -9,14 +9,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::topology_test {
 
 namespace fs = std::filesystem;
 
@@ -86,8 +85,7 @@ TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
   WriteMesh(folder / "horseshoe.ply", BentTube(280));
   const auto run = [&](const std::string& arguments) {
     return WEXITSTATUS(std::system(
-        (BinFolder() + "/keypose-register " + arguments + " > " + at + "/log 2>&1")
-            .c_str()));
+        (BinFolder() + "/keypose-register " + arguments + " > " + at + "/log 2>&1").c_str()));
   };
   const std::string to_open = "--source " + at + "/ring.ply --target " + at +
                               "/horseshoe.ply --registered " + at + "/a.ply";
@@ -102,5 +100,4 @@ TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
             0);
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::topology_test

@@ -13,8 +13,7 @@
 #include "register/intrinsic/functional_map.h"
 #include "register/testing/limbed_bodies.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::spectral_test {
 
 TEST(LaplaceSpectrum, OfASphereIsThatOfTheTextbook) {
   Mesh ball = MakeIcosphere(4);
@@ -62,8 +61,8 @@ TEST(NearestRows, GiveRowsThatExistEvenWhereNothingIsANumber) {
   b.row(5).setConstant(std::numeric_limits<float>::infinity());
   for (int all = 0; all < 2; ++all) {
     const PointMaps maps = NearestRows(a, b);
-    EXPECT_THAT(maps.forward, testing::Each(testing::AllOf(testing::Ge(0), testing::Lt(90))));
-    EXPECT_THAT(maps.backward, testing::Each(testing::AllOf(testing::Ge(0), testing::Lt(150))));
+    EXPECT_THAT(maps.forward, ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Lt(90))));
+    EXPECT_THAT(maps.backward, ::testing::Each(::testing::AllOf(::testing::Ge(0), ::testing::Lt(150))));
     a.setConstant(std::numeric_limits<float>::quiet_NaN());
   }
 }
@@ -86,5 +85,4 @@ TEST(RefineMaps, ReturnsToTheIdentityFromACoarseStart) {
   EXPECT_GT(exact, 0.95 * static_cast<double>(refined.forward.size()));
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::spectral_test

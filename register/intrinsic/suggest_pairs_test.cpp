@@ -12,14 +12,14 @@
 #include <sstream>
 #include <string>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/testing/paths.h"
 #include "register/intrinsic/suggest.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::suggest_pairs_test {
 
 struct Known {
   const char* name;
@@ -28,7 +28,7 @@ struct Known {
   int suggestions_within_5;  ///< of 12, at least; one less than measured
 };
 
-class SuggestPairs : public testing::TestWithParam<Known> {};
+class SuggestPairs : public ::testing::TestWithParam<Known> {};
 
 std::vector<int> ReadTruth(const std::filesystem::path& path, int vertices) {
   std::vector<int> truth(static_cast<std::size_t>(vertices), -1);
@@ -99,18 +99,14 @@ void Damage(const std::string& kind, Mesh& target, std::vector<int>& truth) {
                          [&](const auto& c) { return (c - p).norm() < 0.04 * diagonal; });
     });
   } else {
-    std::vector<double> heights(target.points.col(1).begin(), target.points.col(1).end());
-    std::nth_element(heights.begin(), heights.begin() + target.points.rows() / 10, heights.end());
-    const double lowest = heights[target.points.rows() / 10];
+    const double lowest = QuantileAbove(Eigen::VectorXd(target.points.col(1)), 0.1);
     Cut(target, truth, [&](const Eigen::RowVector3d& p) { return p.y() < lowest; });
   }
 }
 
 TEST_P(SuggestPairs, OnDamagedTargets) {
   const Known& known = GetParam();
-  const std::filesystem::path folder =
-      DataFolder() / "pairs" /
-      known.name;
+  const std::filesystem::path folder = DataFolder() / "pairs" / known.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj");
   std::printf("| %s |", known.name);
@@ -139,9 +135,7 @@ TEST_P(SuggestPairs, OnDamagedTargets) {
 
 TEST_P(SuggestPairs, WithoutLandmarks) {
   const Known& known = GetParam();
-  const std::filesystem::path folder =
-      DataFolder() / "pairs" /
-      known.name;
+  const std::filesystem::path folder = DataFolder() / "pairs" / known.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");
   const std::vector<int> truth = ReadTruth(folder / known.truth, source.vertex_count());
@@ -179,7 +173,7 @@ TEST_P(SuggestPairs, WithoutLandmarks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, SuggestPairs,
-                         testing::Values(Known{"cat_ref_07", "gt.txt", 0.042, 10},
+                         ::testing::Values(Known{"cat_ref_07", "gt.txt", 0.042, 10},
                                          Known{"cheb_rest_01", "gt.txt", 0.020, 10},
                                          Known{"faust_000_008", "gt.txt", 0.016, 11},
                                          Known{"lps_faust8k_000_018", "gt.txt", 0.020, 11},
@@ -187,5 +181,4 @@ INSTANTIATE_TEST_SUITE_P(Data, SuggestPairs,
                                          Known{"wolf_rest_1", "gt.txt", 0.0145, 11},
                                          Known{"horse_to_camel", "landmarks.txt", 0.068, 0}));
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::suggest_pairs_test

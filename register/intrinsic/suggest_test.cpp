@@ -9,14 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "register/testing/limbed_bodies.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::suggest_test {
 
 /// Distance at rest between each vertex and the one it is mapped to, over the diagonal.
 double MeanError(const Mesh& source_rest, const Mesh& target_rest, const std::vector<int>& dense) {
@@ -54,7 +53,7 @@ TEST(SuggestLandmarks, FindsTheSamePlacesOfABentBodyOfOtherTessellation) {
   }
   EXPECT_GE(near, 11);
   EXPECT_GE(tips, 3);
-  EXPECT_THAT(found.explanation, testing::HasSubstr("6 on the source"));
+  EXPECT_THAT(found.explanation, ::testing::HasSubstr("6 on the source"));
 }
 
 TEST(SuggestLandmarks, TargetTheOtherWayRoundIsNotTakenForAMirrorImage) {
@@ -175,9 +174,8 @@ TEST(SuggestLandmarks, NamesWhatIsWrongWithItsInput) {
     SuggestLandmarks(ball, ball, {stray}, {});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("'stray'"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("'stray'"));
   }
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::suggest_test

@@ -4,8 +4,7 @@
 
 #include <vector>
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::tip_matching_test {
 
 TEST(MatchTips, FindsThePermutationAndKeepsWhatIsKnown) {
   const int n = 6;
@@ -43,5 +42,4 @@ TEST(MatchTips, LeavesOutATipThatTheOtherDoesNotHave) {
   EXPECT_EQ(MatchTips(problem, 1)[0].target_of, (std::vector<int>{0, 1, 2, -1}));
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::tip_matching_test

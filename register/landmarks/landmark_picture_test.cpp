@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::landmark_picture_test {
 
 TEST(DrawLandmarks, ShowsAMarkOnlyWhereItCanBeSeen) {
   const Mesh ball = MakeIcosphere(3);
@@ -70,5 +69,4 @@ TEST(DrawLandmarks, MeshesAreInTheirOwnColours) {
     EXPECT_GT(image.at(60, y)[0], 3 * image.at(60, y)[1]) << "row at " << y;
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::landmark_picture_test

@@ -6,15 +6,14 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::landmarks_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 /// A box with faces small enough to measure distances along it.
 Mesh FineTube() { return MakeCylinder(1, 6, 24, 30); }
@@ -68,7 +67,7 @@ TEST(CheckLandmarks, TwoExchangedTargetsAreBothNamed) {
   std::swap(picks[1].target_face, picks[5].target_face);
   std::swap(picks[1].target_barycentric, picks[5].target_barycentric);
   const std::vector<std::string> warnings = CheckLandmarks(picks, tube, tube).warnings;
-  EXPECT_THAT(warnings, ElementsAre(testing::AllOf(HasSubstr("'p1' and 'p5' look swapped"))));
+  EXPECT_THAT(warnings, ElementsAre(::testing::AllOf(HasSubstr("'p1' and 'p5' look swapped"))));
 }
 
 TEST(CheckLandmarks, OneMisplacedLandmarkIsNamedWithWhatItContradicts) {
@@ -133,5 +132,4 @@ TEST(CheckLandmarks, ImpossiblePairsAreErrorsThatNameThem) {
   ExpectRefused(picks, tube, tube, "'p0' and 'two places' are the same point of the source");
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::landmarks_test

@@ -5,12 +5,11 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::nricp_system_test {
 
 using Eigen::MatrixXd;
 
@@ -186,5 +185,4 @@ TEST(NricpSystem, StiffnessOfAnotherMeshThrows) {
   EXPECT_THROW(NricpSystem(mesh.points, mesh.faces, {}, Eigen::VectorXd::Ones(5)), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::nricp_system_test

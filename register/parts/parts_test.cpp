@@ -6,15 +6,14 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/shapes.h"
 #include "register/testing/scenes.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::parts_test {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
@@ -231,5 +230,4 @@ TEST(RefineLooseParts, SeveralLandmarksTurnAPart) {
       << "a tenth of how far the landmarks went, for the weight of its own place";
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::parts_test

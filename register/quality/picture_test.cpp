@@ -4,12 +4,11 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::picture_test {
 
 constexpr int kPanel = 64, kGap = 4;
 
@@ -103,5 +102,4 @@ TEST(DrawCorrespondence, BadInputThrows) {
       << "a collapse is drawn";
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::picture_test

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::quality_test {
 
 TEST(MeasureRegistration, TheSourceOnItselfIsPerfect) {
   const Mesh sphere = MakeIcosphere(4);
@@ -259,5 +258,4 @@ TEST(AdviseLandmarks, LeavesSmallLoosePartsAlone) {
     EXPECT_LT(a.vertex, pair.source.vertex_count());
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::quality_test

@@ -1,5 +1,5 @@
-#include "core/testing/paths.h"
 #include "register/skeleton/skeleton.h"
+#include "core/testing/paths.h"
 
 #include <gtest/gtest.h>
 
@@ -10,14 +10,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::registration {
-namespace {
+namespace keypose::registration::skeleton_test {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
@@ -242,8 +241,7 @@ TEST(StartFromSkeletons, SameBitsAtAnyThreadCountAndAnyState) {
 }
 
 TEST(StartFromSkeletons, FourLimbsOfRealMeshesMapToTheirCounterparts) {
-  const std::filesystem::path pairs =
-      DataFolder() / "pairs";
+  const std::filesystem::path pairs = DataFolder() / "pairs";
   if (!std::filesystem::exists(pairs)) GTEST_SKIP() << "no data at " << pairs;
   const auto read = [&](const std::filesystem::path& path) {
     std::ifstream in(path);
@@ -273,5 +271,4 @@ TEST(StartFromSkeletons, FourLimbsOfRealMeshesMapToTheirCounterparts) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::registration
+}  // namespace keypose::registration::skeleton_test

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
-#include "pipeline/run/builder.h"
-#include "pipeline/run/collect_ending.h"
+#include "core/values/errors.h"
 #include "pipeline/commands/commands.h"
 #include "pipeline/disk/real_disk.h"
+#include "pipeline/run/builder.h"
+#include "pipeline/run/collect_ending.h"
 #include "studio/project/failure_pictures.h"
 #include "studio/project/originals.h"
 #include "studio/project/picks.h"
@@ -103,6 +103,7 @@ json StepJson(Snapshot& snapshot, int i) {
   return {{"id", step.id},
           {"step", step.rule},
           {"stage", step.info->stage},
+          {"title", step.info->title},
           {"pose", step.pose},
           {"state", StateOf(planned)},
           {"seconds", planned.last ? planned.last->seconds : 0.0},

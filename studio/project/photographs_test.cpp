@@ -6,20 +6,19 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/srgb.h"
 #include "core/testing/dng.h"
 #include "core/testing/folder.h"
-#include "core/pictures/srgb.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::photographs_test {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::UnorderedElementsAre;
+using ::testing::ElementsAre;
+using ::testing::UnorderedElementsAre;
 
-class Photographs : public testing::Test, public TestingFolder {
+class Photographs : public ::testing::Test, public TestingFolder {
  protected:
   Photographs() {
     fs::create_directories(photos());
@@ -71,5 +70,4 @@ TEST_F(Photographs, WhatIsNoPhotographIsNotFound) {
     EXPECT_THROW(PhotographSource(snapshot, "rest", name), NotFound) << name;
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::photographs_test

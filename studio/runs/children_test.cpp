@@ -9,17 +9,16 @@
 #include <chrono>
 #include <filesystem>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "studio/runs/warm_program.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::children_test {
 
 namespace fs = std::filesystem;
 
-class Talking : public testing::Test, public TestingFolder {
+class Talking : public ::testing::Test, public TestingFolder {
  protected:
   Talking() { ::signal(SIGPIPE, SIG_IGN); }
 
@@ -98,7 +97,7 @@ TEST(LetGo, OnesThatAreThePersonsGoOnAndHoldNobodyUp) {
   EXPECT_NO_THROW(LetGo({"/nonexistent/program"}, "/"));
 }
 
-class Warm : public testing::Test, public TestingFolder {
+class Warm : public ::testing::Test, public TestingFolder {
  protected:
   /// A script that says when it was started, and then what it was given.
   void WriteProgram(const char* name) {
@@ -178,5 +177,4 @@ TEST(WhatItSaid, ExitCodeSpeaksForThoseWhoSayNothing) {
   EXPECT_EQ(WhatItSaid("/nonexistent/file", 0), "");
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::children_test

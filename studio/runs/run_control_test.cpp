@@ -11,13 +11,12 @@
 #include "core/testing/folder.h"
 #include "studio/runs/children.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::run_control_test {
 
 namespace fs = std::filesystem;
 
 /// A project whose run an earlier studio has started: a program of the name that runs have.
-class TakenUp : public testing::Test, public TestingFolder {
+class TakenUp : public ::testing::Test, public TestingFolder {
  protected:
   TakenUp() {
     fs::create_directories(state_);
@@ -99,5 +98,4 @@ TEST(MarkOfProcess, IsOfOneProcessThatIsAtWork) {
   waitpid(ended, nullptr, 0);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::run_control_test

@@ -5,8 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::shoot_story_test {
 
 using nlohmann::json;
 
@@ -24,7 +23,7 @@ json State(const std::string& state, const std::string& next) {
   return {{"event", "state"}, {"state", state}, {"next", next}};
 }
 
-class ShootStory : public testing::Test {
+class ShootStory : public ::testing::Test {
  protected:
   void Tell(const json& event) { KeepShootEvent(event.dump(), &kept_); }
   std::vector<json> Kept(const std::string& event) const {
@@ -84,5 +83,4 @@ TEST_F(ShootStory, WhatWasLeftOutIsNamedUntilItIsShot) {
   EXPECT_EQ(Kept("accepted").size(), 1u);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::shoot_story_test

@@ -11,13 +11,12 @@
 #include "core/testing/folder.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::armature_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class ArmatureRoutes : public testing::Test, public TestingFolder {
+class ArmatureRoutes : public ::testing::Test, public TestingFolder {
  protected:
   ArmatureRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
@@ -186,5 +185,4 @@ TEST_F(ArmatureRoutes, CommandsAreKnownOnes) {
   EXPECT_EQ(Get("/pose", {{"after", "x"}}).status, 400);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::armature_routes_test

@@ -3,19 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/known_points_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::camera_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr int kWidth = 640, kHeight = 480;
 constexpr double kFocal = 600;
@@ -30,7 +29,7 @@ std::string Lens(const char* camera) {
          "[0, 0, 0, 0]\n";
 }
 
-class CameraRoutes : public testing::Test, public TestingFolder {
+class CameraRoutes : public ::testing::Test, public TestingFolder {
  protected:
   CameraRoutes() {
     for (const char* camera : {"cam1", "cam2"})
@@ -253,5 +252,4 @@ TEST_F(CameraRoutes, WithoutAPerformanceThereAreNoCameras) {
   EXPECT_EQ(Ask("POST", "/api/calibration/run").status, 400);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::camera_routes_test

@@ -5,22 +5,21 @@
 
 #include <cstdlib>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::figure_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
-class FigureRoutes : public testing::Test, public TestingFolder {
+class FigureRoutes : public ::testing::Test, public TestingFolder {
  protected:
   FigureRoutes() {
     Photograph("photos/rest/a.png", 60, 40);
@@ -67,8 +66,8 @@ TEST_F(FigureRoutes, ClicksAreKeptInPixelsOfThePhotographs) {
   EXPECT_EQ(before.at("unclear"), "");
   EXPECT_TRUE(before.at("strokes").empty());
   const std::vector<std::string> follow = before.at("follow");
-  EXPECT_THAT(follow, testing::Contains("mesh/rest"));
-  EXPECT_THAT(follow, Not(testing::Contains("sfm/rest")));
+  EXPECT_THAT(follow, ::testing::Contains("mesh/rest"));
+  EXPECT_THAT(follow, Not(::testing::Contains("sfm/rest")));
   const Answer saved =
       Put({Stroke("a.png", {{0.5, 0.25}}), Stroke("b.png", {{0, 0}, {1, 1}}, false)});
   ASSERT_EQ(saved.status, 200) << saved.bytes;
@@ -237,8 +236,8 @@ class FigureAfterCapture : public FigureRoutes {
   }
   int Run() {
     const fs::path log = folder_ / "log";
-    const std::string command = BinFolder() + "/keypose run -C " +
-                                folder_.string() + " --force capture > " + log.string() + " 2>&1";
+    const std::string command = BinFolder() + "/keypose run -C " + folder_.string() +
+                                " --force capture > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     routes_ = std::make_unique<Routes>(folder_);
     return status;
@@ -314,5 +313,4 @@ TEST_F(FigureAfterCapture, OnlyPicturesThatAStepLeftAreSent) {
   EXPECT_EQ(Failed("../capture", "images.failed.jpg").status, 400);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::figure_routes_test

@@ -5,19 +5,18 @@
 
 #include <cstdlib>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::film_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A stage that copies the masks that the test has put beside it.
 constexpr char kSilhouettes[] = R"sh(#!/bin/sh
@@ -45,7 +44,7 @@ steps:
   report: {enabled: false}
 )";
 
-class FilmRoutes : public testing::Test, public TestingFolder {
+class FilmRoutes : public ::testing::Test, public TestingFolder {
  protected:
   FilmRoutes() {
     for (const char* shot : {"walk", "turn"})
@@ -102,8 +101,8 @@ class FilmRoutes : public testing::Test, public TestingFolder {
   std::string Yaml() const { return ReadFile(folder_ / "pipeline.yaml"); }
   void Run() {
     const fs::path log = folder_ / "log";
-    const std::string command = BinFolder() + "/keypose run -C " +
-                                folder_.string() + " > " + log.string() + " 2>&1";
+    const std::string command =
+        BinFolder() + "/keypose run -C " + folder_.string() + " > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
     routes_ = std::make_unique<Routes>(folder_);
   }
@@ -197,5 +196,4 @@ TEST_F(FilmRoutes, AShotThatHasMasksNeedsNoClick) {
   EXPECT_THAT(Figure("turn").at("problem"), HasSubstr("a folder masks beside its films"));
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::film_routes_test

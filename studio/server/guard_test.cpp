@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::guard_test {
 
 const std::string kToken = "0123456789abcdef", kSession = "fedcba9876543210";
 
@@ -105,5 +104,4 @@ TEST(Guard, RandomDigitsAreAsManyAsAskedAndNeverTheSame) {
   EXPECT_NE(RandomDigits(128), RandomDigits(128));
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::guard_test

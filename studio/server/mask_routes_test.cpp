@@ -1,20 +1,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/dng.h"
 #include "core/testing/folder.h"
 #include "studio/project/photographs.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::mask_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class MaskRoutes : public testing::Test, public TestingFolder {
+class MaskRoutes : public ::testing::Test, public TestingFolder {
  protected:
   MaskRoutes() {
     fs::create_directories(folder_ / "photos/rest");
@@ -75,7 +74,7 @@ TEST_F(MaskRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
   EXPECT_EQ(Get(), std::pair(12, std::string(json::parse(second.bytes).at("revision"))));
   const Answer late = Put(13, {{"revision", revision}});
   EXPECT_EQ(late.status, 409);
-  EXPECT_THAT(late.bytes, testing::HasSubstr("the mask of a.png was changed elsewhere"));
+  EXPECT_THAT(late.bytes, ::testing::HasSubstr("the mask of a.png was changed elsewhere"));
   EXPECT_EQ(Get().first, 12);
   EXPECT_EQ(Put(14, {}).status, 200) << "who names no revision writes as into a folder";
 }
@@ -144,5 +143,4 @@ TEST_F(MaskRoutes, APortraitThatCaptureTurnsIsPaintedAsThePageShowsIt) {
   EXPECT_EQ(shown.data, ReadImage(folder_ / "mask.png", 1).data);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::mask_routes_test

@@ -7,21 +7,20 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::motion_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr int kFrames = 3;
 
@@ -85,7 +84,7 @@ void GiveUvs(Mesh* mesh, double size) {
   mesh->uv_faces = mesh->faces;
 }
 
-class MotionRoutes : public testing::Test, public TestingFolder {
+class MotionRoutes : public ::testing::Test, public TestingFolder {
  protected:
   MotionRoutes() {
     for (const char* folder : {"films/walk", "films/turn", "tools"})
@@ -152,9 +151,8 @@ class MotionRoutes : public testing::Test, public TestingFolder {
   }
   void Run(const std::string& until) {
     const fs::path log = folder_.string() + ".log";
-    const std::string command = BinFolder() + "/keypose run -C " +
-                                folder_.string() + " --until " + until + " > " + log.string() +
-                                " 2>&1";
+    const std::string command = BinFolder() + "/keypose run -C " + folder_.string() + " --until " +
+                                until + " > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
     fs::remove(log);
   }
@@ -350,5 +348,4 @@ TEST_F(MotionRoutes, ColoursOfTheScansVerticesAreItsOwnWhereItHasNoTexture) {
   EXPECT_EQ(FlagsOf(Ask("/api/frames/first", "walk").bytes), 2u);
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::motion_routes_test

@@ -7,27 +7,26 @@
 #include <memory>
 #include <thread>
 
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/regions_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::photo_picks_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kWidth = 400, kHeight = 300;
 
@@ -70,7 +69,7 @@ constexpr char kSteps[] =
     "  fit:\n    program: tools/fit\n"
     "    inputs: {texture: null, rig: null, stiffness: null, landmarks: null}\n";
 
-class PhotoPicks : public testing::Test {
+class PhotoPicks : public ::testing::Test {
  protected:
   /// One project with photographs that were read, which each test gets as a copy: to ask all
   /// programs what they are takes most of the time.
@@ -167,9 +166,8 @@ class PhotoPicks : public testing::Test {
   std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
   static void Run(const fs::path& folder, const std::string& until) {
     const fs::path log = folder.string() + ".log";
-    const std::string command = BinFolder() + "/keypose run -C " +
-                                folder.string() + " --until " + until + " > " + log.string() +
-                                " 2>&1";
+    const std::string command = BinFolder() + "/keypose run -C " + folder.string() + " --until " +
+                                until + " > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
     fs::remove(log);
   }
@@ -495,5 +493,4 @@ TEST_F(PhotoPicks, TabsThatAskForSuggestionsAtOnceGetTheirOwn) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("suggested")));
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::photo_picks_test

@@ -4,25 +4,24 @@
 
 #include <cstdlib>
 
-#include "core/testing/paths.h"
-#include "core/values/camera.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/testing/paths.h"
+#include "core/values/camera.h"
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::shot_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr char kProject[] =
     "# by hand\nname: dance\nposes: {rest: photos/rest, wave: photos/wave}\ntemplate: rest\n";
@@ -66,7 +65,7 @@ done
 cp "$clean" "$unwrapped"
 )sh";
 
-class ShotRoutes : public testing::Test {
+class ShotRoutes : public ::testing::Test {
  protected:
   ShotRoutes() {
     for (const char* folder : {"photos/rest", "photos/wave", "films/take1"})
@@ -122,8 +121,8 @@ class ShotRoutes : public testing::Test {
                               {"options", json::array()}};
     WriteFile(program.string() + ".json", description.dump());
     const fs::path log = place_ / "log.txt";
-    const std::string command = BinFolder() + "/keypose run -C " +
-                                folder_.string() + " --until unwrap > " + log.string() + " 2>&1";
+    const std::string command = BinFolder() + "/keypose run -C " + folder_.string() +
+                                " --until unwrap > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
   }
   static View Camera() {
@@ -467,5 +466,4 @@ TEST_F(ShotRoutes, AFilmThatIsGoneIsSaidInWords) {
   EXPECT_NE(Shot().at("shot").at("problem"), "");
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::shot_routes_test

@@ -13,13 +13,12 @@
 #include "studio/runs/children.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::take_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class TakeRoutes : public testing::Test, public TestingFolder {
+class TakeRoutes : public ::testing::Test, public TestingFolder {
  protected:
   TakeRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
@@ -363,5 +362,4 @@ TEST_F(TakeRoutes, HostileRequestsAreRefused) {
   EXPECT_FALSE(fs::exists(folder_ / "armature/new"));
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::take_routes_test

@@ -7,16 +7,15 @@
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio {
-namespace {
+namespace keypose::studio::timeline_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kHead[] = "# by hand\nposes: {rest: photos/rest, wave: photos/wave}\n";
 
-class TimelineRoutes : public testing::Test {
+class TimelineRoutes : public ::testing::Test {
  protected:
   TimelineRoutes() {
     for (const char* folder : {"photos/rest", "photos/wave", "films/take1"})
@@ -108,5 +107,4 @@ TEST_F(TimelineRoutes, APoseThatIsGoneIsToldWithTheLineOfTheTimeline) {
   EXPECT_THAT(answer.bytes, HasSubstr("pipeline.yaml:3: timeline pose 'bow' is not among the"));
 }
 
-}  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose::studio::timeline_routes_test

@@ -5,15 +5,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "synth/commands/photos_command.h"
 #include "synth/photographs/truth_files.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::few_photographs_test {
 
 namespace fs = std::filesystem;
 
@@ -126,5 +125,4 @@ TEST_F(FewPhotographs, BadCommandsAreNamed) {
   EXPECT_THROW(RunPhotos(command, nullptr), UsageError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::few_photographs_test

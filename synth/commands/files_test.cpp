@@ -7,23 +7,22 @@
 #include <memory>
 #include <numeric>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/render.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
-#include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
-#include "core/pictures/render.h"
-#include "synth/photographs/damage.h"
-#include "synth/worlds/outer_surface.h"
 #include "synth/commands/photos_command.h"
 #include "synth/commands/score_command.h"
+#include "synth/photographs/damage.h"
 #include "synth/photographs/truth_files.h"
+#include "synth/worlds/outer_surface.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::files_test {
 
 namespace fs = std::filesystem;
 
@@ -245,5 +244,4 @@ TEST(SynthProgram, ExitCodesNameTheFault) {
   EXPECT_EQ(run("damage --photos /nonexistent --output /dev/null/x --kind blur"), 4);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::files_test

@@ -3,17 +3,16 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
-#include "core/testing/folder.h"
 #include "core/pictures/render.h"
-#include "synth/worlds/pose_between.h"
+#include "core/surfaces/geometry.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "synth/commands/shot_command.h"
+#include "synth/worlds/pose_between.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::shot_test {
 
 namespace fs = std::filesystem;
 
@@ -136,5 +135,4 @@ TEST_F(SyntheticShot, BadCommandsAreRefused) {
   EXPECT_THROW(RunShot(command_, nullptr), UsageError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::shot_test

@@ -9,17 +9,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
-#include "core/testing/folder.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "synth/commands/photos_command.h"
 #include "synth/photographs/truth_files.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::mishaps_test {
 
 namespace fs = std::filesystem;
 
@@ -197,5 +196,4 @@ TEST(Mishaps, ImpossibleOnesAreNamed) {
   EXPECT_EQ(mishaps.Problems(8).size(), 1u);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::mishaps_test

@@ -8,8 +8,7 @@
 #include "synth/rooms/furniture.h"
 #include "synth/rooms/print.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::prints_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -139,5 +138,4 @@ TEST(Enlarged, StraightLinesStayStraight) {
   EXPECT_EQ(Enlarged(ramp, 1).data, ramp.data);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::prints_test

@@ -5,14 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/pictures/fit_view.h"
 #include "core/pictures/image_turns.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "synth/worlds/polygonize.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::room_score_test {
 
 using Eigen::Vector3d;
 
@@ -144,5 +143,4 @@ TEST(RoomScore, WhatIsLeftUnderAndBesideTheFigureIsMeasured) {
   EXPECT_LT(around.below, 4e-3);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::room_score_test

@@ -6,21 +6,20 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/testing/folder.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
+#include "synth/photographs/truth_files.h"
 #include "synth/rooms/room_command.h"
 #include "synth/rooms/room_photographer.h"
-#include "synth/photographs/truth_files.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::rooms_test {
 
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
@@ -335,5 +334,4 @@ TEST(RoomCommand, PhotographsOfSomebodyElseAreNotWrittenOver) {
   EXPECT_THROW(RunRoom(command, nullptr), UsageError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::rooms_test

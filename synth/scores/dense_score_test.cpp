@@ -4,17 +4,16 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/pictures/render.h"
-#include "synth/worlds/lying.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "synth/photographs/photographer.h"
-#include "synth/worlds/polygonize.h"
 #include "synth/scores/true_hull.h"
+#include "synth/worlds/lying.h"
+#include "synth/worlds/polygonize.h"
 #include "synth/worlds/world.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::dense_score_test {
 
 using Eigen::Vector3d;
 
@@ -175,5 +174,4 @@ TEST(LayDown, IsARigidTurnOntoTheBack) {
   EXPECT_LT(points(sole, 1), points.col(1).minCoeff() + 0.002);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::dense_score_test

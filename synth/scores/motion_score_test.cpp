@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::motion_score_test {
 
 using Frames = std::vector<Eigen::VectorXd>;
 
@@ -49,5 +48,4 @@ TEST(Trembling, TwoFramesSayNothing) {
   EXPECT_EQ(found.trembling_m, 0);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::motion_score_test

@@ -6,15 +6,14 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "synth/photographs/photographer.h"
 #include "synth/scores/pick.h"
 #include "synth/worlds/polygonize.h"
 #include "synth/worlds/world.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::score_test {
 
 using Eigen::Vector3d;
 
@@ -179,5 +178,4 @@ TEST(PickLandmarks, PartsThatTheMeshLacksAreNamed) {
   EXPECT_EQ(std::count(picks.out_of_reach.begin(), picks.out_of_reach.end(), "left_toe"), 0);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::score_test

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::texel_score_test {
 
 // A flat square of side 1 with n x n cells that fills the whole texture.
 Mesh Sheet(int n) {
@@ -123,5 +122,4 @@ TEST(ScoreTexels, WhatDoesNotBelongTogetherThrowsInputError) {
                InputError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::texel_score_test

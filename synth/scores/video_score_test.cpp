@@ -7,13 +7,12 @@
 
 #include "core/pictures/image_quality.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::video_score_test {
 
 constexpr int kSize = 60;
 
 /// A grey square on a black film, its outline, and a render of it.
-struct Square : testing::Test {
+struct Square : ::testing::Test {
   Image8 film{kSize, kSize, 3, 0}, render{kSize, kSize, 4, 0}, outline{kSize, kSize, 1, 0};
   Square() {
     for (int y = 10; y < 50; ++y)
@@ -61,5 +60,4 @@ TEST_F(Square, PixelsThatTheMeshDoesNotCoverAreCountedApart) {
   EXPECT_EQ(errors.squares, 0);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::video_score_test

@@ -11,19 +11,18 @@
 #include <filesystem>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "synth/commands/pair_command.h"
 #include "synth/worlds/polygonize.h"
 #include "synth/worlds/surface_grid.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::clay_pair_test {
 
 using Eigen::Vector3d;
 
@@ -393,5 +392,4 @@ TEST(PairCommand, FilesComeBackAsTheyWereMade) {
   EXPECT_THROW(RunPair({"/dev/null/x", Options(60)}), DiskError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::clay_pair_test

@@ -5,12 +5,11 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "synth/worlds/performer.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::free_arms_test {
 
 constexpr int kFrames = 70, kApart = 12;
 
@@ -184,5 +183,4 @@ TEST(FreeArms, AShoulderMustTurnAboutThreeAxes) {
   EXPECT_THROW(FreeArms(body.lumps, body.bind, &body.clip), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::free_arms_test

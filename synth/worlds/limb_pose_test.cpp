@@ -5,13 +5,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/self_intersections.h"
+#include "core/values/errors.h"
 #include "synth/worlds/world.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::limb_pose_test {
 
 using Eigen::Vector3d;
 
@@ -117,5 +116,4 @@ TEST(MakeWorld, LimbPoseExistsOnlyWhenAskedFor) {
   EXPECT_THROW(MakeWorld(columns), UsageError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::limb_pose_test

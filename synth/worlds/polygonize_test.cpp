@@ -4,12 +4,11 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::polygonize_test {
 
 using Eigen::Vector3d;
 
@@ -81,5 +80,4 @@ TEST(Polygonize, NothingInsideTheBoxThrowsInputError) {
   EXPECT_THROW(Polygonize(Ball, Vector3d::Zero(), Vector3d::Ones(), 1e-5), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::polygonize_test

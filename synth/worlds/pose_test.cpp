@@ -9,8 +9,7 @@
 #include "synth/worlds/noise.h"
 #include "synth/worlds/world.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::pose_test {
 
 using Eigen::Vector3d;
 
@@ -129,5 +128,4 @@ TEST(Random, IsUniformAndNormal) {
   EXPECT_NEAR(normal_squares / kCount, 1, 0.05);  // 5 sigma: 0.05
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::pose_test

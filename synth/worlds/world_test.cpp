@@ -6,15 +6,14 @@
 #include <cmath>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "synth/worlds/outer_surface.h"
 
-namespace keypose::synth {
-namespace {
+namespace keypose::synth::world_test {
 
 using Eigen::Vector3d;
 
@@ -219,5 +218,4 @@ TEST(TruthSurface, PosesStayClosedAndRaiseTheArm) {
     EXPECT_TRUE(CheckClosed(TruthSurface(world, pose)).closed()) << pose.name;
 }
 
-}  // namespace
-}  // namespace keypose::synth
+}  // namespace keypose::synth::world_test

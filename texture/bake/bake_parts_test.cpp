@@ -15,8 +15,7 @@
 #include "texture/bake/seams.h"
 #include "texture/bake/testing_spheres.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::bake_parts_test {
 
 /// Colours on both sides of the middles of the mesh's edges: mean difference over edges between two
 /// views, and over the others.
@@ -257,5 +256,4 @@ TEST(AdviseTextureSize, DoublesWithTheFocalLength) {
   EXPECT_EQ(AdviseTextureSize(mesh, views), 2 * size);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::bake_parts_test

@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/pictures/srgb.h"
 #include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
-#include "views/atlas/linear_light.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::bake_scan_test {
 
 /// The scan's own texture, painted where its surface points are.
 Image8 Painted(const Mesh& scan, int size, const Paint& paint) {
@@ -130,8 +129,8 @@ TEST_F(BakeScanTest, AScanThatLiesElsewhereGivesGreyAndNoConfidence) {
   scan_.points.col(0).array() += 5;
   const ScanBake result = Bake(scan_, Painted(scan_, 512, Smooth));
   EXPECT_EQ(result.seen_texels, 0);
-  EXPECT_THAT(result.confidence.data, testing::Each(0));
-  EXPECT_THAT(result.texture.data, testing::Each(result.texture.data[0]));
+  EXPECT_THAT(result.confidence.data, ::testing::Each(0));
+  EXPECT_THAT(result.texture.data, ::testing::Each(result.texture.data[0]));
 }
 
 TEST_F(BakeScanTest, SameBitsForAnyThreadCount) {
@@ -151,5 +150,4 @@ TEST_F(BakeScanTest, AScanWithoutColoursGivesNoneAndATextureNeedsCoordinates) {
   EXPECT_THROW(Bake(WithColors(scan_, Smooth), texture), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::bake_scan_test

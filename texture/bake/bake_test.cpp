@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
 #include "texture/bake/view_alignment.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::bake_test {
 
 TEST(Bake, PaintedSphereComesBack) {
   const Mesh mesh = PatchSphere(12);
@@ -402,15 +401,15 @@ TEST(Bake, MeshWithoutUsableUvsIsAnInputError) {
   bare.uvs.resize(0, 2);
   bare.uv_faces.resize(0, 3);
   EXPECT_THAT(InputErrorOf([&] { BakeAll(bare, views, photographs); }),
-              testing::HasSubstr("no texture coordinates"));
+              ::testing::HasSubstr("no texture coordinates"));
   Mesh tiled = mesh;
   tiled.uvs(tiled.uv_faces(7, 1), 0) = 1.5;
   EXPECT_THAT(InputErrorOf([&] { BakeAll(tiled, views, photographs); }),
-              testing::HasSubstr("outside 0..1"));
+              ::testing::HasSubstr("outside 0..1"));
   Mesh damaged = mesh;
   damaged.uv_faces(5, 2) = 100000;
   EXPECT_THAT(InputErrorOf([&] { BakeAll(damaged, views, photographs); }),
-              testing::HasSubstr("face 5"));
+              ::testing::HasSubstr("face 5"));
 }
 
 TEST(Bake, MeshOutOfEveryViewIsAnInputError) {
@@ -420,12 +419,11 @@ TEST(Bake, MeshOutOfEveryViewIsAnInputError) {
   Mesh away = mesh;
   away.points.col(1).array() += 50;
   EXPECT_THAT(InputErrorOf([&] { BakeAll(away, views, photographs); }),
-              testing::HasSubstr("none of the 1 views"));
-  EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, {}, {}); }), testing::HasSubstr("no views"));
+              ::testing::HasSubstr("none of the 1 views"));
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, {}, {}); }), ::testing::HasSubstr("no views"));
   views[0].camera.width = 61;
   EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, views, photographs); }),
-              testing::HasSubstr("pixels"));
+              ::testing::HasSubstr("pixels"));
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::bake_test

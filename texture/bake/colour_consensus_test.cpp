@@ -5,8 +5,7 @@
 
 #include "texture/bake/testing_spheres.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::colour_consensus_test {
 
 constexpr int kSize = 160;
 
@@ -118,5 +117,4 @@ TEST(JudgeColors, SameBitsForAnyThreadCount) {
     EXPECT_EQ(one.colors[v].contrary, four.colors[v].contrary);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::colour_consensus_test

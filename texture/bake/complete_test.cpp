@@ -7,8 +7,7 @@
 #include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::complete_test {
 
 constexpr int kSize = 256;
 
@@ -161,10 +160,9 @@ TEST_F(CompleteTextureTest, AnotherSizeThrowsInputErrorThatNamesTheTexture) {
     CompleteTexture(mesh_, own, {small}, 4);
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("texture 1 of the others is 64 x 64"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("texture 1 of the others is 64 x 64"));
   }
   EXPECT_THROW(CompleteTexture(mesh_, {own.texture, small.confidence}, {}, 4), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::complete_test

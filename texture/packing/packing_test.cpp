@@ -6,16 +6,15 @@
 #include <iterator>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "texture/charts/parametrise.h"
 #include "texture/packing/contact.h"
 #include "texture/packing/elastic_packing.h"
 #include "texture/packing/nesting.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::packing_test {
 
 UvsX2 Rectangle(double x, double y, double width, double height) {
   UvsX2 p(4, 2);
@@ -230,5 +229,4 @@ TEST(PackElastically, SheetsBulgeIntoTheGapsAndKeepTheGutter) {
   EXPECT_GT(area, packing.utilisation + 0.05);
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::packing_test

@@ -8,15 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 #include "texture/charts/charts.h"
 #include "texture/charts/parametrise.h"
 
-namespace keypose::texture {
-namespace {
+namespace keypose::texture::unwrap_test {
 
 /// A sphere with limbs: bumps along the axes.
 Mesh Bumpy(int levels) {
@@ -326,5 +325,4 @@ TEST(MakeChart, RingIsNoDiskAndPinchedVertexCountsTwice) {
   FAIL() << "the tube has no such pair";
 }
 
-}  // namespace
-}  // namespace keypose::texture
+}  // namespace keypose::texture::unwrap_test

@@ -11,14 +11,13 @@
 #include <set>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/testing/folder.h"
 #include "core/numbers/parallel.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "views/film/palette.h"
 #include "views/film/picture.h"
 
-namespace keypose {
-namespace {
+namespace keypose::gif_test {
 
 namespace fs = std::filesystem;
 using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
@@ -329,5 +328,4 @@ TEST(Ditherer, GrainOfWhatStandsStillDoesNotMove) {
   EXPECT_NE(ditherer.Indices(BallAt(70)).data, before.data);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::gif_test

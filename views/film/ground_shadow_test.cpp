@@ -8,8 +8,7 @@
 #include "core/surfaces/shapes.h"
 #include "views/film/ground_shadow.h"
 
-namespace keypose {
-namespace {
+namespace keypose::ground_shadow_test {
 
 const Eigen::Vector3d kUp = Eigen::Vector3d::UnitZ();
 
@@ -116,5 +115,4 @@ TEST(GroundUnder, TouchesTheLowestPointOfAllFrames) {
   EXPECT_NEAR(ground.right.cross(ground.back).dot(ground.up), 1, 1e-12);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::ground_shadow_test

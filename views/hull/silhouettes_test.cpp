@@ -8,8 +8,7 @@
 
 #include "core/pictures/render.h"
 
-namespace keypose {
-namespace {
+namespace keypose::silhouettes_test {
 
 constexpr double kPixels = 75;  // radius of the ball in the pictures, approximately
 
@@ -144,5 +143,4 @@ TEST(CheckAgainstHull, NamesTheViewWhosePrincipalPointIsWrong) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::silhouettes_test

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 #include "views/hull/depth_bounds.h"
 #include "views/hull/view_selection.h"
 
-namespace keypose {
-namespace {
+namespace keypose::visual_hull_test {
 
 // Masks of the unit ball from a ring of cameras, so far away that they are nearly orthographic.
 std::vector<PreparedView> BallRing(int count, double distance = 50, double elevation_deg = 0,
@@ -176,5 +175,4 @@ TEST(ViewSelection, RingNeighboursComeFirstWhateverTheOrderOfFiles) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::visual_hull_test

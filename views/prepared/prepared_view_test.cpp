@@ -8,8 +8,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::prepared_view_test {
 
 TEST(PrepareView, NamesTheImageWhoseSizeIsWrong) {
   View view;
@@ -82,5 +81,4 @@ TEST(PrepareView, AMaskThatThePhotographCutsReachesTheSide) {
   EXPECT_FALSE(InMask(*grey.at(0, grey.height / 2)));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::prepared_view_test

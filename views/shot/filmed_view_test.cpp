@@ -6,14 +6,13 @@
 
 #include <functional>
 
-#include "core/values/errors.h"
 #include "core/pictures/fit_view.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::filmed_view_test {
 
 using Eigen::Vector2d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 View Calibrated(int width = 1088, int height = 1920) {
   View view;
@@ -139,5 +138,4 @@ TEST(ViewForPictures, ACalibrationWithoutSizeTakesTheFilms) {
   EXPECT_EQ(film.view.camera.cx, view.camera.cx);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::filmed_view_test

@@ -5,8 +5,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::rig_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -57,5 +56,4 @@ TEST(TakeOutUncalibrated, AShortFilmOfACalibratedCameraStays) {
   EXPECT_THAT(NamesOf(films), ElementsAre("cam01", "cam02"));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::rig_test

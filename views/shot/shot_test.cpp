@@ -6,16 +6,15 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::shot_test {
 namespace fs = std::filesystem;
 
-class ShotTest : public testing::Test, public TestingFolder {
+class ShotTest : public ::testing::Test, public TestingFolder {
  protected:
   void PutPicture(const std::string& path, std::uint8_t value) const {
     fs::create_directories((folder_ / path).parent_path());
@@ -91,5 +90,4 @@ TEST_F(ShotTest, ABrokenVideoIsAnError) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::shot_test

@@ -9,8 +9,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::together_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -76,5 +75,4 @@ TEST(Together, NumbersThatAreTimesSayNothing) {
             "");
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::together_test

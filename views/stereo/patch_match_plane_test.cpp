@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "core/numbers/statistics.h"
 #include "views/stereo/patch_match.h"
 
-namespace keypose::stereo {
-namespace {
+namespace keypose::stereo::patch_match_plane_test {
 
 constexpr int kSize = 72;
 constexpr double kDistance = 3;
@@ -69,11 +69,6 @@ PreparedView Photograph(const PaintedPlane& plane, const Eigen::Vector3d& center
   return PrepareView(view, 0, image, Image8(kSize, kSize, 1, 255), 1, 2);
 }
 
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 DepthBounds WideBounds() {
   DepthBounds bounds{1, ImageF(kSize / 2, kSize / 2, 1), ImageF(kSize / 2, kSize / 2, 1),
                      ImageF(kSize / 2, kSize / 2, 2)};
@@ -107,11 +102,11 @@ TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
                                       views[0].camera().fx);
       expected[y > kSize / 2].push_back(map.ExpectedError(pixel));
     }
-  EXPECT_GT(Median(expected[1]), 2 * Median(expected[0]));
+  EXPECT_GT(UpperMedian(expected[1]), 2 * UpperMedian(expected[0]));
   // On a plane the coarser level is more accurate in the half with low contrast than its own
   // windows.
   for (int half = 0; half < 2; ++half)
-    EXPECT_LT(Median(errors[half]), 3 * Median(expected[half])) << half;
+    EXPECT_LT(UpperMedian(errors[half]), 3 * UpperMedian(expected[half])) << half;
 }
 
 TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
@@ -138,10 +133,9 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
         angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI);
       }
     // A displacement of a tenth of a pixel in the sources is 0.7 % of the depth.
-    EXPECT_LT(Median(depth_errors), 0.007) << degrees << " degrees";
-    EXPECT_LT(Median(angles), 6) << degrees << " degrees";
+    EXPECT_LT(UpperMedian(depth_errors), 0.007) << degrees << " degrees";
+    EXPECT_LT(UpperMedian(angles), 6) << degrees << " degrees";
   }
 }
 
-}  // namespace
-}  // namespace keypose::stereo
+}  // namespace keypose::stereo::patch_match_plane_test

@@ -9,8 +9,7 @@
 #include "views/stereo/patch_match_sweep.h"
 #include "views/stereo/patch_match_warp.h"
 
-namespace keypose::stereo {
-namespace {
+namespace keypose::stereo::patch_match_test {
 
 GreyMask NoiseImage(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
@@ -286,5 +285,4 @@ TEST(PlaneHypothesis, NormalIsThatOfThePlaneAndFacesTheCamera) {
             1e-4);  // single precision differences
 }
 
-}  // namespace
-}  // namespace keypose::stereo
+}  // namespace keypose::stereo::patch_match_test

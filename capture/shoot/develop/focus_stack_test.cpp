@@ -7,11 +7,10 @@
 #include <random>
 
 #include "capture/pictures/cv_image.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::focus_stack_test {
 
 /// Speckles of several sizes on a bright form.
 Image8 Sharp(int seed) {
@@ -78,5 +77,4 @@ TEST(MergeFocusStack, RefusesWhatIsNoStack) {
   EXPECT_THROW(MergeFocusStack({Sharp(1), Sharp(4)}), InputError);  // other speckles
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::focus_stack_test

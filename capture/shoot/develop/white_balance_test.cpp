@@ -4,11 +4,10 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::white_balance_test {
 
 /// sRGB byte of linear light.
 std::uint8_t Byte(double linear) {
@@ -83,5 +82,4 @@ TEST(GainsFromCard, RefusesWhatIsNoCard) {
   EXPECT_THROW(GainsFromCard(image, {0, 0, 2, 2}), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::white_balance_test

@@ -4,8 +4,7 @@
 
 #include <set>
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::plan_test {
 
 TEST(ShotPlan, NamesEveryShotOnceAndFindsItAgain) {
   for (const int angles : {3, 24, 32, 100, 360}) {
@@ -59,5 +58,4 @@ TEST(DegreesText, HasNoZerosAtTheEnd) {
   EXPECT_EQ(DegreesText(11.25), "11.25");
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::plan_test

@@ -6,8 +6,7 @@
 
 #include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::side_file_test {
 
 SideFile Example() {
   SideFile side;
@@ -79,5 +78,4 @@ TEST(SideFile, ThatIsDamagedIsRefusedWithItsName) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::side_file_test

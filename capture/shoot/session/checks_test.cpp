@@ -9,8 +9,7 @@
 #include "capture/pictures/cv_image.h"
 #include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::checks_test {
 
 /// A speckled clay figure before a grey wall; `arm_px`: its right arm hangs that much lower.
 Image8 Figure(double arm_px = 0, double shift_px = 0, double size = 1) {
@@ -164,5 +163,4 @@ TEST(MovedBetween, OfDifferentSizesThrows) {
   EXPECT_THROW(MovedBetween(Figure(), Image8(10, 10, 3)), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::checks_test

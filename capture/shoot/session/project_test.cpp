@@ -4,16 +4,15 @@
 
 #include <filesystem>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::project_test {
 
 namespace fs = std::filesystem;
 
-class Project : public testing::Test {
+class Project : public ::testing::Test {
  protected:
   Project() { fs::create_directories(folder_); }
   std::string Text() const { return ReadFile(folder_ / "pipeline.yaml"); }
@@ -73,5 +72,4 @@ TEST_F(Project, IsShotIntoByOneSessionAtATime) {
   EXPECT_NO_THROW(ShootLock(folder_ / ".keypose/shoot"));
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::project_test

@@ -13,13 +13,12 @@
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/devices/folder_camera.h"
 #include "capture/shoot/devices/gphoto2_camera.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::session_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -98,7 +97,7 @@ struct FixedClock final : Clock {
   std::int64_t Now() const override { return 1714744999; }
 };
 
-class SessionTest : public testing::Test, public TestingFolder {
+class SessionTest : public ::testing::Test, public TestingFolder {
  protected:
   SessionTest() {
     options_.project = project_;
@@ -297,5 +296,4 @@ TEST(Gphoto2Camera, WithoutACameraSaysWhatToPlugIn) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::session_test

@@ -5,17 +5,16 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::shot_book_test {
 
 namespace fs = std::filesystem;
 
-class Book : public testing::Test, public TestingFolder {
+class Book : public ::testing::Test, public TestingFolder {
  protected:
   ShotBook Open(const ShotPlan& plan, bool given = true) const {
     return ShotBook(folder_ / "photos", "rest", plan, given);
@@ -152,5 +151,4 @@ TEST_F(Book, KeepsAStacksPhotographsBesideTheMergedOne) {
   EXPECT_TRUE(fs::exists(folder_ / "photos/stacks/r1_a000_f2.jpg"));
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::shot_book_test

@@ -5,8 +5,7 @@
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/simulation/turntable_bench.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::grbl_turntable_test {
 
 constexpr double kClose_deg = 0.01;
 
@@ -59,7 +58,7 @@ TEST(GrblTurntable, KeepsTheAngleThatItHadBeforeTheProgramStarted) {
   EXPECT_NEAR(bench.world.table_deg(), 375, kClose_deg);
 }
 
-class GrblFaults : public testing::TestWithParam<const char*> {};
+class GrblFaults : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GrblFaults, TurnTheTableOnceAndOnlyOnce) {
   GrblBench bench(std::string(GetParam()) + "@2");
@@ -71,7 +70,7 @@ TEST_P(GrblFaults, TurnTheTableOnceAndOnlyOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocol, GrblFaults,
-                         testing::Values("lost-reply", "lost-line", "garbage", "stall"));
+                         ::testing::Values("lost-reply", "lost-line", "garbage", "stall"));
 
 TEST(GrblTurntable, GoesOnInMidTurnWhenThePulledCableIsBack) {
   GrblBench bench("unplug@1");
@@ -112,5 +111,4 @@ TEST(GrblTurntable, ThatStaysSilentIsAFaultThatNeedsNoHand) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::grbl_turntable_test

@@ -6,8 +6,7 @@
 #include "capture/shoot/devices/steps_lines.h"
 #include "capture/shoot/simulation/turntable_bench.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::steps_turntable_test {
 
 constexpr int kSteps = 3200;
 constexpr double kStep_deg = 360.0 / kSteps;
@@ -73,7 +72,7 @@ TEST(StepsTurntable, KeepsTheAngleThatItHadBeforeTheProgramStarted) {
   EXPECT_LT(bench.Off(105), kStep_deg);
 }
 
-class StepsFaults : public testing::TestWithParam<const char*> {};
+class StepsFaults : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(StepsFaults, TurnTheTableOnceAndOnlyOnce) {
   Bench bench(std::string(GetParam()) + "@2");
@@ -86,7 +85,7 @@ TEST_P(StepsFaults, TurnTheTableOnceAndOnlyOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocol, StepsFaults,
-                         testing::Values("lost-reply", "lost-line", "garbage", "stall"));
+                         ::testing::Values("lost-reply", "lost-line", "garbage", "stall"));
 
 TEST(StepsTurntable, GoesOnInMidTurnWhenThePulledCableIsBack) {
   Bench bench("unplug@1");
@@ -142,5 +141,4 @@ TEST(SerialPort, ThatIsNotThereIsNamedWithWhatToDo) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::steps_turntable_test

@@ -5,11 +5,10 @@
 
 #include "capture/shoot/talk/json_lines.h"
 #include "capture/shoot/talk/terminal.h"
-#include "core/values/errors.h"
 #include "core/io/text/line_input.h"
+#include "core/values/errors.h"
 
-namespace keypose::capture::shoot {
-namespace {
+namespace keypose::capture::shoot::talk_test {
 
 using nlohmann::json;
 
@@ -103,5 +102,4 @@ TEST(LineInput, DropsALineThatNeverEnds) {
   close(ends[0]), close(ends[1]);
 }
 
-}  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose::capture::shoot::talk_test

@@ -4,8 +4,7 @@
 #include "composite/locating/candidates/shape_search.h"
 #include "composite/locating/testing/odd_body.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::shape_search_test {
 
 TEST(ShapeSearch, FindsTheSideThatAMatteShows) {
   const Mesh body = OddBody();
@@ -24,5 +23,4 @@ TEST(ShapeSearch, FindsTheSideThatAMatteShows) {
   EXPECT_TRUE(search.Find(truth.camera, Image8(240, 180, 1), 10).empty());
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::shape_search_test

@@ -4,13 +4,12 @@
 
 #include "composite/locating/clicks/clicked_place.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/values/errors.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::clicked_place_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(PlaceByClicks, CubeCornersReprojectToAThousandthOfAPixel) {
   const PointsX3 corners = MakeBox(0.1, 0.1, 0.1).points;
@@ -73,5 +72,4 @@ TEST(PlaceByClicks, ThreeClicksAndClicksOnALineAreRefused) {
   EXPECT_THROW(PlaceByClicks(TestCamera(), line, clicks, false), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::clicked_place_test

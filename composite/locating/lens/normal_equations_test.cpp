@@ -5,8 +5,7 @@
 #include "composite/locating/testing/odd_body.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::normal_equations_test {
 
 TEST(PixelDerivatives, AreThoseOfDifferences) {
   Camera camera = TestCamera();
@@ -39,5 +38,4 @@ TEST(NormalEquations, OneStepBringsPointsNearlyHome) {
   EXPECT_LT(ShiftBetween(moved, truth, corners), 0.05 * ShiftBetween(start, truth, corners));
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::normal_equations_test

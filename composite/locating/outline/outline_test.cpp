@@ -11,8 +11,7 @@
 #include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::outline_test {
 
 TEST(MatteOutline, OfADiskLiesOnItsCircle) {
   Image8 matte(200, 200, 1);
@@ -75,5 +74,4 @@ TEST(Shrunk, KeepsTheMeanAndPlainPictures) {
   for (const std::uint8_t value : plain.data) EXPECT_EQ(value, 77);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::outline_test

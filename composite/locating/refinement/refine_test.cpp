@@ -4,8 +4,7 @@
 #include "composite/locating/refinement/refine.h"
 #include "composite/locating/testing/odd_body.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::refine_test {
 
 TEST(Refined, OutlinesBringADisturbedPlaceBack) {
   const Mesh body = OddBody();
@@ -51,5 +50,4 @@ TEST(ProfileFocal, NearIsKnownAndFarIsNot) {
   EXPECT_GT(deviation_at(20), 0.1);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::refine_test

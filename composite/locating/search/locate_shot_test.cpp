@@ -4,14 +4,13 @@
 
 #include "composite/locating/search/locate_shot.h"
 #include "composite/locating/testing/odd_body.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::locate_shot_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// A shot of one frame with its exact matte.
 ShotInput InputFor(const Mesh& mesh, const Image8& matte) {
@@ -151,5 +150,4 @@ TEST(LocateShot, AFrameWithoutCharacterIsRefused) {
   EXPECT_THROW(LocateShot(bare), InputError);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::locate_shot_test

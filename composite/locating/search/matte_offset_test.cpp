@@ -7,8 +7,7 @@
 #include "composite/locating/testing/spotted_film.h"
 #include "core/testing/spots.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::matte_offset_test {
 
 /// The matte with all that lies within `px` of it.
 Image8 Grown(const Image8& matte, int px) {
@@ -34,5 +33,4 @@ TEST(MatteOffset, MattesThatAreTooWideAllRoundDoNotChangeTheLens) {
   EXPECT_LT(std::abs(std::log(shot.camera.fx / focal)), 2 * shot.focal_deviation);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::matte_offset_test

@@ -5,13 +5,12 @@
 
 #include "composite/locating/search/locate_shot.h"
 #include "composite/locating/testing/spotted_film.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/rotations.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "core/testing/spots.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::moving_camera_test {
 
 double TurnBetween(const Rigid3& a, const Rigid3& b) {
   return AngleOfDifference(RotationDifference(a.rotation, b.rotation)) * 180 / std::numbers::pi;
@@ -39,5 +38,4 @@ TEST(MovingCamera, AllFramesAreAsExactAsThoseThatTheLensWasSolvedFrom) {
         << "frame " << i;
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::moving_camera_test

@@ -10,8 +10,7 @@
 #include "core/numbers/rotations.h"
 #include "core/values/size_of.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::set_cameras_test {
 
 const Eigen::Vector3d kCenter(0, 0, 0.1);
 
@@ -175,5 +174,4 @@ TEST(SetCameras, ACameraThatOnlyTurnsIsFollowed) {
   EXPECT_NEAR(found->cameras[0].camera.fx, 1333, 15);
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::set_cameras_test

@@ -9,8 +9,7 @@
 #include "core/numbers/parallel.h"
 #include "core/values/size_of.h"
 
-namespace keypose::composite {
-namespace {
+namespace keypose::composite::set_tracks_test {
 
 constexpr int kWidth = 320, kHeight = 200, kPictures = 5;
 const Eigen::Vector2d kWay(2.3, -0.7);  // px from one picture to the next
@@ -98,5 +97,4 @@ TEST(SetTracks, ThreadsDoNotChangeThem) {
   }
 }
 
-}  // namespace
-}  // namespace keypose::composite
+}  // namespace keypose::composite::set_tracks_test

@@ -6,10 +6,9 @@
 
 #include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::bone_weights_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kNames = {"arm", "hand"};
 
@@ -53,5 +52,4 @@ TEST(ParseBoneWeights, FaultsAreNamed) {
   EXPECT_THAT(FaultOf(""), HasSubstr("0 columns"));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::bone_weights_test

@@ -7,13 +7,12 @@
 #include <functional>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::glb_mesh_test {
 
 using ::testing::HasSubstr;
 
@@ -96,7 +95,7 @@ class GlbMeshTest : public ::testing::Test, public TestingFolder {
 
 TEST_F(GlbMeshTest, TheSceneIsPlacedZUpWithItsTexture) {
   const GlbMesh read = Read(Square());
-  EXPECT_THAT(read.warnings, testing::IsEmpty());
+  EXPECT_THAT(read.warnings, ::testing::IsEmpty());
   EXPECT_EQ(read.texture, kPicture);
   EXPECT_EQ(read.texture_ending, ".png");
   ASSERT_EQ(read.mesh.points.rows(), 4) << "two were doubled";
@@ -139,7 +138,7 @@ TEST_F(GlbMeshTest, SeveralTexturesAndOtherPicturesAreSaid) {
   model.meshes[0].primitives[1].material = 1;
   GlbMesh read = Read(model);
   EXPECT_EQ(read.texture, "");
-  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("has 2 textures")));
+  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("has 2 textures")));
   model = Square();
   const std::string webp = "RIFF and so on.";
   std::copy(
@@ -147,7 +146,7 @@ TEST_F(GlbMeshTest, SeveralTexturesAndOtherPicturesAreSaid) {
       model.buffers[0].data.begin() + static_cast<std::ptrdiff_t>(model.bufferViews[3].byteOffset));
   read = Read(model);
   EXPECT_EQ(read.texture, "");
-  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("neither PNG nor JPEG")));
+  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("neither PNG nor JPEG")));
 }
 
 TEST_F(GlbMeshTest, DamagedFilesAreRefused) {
@@ -167,5 +166,4 @@ TEST_F(GlbMeshTest, DamagedFilesAreRefused) {
   EXPECT_THROW(ReadGlb(folder_ / "a.glb"), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::glb_mesh_test

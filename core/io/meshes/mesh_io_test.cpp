@@ -1,16 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::mesh_io_test {
 
 Mesh ColoredSphereWithUvs() {
   Mesh mesh = MakeIcosphere(2);
@@ -21,7 +20,7 @@ Mesh ColoredSphereWithUvs() {
   return mesh;
 }
 
-class MeshIo : public testing::Test, public TestingFolder {};
+class MeshIo : public ::testing::Test, public TestingFolder {};
 
 TEST_F(MeshIo, PlyKeepsEveryBitAndTheUvs) {
   const Mesh mesh = ColoredSphereWithUvs();
@@ -189,7 +188,7 @@ TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
       ADD_FAILURE() << kind << " was read";
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(),
-                  testing::AllOf(testing::HasSubstr(kind), testing::HasSubstr("export it as OBJ")));
+                  ::testing::AllOf(::testing::HasSubstr(kind), ::testing::HasSubstr("export it as OBJ")));
     }
 }
 
@@ -201,15 +200,15 @@ TEST_F(MeshIo, WhatOneMaterialWithOneTextureCannotShowIsSaid) {
     return LookWarnings(path, ReadMesh(path));
   };
   EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nusemtl unused\n"),
-              testing::IsEmpty());
+              ::testing::IsEmpty());
   EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nusemtl red cloth\r\nf 1/1 3/3 4/2\n"),
-              testing::ElementsAre(testing::HasSubstr("2 materials (red cloth, skin)")));
+              ::testing::ElementsAre(::testing::HasSubstr("2 materials (red cloth, skin)")));
   EXPECT_THAT(
       warnings("f 1/1 2/2 3/4\nf 1/1 3/3 4/2\n"),
-      testing::ElementsAre(testing::HasSubstr("1 of 2 faces of two parts.obj lie outside")));
+      ::testing::ElementsAre(::testing::HasSubstr("1 of 2 faces of two parts.obj lie outside")));
   EXPECT_THAT(warnings("f 1/1 2/2 3/3\nf 1 3 4\n"),
-              testing::ElementsAre(testing::HasSubstr("1 of 2 faces")));
-  EXPECT_THAT(warnings("f 1 2 3\nusemtl cloth\nf 1 3 4\n"), testing::IsEmpty());
+              ::testing::ElementsAre(::testing::HasSubstr("1 of 2 faces")));
+  EXPECT_THAT(warnings("f 1 2 3\nusemtl cloth\nf 1 3 4\n"), ::testing::IsEmpty());
 }
 
 TEST_F(MeshIo, CloudKeepsConfidence) {
@@ -223,5 +222,4 @@ TEST_F(MeshIo, CloudKeepsConfidence) {
   EXPECT_EQ(read.confidence, cloud.confidence);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::mesh_io_test

@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::mesh_texture_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -76,5 +75,4 @@ TEST_F(MeshTextureTest, MeshesWithoutOneSayNothing) {
   EXPECT_THROW(Of("none.obj"), DiskError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::mesh_texture_test

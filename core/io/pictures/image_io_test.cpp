@@ -5,15 +5,14 @@
 #include <cmath>
 #include <thread>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
-namespace keypose {
-namespace {
+namespace keypose::image_io_test {
 
 /// A HEIC photograph of 128 x 80 pixels as it was taken, with a red upper left quarter. Like a
 /// phone, it stores its orientation twice: in the container (irot), which decoders apply, and in
@@ -52,7 +51,7 @@ fs::path PutHeic(const fs::path& path, int orientation) {
 /// lossy.
 bool IsRed(const Image8& image, int x, int y) { return image.at(x, y)[0] > 150; }
 
-class ImageIo : public testing::Test, public TestingFolder {};
+class ImageIo : public ::testing::Test, public TestingFolder {};
 
 TEST_F(ImageIo, HeicIsTurnedOnceAndKeepsItsFocalLength) {
   const fs::path path =
@@ -254,5 +253,4 @@ TEST_F(ImageIo, ResizingKeepsTheMean) {
   EXPECT_NEAR(mean(Resized(image, 16, 16)), mean(image), 0.5);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::image_io_test

@@ -3,14 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::painted_masks_test {
 
-class PaintedMasksFile : public testing::Test, public TestingFolder {};
+class PaintedMasksFile : public ::testing::Test, public TestingFolder {};
 
 TEST_F(PaintedMasksFile, IsReadAsItWasWrittenAndGoesWithTheLastMask) {
   const PaintedMasks masks = {{"a.jpg.png", {"m1", "p1"}}, {"b.jpg.png", {"m2", "p2"}}};
@@ -40,11 +39,10 @@ TEST_F(PaintedMasksFile, DamageIsAnInputErrorThatSaysWhatToDo) {
       ReadPaintedMasks(folder_);
       ADD_FAILURE() << text << " was read";
     } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("painted.json is damaged")) << text;
-      EXPECT_THAT(error.what(), testing::HasSubstr("delete it")) << text;
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("painted.json is damaged")) << text;
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("delete it")) << text;
     }
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::painted_masks_test

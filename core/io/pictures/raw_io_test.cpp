@@ -6,15 +6,14 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
+#include "core/pictures/srgb.h"
 #include "core/testing/dng.h"
 #include "core/testing/folder.h"
-#include "core/pictures/srgb.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::raw_io_test {
 
 namespace fs = std::filesystem;
 using Colour = std::array<double, 3>;
@@ -24,7 +23,7 @@ const std::array<Colour, 4> kPatches = {
     {{0.18, 0.18, 0.18}, {0.5, 0.2, 0.1}, {0.1, 0.3, 0.4}, {0.05, 0.06, 0.04}}};
 constexpr int kPatch_px = 64, kHeight_px = 96;
 
-class Raw : public testing::Test, public TestingFolder {
+class Raw : public ::testing::Test, public TestingFolder {
  protected:
   fs::path Patches(const DngOptions& options) const {
     ImageF linear(kPatch_px * static_cast<int>(kPatches.size()), kHeight_px, 3);
@@ -102,5 +101,4 @@ TEST(IsRawName, KnowsTheKindsOfTheBigMakersInAnyCase) {
     EXPECT_FALSE(IsRawName(name)) << name;
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::raw_io_test

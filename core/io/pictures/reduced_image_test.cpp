@@ -6,15 +6,14 @@
 #include <array>
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::reduced_image_test {
 
 /// Slow waves, other ones in each channel: what any way of averaging agrees on.
 Image8 Waves(int width, int height) {
@@ -82,7 +81,7 @@ TEST(Reduced, PixelsAreMeansOfThoseTheyCover) {
   EXPECT_EQ(*three.at(1, 1), std::lround((16 / 3.0 + 36 + 64 + 100 / 3.0) * 3 / 8));
 }
 
-class ReducedFiles : public testing::Test, public TestingFolder {};
+class ReducedFiles : public ::testing::Test, public TestingFolder {};
 
 TEST_F(ReducedFiles, JpegsAreDecodedWhereAndAsTheWholePictureIs) {
   // 171 and 150: no multiples of what the decoder works in.
@@ -222,5 +221,4 @@ TEST_F(ReducedFiles, DamagedFilesAreNamed) {
   EXPECT_THROW(ReadReducedTo(mask, 1, 120), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::reduced_image_test

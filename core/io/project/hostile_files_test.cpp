@@ -11,27 +11,26 @@
 #include <fstream>
 #include <functional>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
 #include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/poses_io.h"
-#include "core/testing/folder.h"
 #include "core/io/project/timeline.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::hostile_files_test {
 
 namespace fs = std::filesystem;
 
-class HostileFile : public testing::Test, public TestingFolder {
+class HostileFile : public ::testing::Test, public TestingFolder {
  protected:
   fs::path PutJpeg(const std::string& name, int width = 320, int height = 240) const {
     Image8 image(width, height, 3);
@@ -464,5 +463,4 @@ TEST(Utf8, KnowsWhatIsAndNamesWhatIsNot) {
   EXPECT_EQ(PrintableName("photos/T\xf6pf.jpg"), "T\\xf6pf.jpg");
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::hostile_files_test

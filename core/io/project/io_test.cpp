@@ -1,18 +1,17 @@
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/io/project/poses_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::io_test {
 
-class ColmapIo : public testing::Test, public TestingFolder {};
+class ColmapIo : public ::testing::Test, public TestingFolder {};
 
 Scene SmallScene() {
   Scene scene;
@@ -56,7 +55,7 @@ TEST_F(ColmapIo, TruncatedModelThrowsInputError) {
   EXPECT_THROW(ReadColmapModel(folder_ / "absent"), InputError);
 }
 
-class Files : public testing::Test, public TestingFolder {};
+class Files : public ::testing::Test, public TestingFolder {};
 
 TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
@@ -80,7 +79,7 @@ TEST(NearestWord, FindsTheTypo) {
   EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces");
 }
 
-class PosesIo : public testing::Test, public TestingFolder {};
+class PosesIo : public ::testing::Test, public TestingFolder {};
 
 TEST_F(PosesIo, TransformsAreCameraToWorldWithYUp) {
   // A camera at (0, -2, 0) that looks along +y, z up.
@@ -125,7 +124,7 @@ TEST_F(PosesIo, FaultsAreInputErrorsThatNameTheFrame) {
   EXPECT_THROW(ReadPoses(Put("poses.csv", "a")), InputError);
 }
 
-class ImageSetIo : public testing::Test, public TestingFolder {};
+class ImageSetIo : public ::testing::Test, public TestingFolder {};
 
 TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   ImageSet set;
@@ -178,5 +177,4 @@ TEST(BoardLayout, CornersAreCentredAndRunFromTheTopLeft) {
   EXPECT_FALSE((BoardLayout{11, 8, 0.02, 0.02}.Problems().empty()));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::io_test

@@ -3,17 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::known_points_io_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class KnownPointsFile : public testing::Test, public TestingFolder {
+class KnownPointsFile : public ::testing::Test, public TestingFolder {
  protected:
   KnownPoints Read(const std::string& text) {
     WriteFile(path() / "points.json", text);
@@ -79,5 +78,4 @@ TEST_F(KnownPointsFile, FaultsAreNamed) {
               "second one of 'a'");
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::known_points_io_test

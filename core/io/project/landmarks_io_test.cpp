@@ -1,18 +1,17 @@
 #include <gtest/gtest.h>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/testing/folder.h"
-#include "core/values/size_of.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
-namespace keypose {
-namespace {
+namespace keypose::landmarks_io_test {
 
-class LandmarksIo : public testing::Test, public TestingFolder {};
+class LandmarksIo : public ::testing::Test, public TestingFolder {};
 
 TEST_F(LandmarksIo, PicksComeBackAndKnowTheirMesh) {
   const Mesh mesh = MakeIcosphere(1);
@@ -187,5 +186,4 @@ TEST_F(LandmarksIo, WrapsPointsOfAnotherMeshAreInputErrors) {
   EXPECT_THROW(ReadLandmarkPairs({one}, mesh, mesh), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::landmarks_io_test

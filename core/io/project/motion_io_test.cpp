@@ -4,16 +4,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/io/meshes/bvh_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/pictures/render.h"
+#include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/meshes/bvh_io.h"
-#include "core/io/project/rig_calibration.h"
-#include "core/testing/folder.h"
-#include "core/pictures/render.h"
 
-namespace keypose {
-namespace {
+namespace keypose::motion_io_test {
 namespace fs = std::filesystem;
 
 const char* const kClip =
@@ -101,7 +100,7 @@ TEST(EulerZyx, RotatesBack) {
   }
 }
 
-class RigTest : public testing::Test, public TestingFolder {
+class RigTest : public ::testing::Test, public TestingFolder {
  protected:
   static std::vector<View> Ring() {
     std::vector<View> views;
@@ -230,8 +229,7 @@ TEST_F(RigTest, QualisysThatEndsInTheMiddleIsAnError) {
 }
 
 TEST_F(RigTest, QualisysOfARealRoomHasThePicturesSize) {
-  const fs::path file =
-      DataFolder() / "motion/gym/Calib.qca.txt";
+  const fs::path file = DataFolder() / "motion/gym/Calib.qca.txt";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here; set KEYPOSE_DATA";
   const RigCalibration rig = ReadRigCalibration(file);
   ASSERT_EQ(rig.views.size(), 4u);
@@ -299,5 +297,4 @@ TEST(NumberedBefore, ComparesNumbers) {
   EXPECT_FALSE(NumberedBefore("a1", "a1"));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::motion_io_test

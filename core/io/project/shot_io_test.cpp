@@ -8,11 +8,10 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::shot_io_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -209,5 +208,4 @@ TEST_F(FilmFolder, WhatCannotBeNumberedIsRefused) {
   EXPECT_THROW(FilmPictures(folder_ / "nothing"), InputError);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::shot_io_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace keypose {
-namespace {
+namespace keypose::timeline_test {
 
 Timeline Parse(const std::string& text) { return ParseTimeline(text, "timeline.json"); }
 
@@ -174,5 +173,4 @@ TEST(RequirePlayable, PinsGoFromKeyToKeyOrFromAHold) {
             std::string::npos);
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::timeline_test

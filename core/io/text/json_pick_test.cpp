@@ -6,16 +6,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
-#include "core/testing/folder.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 
-namespace keypose {
-namespace {
+namespace keypose::json_pick_test {
 
 using nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// What `read` says of the pick's fault.
 template <class Read>
@@ -100,5 +99,4 @@ TEST(ReadJson, FaultsNameTheFile) {
   }
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::json_pick_test

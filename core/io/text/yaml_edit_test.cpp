@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace keypose {
-namespace {
+namespace keypose::yaml_edit_test {
 
 const std::string kFile = R"(# our hero
 name: hero   # shown
@@ -179,5 +178,4 @@ TEST(YamlEdit, LineEndsOfWindowsAndMissingLastLineEndAreKept) {
   EXPECT_EQ(WithValue("a: {b: 1}", {"a", "b"}, "3"), "a: {b: 3}");
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::yaml_edit_test

@@ -68,6 +68,8 @@ export interface Step {
   id: string
   step: string
   stage: string
+  /** what an artist calls its work, as the stage says of itself */
+  title: string
   pose: string
   state: StepState
   /** of the last success [s]; 0: none */

@@ -6,7 +6,7 @@ import { useStudio } from '../../state'
 import { cssShare, duration, percent } from '../../words'
 import { isFromMesh } from '../poses/tabs'
 import { Icon } from './icons'
-import { kStateWords, rowsOf, shownState, titleOf } from './step_words'
+import { kStateWords, rowsOf, shownState } from './step_words'
 import type { Row } from './step_words'
 
 /** Pure: the words at the right of a cell. */
@@ -209,8 +209,8 @@ export function Board(props: {
             return (
               <tr key={row.step}>
                 <th scope="row" class="name" title={props.summaries.get(row.step)}>
-                  <span>{titleOf(row.step)}</span>
-                  {titleOf(row.step) !== row.step && <code>{row.step}</code>}
+                  <span>{row.title}</span>
+                  {row.title !== row.step && <code>{row.step}</code>}
                 </th>
                 {all
                   ? cell(all, Math.max(1, poses.length))

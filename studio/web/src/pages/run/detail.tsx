@@ -15,7 +15,7 @@ import { Log } from './log'
 import { OptionForm } from './option_form'
 import type { Change } from './option_form'
 import { Explanation } from './reasons'
-import { kStateWords, shownState, titleOf } from './step_words'
+import { kStateWords, shownState } from './step_words'
 
 function useExplanation(id: string): string {
   const { version, complain } = useStudio()
@@ -123,7 +123,7 @@ function Head({ step, heading }: { step: Step; heading: RefObject<HTMLHeadingEle
     <header>
       <div class="row spread">
         <h2 ref={heading} tabIndex={-1}>
-          {titleOf(step.step)}
+          {step.title}
           {step.pose && <span class="soft"> {step.pose}</span>}
         </h2>
         <span class={`run-state ${state}`}>

@@ -8,7 +8,6 @@ import { useStudio } from '../../state'
 import { Icon } from './icons'
 import { OptionRow } from './option_row'
 import type { OptionState } from './option_row'
-import { titleOf } from './step_words'
 import type { KnownOption } from './use_stages'
 
 export interface Change {
@@ -120,7 +119,7 @@ export function OtherMatches(props: {
               <span>
                 {option.name.replaceAll('_', ' ')} <small>{option.help}</small>
               </span>
-              <small>{titleOf(step.step)}</small>
+              <small>{step.title}</small>
             </button>
           </li>
         ))}

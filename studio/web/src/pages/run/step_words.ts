@@ -2,38 +2,6 @@
 import type { Step, StepState } from '../../api'
 import type { Running } from '../../run_lines'
 
-/** What an artist calls the work of a stage. Stages of a project's own have only their name. */
-const kTitles: Record<string, string> = {
-  capture: 'Photographs',
-  sfm: 'Cameras',
-  masks: 'Masks',
-  dense: 'Depth',
-  mesh: 'Surface',
-  refine: 'Fine detail',
-  cleanup: 'Clean mesh',
-  unwrap: 'Texture layout',
-  register: 'Registration',
-  fit: 'Bent into photographs',
-  bake: 'Textures',
-  complete: 'Texture gaps',
-  interpolate: 'In-betweens',
-  locate: 'Camera of the shot',
-  composite: 'Into the shot',
-  silhouettes: 'Masks of the films',
-  layout: 'Texture layout',
-  track: 'Tracked body',
-  transfer: 'Moving scan',
-  follow: 'Surface from the films',
-  video3d: 'Painted by the films',
-  export: 'Export',
-  report: 'Report',
-}
-
-/** The row's title: that of the stage, unless the project has named the step otherwise. */
-export function titleOf(step: string): string {
-  return kTitles[step] ?? step
-}
-
 export type Shown = StepState | 'running'
 
 export const kStateWords: Record<Shown, string> = {
@@ -52,6 +20,8 @@ export function shownState(step: Step, running: Running | null): Shown {
 
 export interface Row {
   step: string
+  /** what an artist calls its work */
+  title: string
   /** by pose; '' is a step of the animation or of the project */
   cells: Map<string, Step>
 }
@@ -60,7 +30,7 @@ export interface Row {
 export function rowsOf(steps: Step[]): Row[] {
   const rows = new Map<string, Row>()
   for (const step of steps) {
-    const row = rows.get(step.step) ?? { step: step.step, cells: new Map<string, Step>() }
+    const row = rows.get(step.step) ?? { step: step.step, title: step.title, cells: new Map<string, Step>() }
     row.cells.set(step.pose, step)
     rows.set(step.step, row)
   }
