@@ -7,9 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/plan/camera_path.h"
-#include "core/surfaces/geometry.h"
-#include "core/pictures/render.h"
 #include "core/numbers/rotations.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {
@@ -45,9 +46,7 @@ Drift DriftOf(const LocatedFrame& frame, double scale) {
   Drift drift;
   if (sizes.empty()) return drift;
   for (const double size : sizes) drift.mean += size / SizeOf(sizes);
-  const auto at = sizes.begin() + SizeOf(sizes) * 95 / 100;
-  std::nth_element(sizes.begin(), at, sizes.end());
-  drift.p95 = *at;
+  drift.p95 = QuantileAbove(std::move(sizes), 0.95);
   return drift;
 }
 

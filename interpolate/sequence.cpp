@@ -4,10 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "core/values/camera.h"
-#include "core/values/errors.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/key_source.h"
@@ -244,9 +245,8 @@ std::vector<double> RelativeSizes(const std::vector<PointsX3>& keys, const Faces
       if (const double length = (keys[0].row(i) - keys[0].row(j)).norm(); length > 0)
         ratios.push_back((keys[k].row(i) - keys[k].row(j)).norm() / length);
     if (ratios.empty()) continue;
-    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    if (*middle > 0) sizes[k] = *middle;
+    const double middle = UpperMedian(std::move(ratios));
+    if (middle > 0) sizes[k] = middle;
   }
   return sizes;
 }

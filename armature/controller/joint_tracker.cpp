@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numbers/statistics.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
@@ -30,10 +31,8 @@ std::int32_t AnalogueFilter::Take(std::int32_t reading) {
     last_[next_] = reading;
     next_ = (next_ + 1) % last_.size();
   }
-  std::vector<std::int32_t> sorted = last_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  if (std::abs(*middle - kept_) > TrackerTuning::kAnalogueStep) kept_ = *middle;
+  const std::int32_t middle = UpperMedian(last_);
+  if (std::abs(middle - kept_) > TrackerTuning::kAnalogueStep) kept_ = middle;
   return kept_;
 }
 

@@ -9,8 +9,9 @@
 #include <string>
 
 #include "capture/pictures/cv_image.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 
 namespace keypose::capture {
@@ -63,9 +64,7 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
     reach.push_back(extent * std::max(0.0, (views[i].camera_from_world * ball.center).z()));
   if (reach.empty()) return ball;
   // A quantile, so that a few masks that include half the room do not enlarge the space.
-  std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 3 / 4),
-                   reach.end());
-  ball.radius = SharedSpaceTuning::kRoom * reach[reach.size() * 3 / 4];
+  ball.radius = SharedSpaceTuning::kRoom * QuantileAbove(std::move(reach), 0.75);
   return ball;
 }
 

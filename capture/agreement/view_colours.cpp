@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -92,12 +93,6 @@ PointsX3 HuesOf(const MaskedPicture& picture, const View& view, const PointCloud
   return hues;
 }
 
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Angles of all views' hues from the median of the inliers; negative where a view does not see the
 /// point, or too few views do.
 std::vector<double> AnglesAt(const std::vector<PointsX3>& hues, Eigen::Index point,
@@ -109,7 +104,7 @@ std::vector<double> AnglesAt(const std::vector<PointsX3>& hues, Eigen::Index poi
     for (std::size_t v = 0; v < hues.size(); ++v)
       if (inlier[v] && !hues[v].row(point).isZero(0)) values.push_back(hues[v](point, c));
     if (SizeOf(values) < kLeastViews) return angles;
-    middle[c] = MedianOf(values);
+    middle[c] = UpperMedianInPlace(values);
   }
   middle.normalize();
   for (std::size_t v = 0; v < hues.size(); ++v)
@@ -136,7 +131,7 @@ std::vector<ColorFit> FitsOfColors(const std::vector<Image8>& images,
     for (std::size_t v = 0; v < angles.size(); ++v)
       if (inlier[v] && angles[v] >= 0) of_inliers.push_back(angles[v]);
     if (of_inliers.empty()) continue;
-    const double limit = std::max(options.hue, options.spread * MedianOf(of_inliers));
+    const double limit = std::max(options.hue, options.spread * UpperMedian(std::move(of_inliers)));
     for (std::size_t v = 0; v < angles.size(); ++v) {
       if (angles[v] < 0) continue;
       ++fits[v].places;

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose::capture {
 namespace {
@@ -41,12 +42,6 @@ OutlineFit FitOf(const Image8& mask, const Image8& contradictions, int most, dou
   return fit;
 }
 
-double UsualOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Excess of a view's missing part over the median, the largest over the doubts.
 std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vector<char>& inlier) {
   std::vector<double> faults(fits.size(), 0);
@@ -54,7 +49,7 @@ std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vecto
     std::vector<double> of_inliers;
     for (std::size_t i = 0; i < fits.size(); ++i)
       if (inlier[i]) of_inliers.push_back(fits[i].missing[doubt]);
-    const double usual = UsualOf(of_inliers);
+    const double usual = UpperMedian(std::move(of_inliers));
     for (std::size_t i = 0; i < fits.size(); ++i)
       faults[i] = std::max(faults[i], fits[i].missing[doubt] - usual);
   }
@@ -105,7 +100,7 @@ std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks,
 std::vector<std::size_t> Touched(const ViewConsensus& consensus, const ConsensusOptions& options) {
   std::vector<double> excesses;
   for (const OutlineFit& fit : consensus.fits) excesses.push_back(fit.excess);
-  const double usual = UsualOf(excesses);
+  const double usual = UpperMedian(excesses);
   std::vector<std::size_t> touched;
   for (std::size_t i = 0; i < consensus.fits.size(); ++i)
     if (consensus.inlier[i] && consensus.fits[i].excess > usual + options.touching)

@@ -8,6 +8,7 @@
 
 #include "capture/agreement/space_grid.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/tuned.h"
 
 namespace keypose::capture {
@@ -92,9 +93,7 @@ std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& wind
     for (const std::int32_t at : window.pixels)
       chords.push_back(ChordOf(sampler, at % sampler.contradicted.width,
                                at / sampler.contradicted.width, space.grid, true));
-    std::nth_element(chords.begin(),
-                     chords.begin() + static_cast<std::ptrdiff_t>(chords.size() / 2), chords.end());
-    thicknesses[k] = 100 * chords[chords.size() / 2] / longest;
+    thicknesses[k] = 100 * UpperMedian(std::move(chords)) / longest;
   });
   return thicknesses;
 }

@@ -8,6 +8,7 @@
 
 #include "capture/board/markers.h"
 #include "capture/board/print_match.h"
+#include "core/numbers/statistics.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
@@ -302,9 +303,7 @@ cv::Vec3f MedianColor(const cv::Mat& image, const cv::Mat& mask) {
       for (int x = 0; x < image.cols; ++x)
         if (mask.at<std::uint8_t>(y, x)) values.push_back(image.at<cv::Vec3f>(y, x)[c]);
     if (values.empty()) return median;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[c] = *middle;
+    median[c] = UpperMedian(std::move(values));
   }
   return median;
 }

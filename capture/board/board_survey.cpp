@@ -11,6 +11,7 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/board/checkerboard.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {
@@ -67,10 +68,10 @@ Agreement AgreementOf(const std::vector<SeenMarker>& markers, const BoardPattern
     grid.emplace_back(column + 0.5, row + 0.5), seen.emplace_back(middle.x(), middle.y());
     sides.push_back(SideOfMarker(marker));
   }
-  std::nth_element(sides.begin(), sides.begin() + SizeOf(sides) / 2, sides.end());
   std::vector<std::uint8_t> inlier;
-  const cv::Mat h = cv::findHomography(
-      grid, seen, cv::RANSAC, std::max(1.0, kMiss * sides[SizeOf(sides) / 2]), inlier, 300, 0.99);
+  const cv::Mat h =
+      cv::findHomography(grid, seen, cv::RANSAC,
+                         std::max(1.0, kMiss * UpperMedian(std::move(sides))), inlier, 300, 0.99);
   if (h.empty()) return {};
   const Eigen::Matrix3d image_from_grid =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.ptr<double>());
@@ -85,11 +86,6 @@ Agreement AgreementOf(const std::vector<SeenMarker>& markers, const BoardPattern
   }
   if (SizeOf(agreement.ids) < kLeastMarkers) return {};
   return agreement;
-}
-
-double MedianOf(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + SizeOf(values) / 2, values.end());
-  return values[SizeOf(values) / 2];
 }
 
 /// Each number once; a board has no marker twice.
@@ -206,7 +202,7 @@ void BoardSurvey::Weigh() {
     pattern.layout.columns = columns;
     pattern.layout.rows = pattern.SquareOf(tally.last).second + 1;
     pattern.layout.square_m = wish_.square_m;
-    pattern.layout.marker_m = MedianOf(tally.shares) * wish_.square_m;
+    pattern.layout.marker_m = UpperMedian(tally.shares) * wish_.square_m;
     if (pattern.layout.rows >= 3) charuco_ = pattern;
   }
   sure_ = charuco_ && most >= kSureScore;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose::capture {
 namespace {
@@ -26,9 +27,7 @@ ExposureGain ExposureGainOf(const Image8& frame, const Image8& usual) {
       ratios.push_back(static_cast<float>(there) / static_cast<float>(here));
     }
     if (ratios.size() < kFewest) return {1, 1, 1};
-    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    gain[c] = *middle;
+    gain[c] = UpperMedianInPlace(ratios);
   }
   return gain;
 }
@@ -52,9 +51,7 @@ Image8 MedianOf(const std::vector<Image8>& frames) {
     std::vector<std::uint8_t> values(count);
     for (std::size_t i = static_cast<std::size_t>(y) * row, end = i + row; i < end; ++i) {
       for (std::size_t k = 0; k < count; ++k) values[k] = frames[k * frames.size() / count].data[i];
-      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count / 2),
-                       values.end());
-      median.data[i] = values[count / 2];
+      median.data[i] = UpperMedianInPlace(values);
     }
   });
   return median;

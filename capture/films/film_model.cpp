@@ -10,6 +10,7 @@
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/trimap.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose::capture {
 
@@ -55,11 +56,7 @@ std::array<std::uint8_t, 3> ToldColour(const Image8& lab, const Image8& told, st
     for (std::size_t c = 0; told.data[p] == side && c < 3; ++c)
       values[c].push_back(lab.data[3 * p + c]);
   std::array<std::uint8_t, 3> median{};
-  for (std::size_t c = 0; c < 3 && !values[c].empty(); ++c) {
-    const auto middle = values[c].begin() + static_cast<std::ptrdiff_t>(values[c].size() / 2);
-    std::nth_element(values[c].begin(), middle, values[c].end());
-    median[c] = *middle;
-  }
+  for (std::size_t c = 0; c < 3; ++c) median[c] = UpperMedian(std::move(values[c]));
   return median;
 }
 

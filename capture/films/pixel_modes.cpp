@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose::capture {
 namespace {
@@ -76,10 +77,8 @@ double ModeRadius(const std::vector<Image8>& lab) {
     for (std::size_t p = 0; p + 2 < lab[k].data.size(); p += 3 * kStride)
       changes.push_back(static_cast<float>(ModeDistance(&lab[k].data[p], &lab[k - 1].data[p])));
   if (changes.empty()) return kLeast;
-  const auto usual = changes.begin() +
-                     static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(changes.size() - 1));
-  std::nth_element(changes.begin(), usual, changes.end());
-  return std::clamp(kTimes * static_cast<double>(*usual), kLeast, kMost);
+  const double usual = QuantileFloor(std::move(changes), kUsual);
+  return std::clamp(kTimes * usual, kLeast, kMost);
 }
 
 PixelModes FindPixelModes(const std::vector<Image8>& lab, double radius) {

@@ -5,8 +5,9 @@
 #include <opencv2/calib3d.hpp>
 #include <set>
 
-#include "core/values/errors.h"
 #include "core/numbers/rotations.h"
+#include "core/numbers/statistics.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {
@@ -73,9 +74,7 @@ Fitted FitLens(const std::vector<const BoardSighting*>& sightings, const RigCame
 std::vector<const BoardSighting*> Explained(const std::vector<const BoardSighting*>& sightings,
                                             const std::vector<double>& rms_px) {
   constexpr double kMost_px = 1, kOverMedian = 3;
-  std::vector<double> sorted = rms_px;
-  std::nth_element(sorted.begin(), sorted.begin() + SizeOf(sorted) / 2, sorted.end());
-  const double most = std::max(kMost_px, kOverMedian * sorted[SizeOf(sorted) / 2]);
+  const double most = std::max(kMost_px, kOverMedian * UpperMedian(rms_px));
   std::vector<const BoardSighting*> kept;
   for (int i = 0; i < SizeOf(sightings); ++i)
     if (rms_px[i] <= most) kept.push_back(sightings[i]);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/numbers/statistics.h"
 #include "core/pictures/image_turns.h"
 
 namespace keypose::capture {
@@ -21,17 +22,11 @@ Image8 Turned(const Image8& image, int quarters) {
   return quarters % 2 == 1 ? QuarterTurned(turned) : turned;
 }
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Whether a view shows the middle near its own, from not too near.
 std::vector<char> ShowItWhole(const std::vector<View>& views, const Eigen::Vector3d& middle) {
   std::vector<double> distances;
   for (const View& view : views) distances.push_back((view.Center() - middle).norm());
-  const double usual = MedianOf(distances);
+  const double usual = UpperMedian(distances);
   std::vector<char> whole(views.size(), 0);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& camera = views[v].camera;

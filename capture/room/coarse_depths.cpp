@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "views/stereo/patch_match.h"
 
@@ -23,9 +24,7 @@ constexpr double kLeastAngle = 3, kBestAngle = 12, kMostAngle = 50, kBelow = 5, 
 double MedianDistance(const std::vector<View>& views, const Vector3d& middle) {
   std::vector<double> distances;
   for (const View& view : views) distances.push_back((view.Center() - middle).norm());
-  const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), half, distances.end());
-  return *half;
+  return UpperMedian(std::move(distances));
 }
 
 /// The pixels whose rays pass the middle within reach.

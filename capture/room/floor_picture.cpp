@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {
@@ -36,12 +37,6 @@ Image8 OnPlane(const Image8& image, const std::vector<DepthSample>& samples,
           *on.at(x + dx, y + dy) = 255;
   }
   return on;
-}
-
-std::uint8_t Median(std::vector<std::uint8_t>& values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
 }
 
 /// Sums over a window of both pictures, where the plane is known.
@@ -131,7 +126,7 @@ FloorPicture::FloorPicture(const std::vector<Image8>& images, const std::vector<
       if (SizeOf(seen[0]) < options.fewest) continue;
       *known_.at(x, y) = 255;
       for (std::size_t c = 0; c < 3; ++c)
-        colours_.at(x, y)[c] = std::max<std::uint8_t>(1, Median(seen[c]));
+        colours_.at(x, y)[c] = std::max<std::uint8_t>(1, UpperMedianInPlace(seen[c]));
     }
   });
 }

@@ -1,8 +1,9 @@
 #include "capture/room/room_evidence.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
+
+#include "core/numbers/statistics.h"
 
 namespace keypose::capture {
 namespace {
@@ -10,9 +11,7 @@ namespace {
 double MedianDistance(const std::vector<View>& views) {
   std::vector<double> distances;
   for (const View& view : views) distances.push_back(view.Center().norm());
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return UpperMedian(std::move(distances));
 }
 
 bool InMask(const View& view, const Image8& mask, const Eigen::Vector3d& x) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <random>
 
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {
@@ -76,9 +77,7 @@ bool IsWall(const Support& plane, const std::vector<View>& views, const Vector3d
     rises.push_back(plane.up.dot((view.Center() - middle).normalized()));
     mean += view.camera_from_world.rotation * plane.up / static_cast<double>(views.size());
   }
-  const auto half = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
-  std::nth_element(rises.begin(), half, rises.end());
-  return *half > options.steep && mean.head<2>().norm() < options.upright;
+  return UpperMedian(std::move(rises)) > options.steep && mean.head<2>().norm() < options.upright;
 }
 
 std::optional<Support> LargestPlane(const ThinSurface& surface, const std::vector<View>& views,

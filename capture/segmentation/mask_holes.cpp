@@ -11,6 +11,7 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/tuned.h"
 
 namespace keypose::capture {
@@ -50,14 +51,6 @@ bool Like(Lab pixel, Lab empty, const std::array<int, 3>& usual, int noise) {
   return pixel[0] <= empty[0] + light && pixel[0] >= darkest &&
          std::abs(pixel[1] - empty[1]) <= usual[1] + noise / 2 &&
          std::abs(pixel[2] - empty[2]) <= usual[2] + noise / 2;
-}
-
-template <typename T>
-T Quantile(std::vector<T>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 cv::Rect Around(const cv::Rect& region, const cv::Size& size) {
@@ -106,7 +99,8 @@ class MaskHole {
     if (distances.empty() ||
         static_cast<double>(distances.size()) < MaskHoleTuning::kEnclosed * round)
       return false;
-    return Quantile(distances, MaskHoleTuning::kSmoothSide) >= MaskHoleTuning::kSetOff;
+    return QuantileAbove(std::move(distances), MaskHoleTuning::kSmoothSide) >=
+           MaskHoleTuning::kSetOff;
   }
 
   /// @param corner  in the image, of the mask's part that this was made from
@@ -122,7 +116,7 @@ class MaskHole {
             *thickness.at(std::min(static_cast<int>((at.x + 0.5) * scale), thickness.width - 1),
                           std::min(static_cast<int>((at.y + 0.5) * scale), thickness.height - 1)));
       }
-    return Quantile(values, 0.5) <= MaskHoleTuning::kThinHole;
+    return UpperMedian(std::move(values)) <= MaskHoleTuning::kThinHole;
   }
 
   /// Removes the region and its border, which mixes hole and figure; boundary matting then locates

@@ -13,8 +13,9 @@
 
 #include "cleanup/editing/cgal_convert.h"
 #include "cleanup/editing/mesh_editor.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/tuned.h"
 
@@ -271,8 +272,7 @@ void Remesher::FlipForShape() {
   const std::vector<std::array<double, 2>> offsets = DiagonalOffsets(edges);
   std::vector<double> now(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) now[i] = offsets[i][0];
-  std::nth_element(now.begin(), now.begin() + now.size() / 2, now.end());
-  const double weight = Tuning::kAngleWeight * now[now.size() / 2];
+  const double weight = Tuning::kAngleWeight * UpperMedian(std::move(now));
   const auto lack = [&](double angle) {
     return weight * std::pow(std::max(0.0, 1 - angle / Tuning::kGoodAngle), 2);
   };

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/pictures/ground_contact.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/ground_contact.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/tuned.h"
 
@@ -67,8 +68,7 @@ int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::ve
     if (!masks[v].empty()) counts[v] = PixelsBelow(scene, views[v], masks[v], height);
   });
   std::erase(counts, -1);
-  std::sort(counts.begin(), counts.end());
-  return counts.empty() ? 0 : counts[counts.size() * 3 / 4];
+  return QuantileAbove(std::move(counts), 0.75);
 }
 
 }  // namespace

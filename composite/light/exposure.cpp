@@ -1,7 +1,8 @@
 #include "composite/light/exposure.h"
 
-#include <algorithm>
 #include <vector>
+
+#include "core/numbers/statistics.h"
 
 namespace keypose::composite {
 namespace {
@@ -12,9 +13,7 @@ constexpr int kStep = 3;  // pixels; neighbours say the same
 
 double MedianOr(std::vector<float>& values, double otherwise) {
   if (values.size() < kFewest) return otherwise;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return UpperMedianInPlace(values);
 }
 
 }  // namespace

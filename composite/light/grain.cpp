@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose::composite {
 namespace {
@@ -13,12 +14,6 @@ constexpr std::size_t kFewestInBin = 200, kFewestOfAll = 2000;
 /// Standard deviation of a normal distribution over its median absolute value.
 constexpr double kSigmaOverMedian = 1.4826;
 constexpr double kMostAlike = 0.6;
-
-double MedianAbsolute(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Stored levels are whole numbers: a median of their differences knows no fractions. A hash of the
 /// place spreads each over its level.
@@ -70,7 +65,7 @@ Differences DifferencesOf(const Image8& a, const Image8& b, const Image8& away, 
 constexpr double kRounding = 5.0 / 12;
 
 double SigmaOf(std::vector<float>& differences, double share_b) {
-  const double sd = kSigmaOverMedian * MedianAbsolute(differences);
+  const double sd = kSigmaOverMedian * UpperMedianInPlace(differences);
   return std::sqrt(std::max(0.0, sd * sd - kRounding) / (2 * (1 + share_b)));
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 
 namespace keypose::composite {
@@ -12,12 +13,6 @@ namespace {
 constexpr int kRounds = 40;
 /// Residuals below this share of the diagonal are noise of the two shapes.
 constexpr double kLeastScale = 1e-4;
-
-double MedianOf(Eigen::VectorXd values) {
-  const auto middle = values.data() + values.size() / 2;
-  std::nth_element(values.data(), middle, values.data() + values.size());
-  return *middle;
-}
 
 Rigid3 RigidOf(const Similarity3& fit) {
   return {Eigen::Quaterniond(fit.rotation).normalized(), fit.translation};
@@ -32,7 +27,7 @@ CommonMotion FindCommonMotion(const PointsX3& a, const PointsX3& b) {
     const Similarity3 fit = FitSimilarity(a, b, motion.weights, false);
     motion.b_from_a = RigidOf(fit);
     const Eigen::VectorXd squared = (Transformed(fit, a) - b).rowwise().squaredNorm();
-    const double scale2 = std::max(MedianOf(squared), least * least);
+    const double scale2 = std::max(UpperMedian(squared), least * least);
     motion.weights = (scale2 / (scale2 + squared.array())).square();
   }
   return motion;

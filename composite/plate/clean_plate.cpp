@@ -5,9 +5,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/photo.hpp>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
 
 namespace keypose::composite {
 namespace {
@@ -27,13 +28,6 @@ struct Sample {
   double level[3];
   double sum;
 };
-
-double Quantile(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
-                                       share * (static_cast<double>(values.size()) - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// What the frames show at a pixel, without their shadows where those are known.
 std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int y) {
@@ -59,7 +53,7 @@ std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int 
 int RobustMean(const std::vector<Sample>& samples, bool shadows_known, double* levels) {
   std::vector<double> sums;
   for (const Sample& sample : samples) sums.push_back(sample.sum);
-  const double middle = Quantile(sums, shadows_known ? 0.5 : kUpper);
+  const double middle = QuantileNearest(std::move(sums), shadows_known ? 0.5 : kUpper);
   int count = 0;
   std::fill_n(levels, 3, 0.0);
   for (const Sample& sample : samples) {

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose {
@@ -19,7 +20,7 @@ constexpr double kShareAgainst =
     1.0 / 16;                    // of the views: this many masks may lack a part of the figure
 constexpr double kDown = 0.05;   // slope from which on a ray looks down
 constexpr int kRimPixels = 300;  // used of each view, approximately
-constexpr int kRaySteps = 160;      // along the part of a ray near the ground
+constexpr int kRaySteps = 160;   // along the part of a ray near the ground
 constexpr int kHalvings = 6;
 // of the box's height: the ground is searched this far above and below its lower side
 constexpr double kReach = 0.3;
@@ -43,11 +44,6 @@ struct Met {
   double height;
   double slope;  // of the ray, downwards
 };
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 std::vector<Outline> Outlines(const std::vector<View>& views, const std::vector<Image8>& masks) {
   std::vector<Outline> all, some;
@@ -148,7 +144,7 @@ double RiseOf(const std::vector<Met>& views, double usual) {
       if (std::abs(apart) > kOtherRing)
         rises.push_back((views[i].height - views[j].height) / apart);
     }
-  return rises.size() < kFewestViews ? usual : std::max(0.0, Median(rises));
+  return rises.size() < kFewestViews ? usual : std::max(0.0, UpperMedian(rises));
 }
 
 }  // namespace
@@ -176,10 +172,10 @@ std::optional<GroundContact> FindGroundContact(const std::vector<View>& views,
   std::vector<double> heights;
   for (const Met& met : lowest) heights.push_back(met.height - rise * met.slope);
   GroundContact contact;
-  contact.height = Median(heights);
+  contact.height = UpperMedian(heights);
   contact.views = SizeOf(heights);
   for (double& height : heights) height = std::abs(height - contact.height);
-  contact.spread = Median(heights);
+  contact.spread = UpperMedian(std::move(heights));
   return contact;
 }
 

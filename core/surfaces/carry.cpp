@@ -9,8 +9,9 @@
 #include <numbers>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 
 namespace keypose {
@@ -52,13 +53,6 @@ struct Spread {
     radius = std::sqrt((points.rowwise() - center.transpose()).rowwise().squaredNorm().mean());
   }
 };
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -258,7 +252,7 @@ struct Carrier::Impl {
     std::vector<double> differences;
     for (Eigen::Index i = 0; i < before.points.rows(); ++i)
       differences.push_back(FootOf(frame, i).color);
-    return MedianOf(differences) < 0.5 * kOtherColor;
+    return UpperMedian(differences) < 0.5 * kOtherColor;
   }
 
   void Measure(const Similarity3& frame) {
@@ -286,7 +280,7 @@ struct Carrier::Impl {
         break;
       }
     }
-    change.misfit = MedianOf(distances);
+    change.misfit = UpperMedian(distances);
     change.agreeing =
         std::min(static_cast<double>(agree) / static_cast<double>(before.points.rows()),
                  static_cast<double>(covered) / static_cast<double>(sample_now.points.rows()));

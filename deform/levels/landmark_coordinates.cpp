@@ -4,8 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 
@@ -77,11 +78,7 @@ double LandmarkCoordinates::Growth() const {
       if (ours > 0 && theirs > 0) ratios.push_back(theirs / ours);
     }
   if (ratios.empty()) return 1;
-  const auto at =
-      ratios.begin() + static_cast<std::ptrdiff_t>(LandmarkCoordinatesTuning::kGrowthQuantile *
-                                                   static_cast<double>(ratios.size()));
-  std::nth_element(ratios.begin(), at, ratios.end());
-  return *at;
+  return QuantileAbove(std::move(ratios), LandmarkCoordinatesTuning::kGrowthQuantile);
 }
 
 }  // namespace keypose

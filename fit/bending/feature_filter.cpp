@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/numbers/kd_tree.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -52,16 +53,6 @@ std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<Featu
   return kept;
 }
 
-namespace {
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + SizeOf(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
-
 std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
                                const std::vector<Eigen::Vector2d>& shown) {
   std::vector<int> kept;
@@ -77,7 +68,7 @@ std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMa
       x.push_back(move.x()), y.push_back(move.y());
     }
     if (x.empty()) continue;
-    const Eigen::Vector2d median(Median(x), Median(y));
+    const Eigen::Vector2d median(UpperMedian(x), UpperMedian(y));
     const double apart = (matches[i].pixel - shown[i] - median).norm();
     if (apart <=
         std::max(FeatureFilterTuning::kUnevenPx, FeatureFilterTuning::kUneven * median.norm()))

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/pictures/fit_view.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/fit_view.h"
 #include "core/pictures/scan_conversion.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
@@ -56,9 +57,7 @@ Eigen::Array3f Gain(const SmallPicture& picture, const std::vector<RayScene::Hit
       if (hits[i].face >= 0 && picture.mask.data[i])
         ratios.push_back((picture.colors.data[3 * i + c] + kDark) / (drawn[i][c] + kDark));
     if (ratios.empty()) continue;
-    const auto middle = ratios.begin() + SizeOf(ratios) / 2;
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    gain[c] = *middle;
+    gain[c] = UpperMedian(std::move(ratios));
   }
   return gain;
 }

@@ -7,6 +7,7 @@
 
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "fit/tracking/pose_band.h"
 
@@ -70,8 +71,7 @@ Statistics FindStatistics(const std::vector<FittedFrame>& frames) {
   Statistics all;
   std::array<double, kDofs> noises;
   for (int i = 0; i < kDofs; ++i) all.jerks[i] = each[i].jerk, noises[i] = each[i].noise;
-  std::nth_element(noises.begin(), noises.begin() + kDofs / 2, noises.end());
-  all.noise = noises[kDofs / 2];
+  all.noise = UpperMedian(noises);
   return all;
 }
 

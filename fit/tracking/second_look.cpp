@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {
@@ -26,12 +27,6 @@ LimbParts PartsOf(Limb limb) {
     default:
       return {Joints()[kHipR].first_dof, 6, {kKneeR, kAnkleR}};
   }
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + SizeOf(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A limb followed on from a jump, or from where a search found it.
@@ -204,7 +199,7 @@ class LimbFollower {
   double LeastJump() const {
     std::vector<double> bends;
     for (int f = 1; f + 1 < SizeOf(frames_); ++f) bends.push_back(Bend(f));
-    return std::max(SecondLookTuning::kJump, SecondLookTuning::kUnusual * MedianOf(bends));
+    return std::max(SecondLookTuning::kJump, SecondLookTuning::kUnusual * UpperMedian(bends));
   }
 
   /// In all views, that the limb covers and no other part of the body.
@@ -212,7 +207,7 @@ class LimbFollower {
   double UsualCells() const {
     std::vector<double> cells;
     for (int f = 0; f < SizeOf(frames_); ++f) cells.push_back(OwnCells(f));
-    return cells.empty() ? 0 : MedianOf(cells);
+    return UpperMedian(cells);
   }
 
   const BodyShape& shape_;

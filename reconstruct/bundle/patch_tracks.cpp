@@ -7,10 +7,11 @@
 #include <numeric>
 #include <optional>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -368,9 +369,7 @@ PatchTracks TrackPatches(const Scene& scene, const std::vector<PatchImage>& imag
   }
   if (shifts.empty()) return tracks;
   tracks.mean_ncc /= static_cast<double>(shifts.size());
-  std::nth_element(shifts.begin(), shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2),
-                   shifts.end());
-  tracks.median_shift_px = shifts[shifts.size() / 2];
+  tracks.median_shift_px = UpperMedian(std::move(shifts));
   return tracks;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -41,9 +42,7 @@ PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observ
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const SparsePoint& point : scene.points) values.push_back(point.position(axis));
-    std::sort(values.begin(), values.end());
-    low(axis) = values[values.size() / 20];
-    high(axis) = values[values.size() - 1 - values.size() / 20];
+    std::tie(low(axis), high(axis)) = TrimmedRange(std::move(values), 0.05);
   }
   const double cell = std::max((high - low).maxCoeff() / TrackSelectionTuning::kCells, 1e-12);
   // Within a cell, points with few views come last; distant outliers share the cells at the border.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
@@ -89,15 +90,11 @@ Cloud Decimated(const Scene& scene, int count) {
   for (int k = 0; k < 3; ++k) {
     std::vector<double> values;
     for (const SparsePoint& point : scene.points) values.push_back(point.position[k]);
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    middle[k] = values[values.size() / 2];
+    middle[k] = UpperMedian(std::move(values));
   }
   std::vector<double> reach;
   for (const SparsePoint& point : scene.points) reach.push_back((point.position - middle).norm());
-  std::vector<double> sorted = reach;
-  std::sort(sorted.begin(), sorted.end());
-  const double limit = 1.3 * sorted[sorted.size() * 98 / 100];
+  const double limit = 1.3 * QuantileAbove(reach, 0.98);
   std::vector<std::size_t> good;
   for (std::size_t i = 0; i < reach.size(); ++i)
     if (reach[i] <= limit) good.push_back(i);
@@ -121,10 +118,7 @@ double Spacing(const Cloud& cloud, const KdTree& tree) {
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < cloud.size(); ++i)
     distances.push_back(tree.Nearest(cloud.points.row(i).transpose(), 2).back().squared_distance);
-  std::nth_element(distances.begin(),
-                   distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
-                   distances.end());
-  return std::sqrt(distances[distances.size() / 2]);
+  return std::sqrt(UpperMedian(std::move(distances)));
 }
 
 Eigen::Matrix3d Turn(int i, int count) {

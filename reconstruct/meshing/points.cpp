@@ -8,6 +8,7 @@
 
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/values/tuned.h"
 #include "reconstruct/meshing/merge.h"
 
@@ -30,16 +31,6 @@ struct MeshPointTuning {
   KEYPOSE_TUNED(double, kThinning, 1.5);
   KEYPOSE_TUNED(double, kLargestArea, 16);  // of a point, in squares of the median spacing
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double Median(const Eigen::VectorXd& values) {
-  return Median(std::vector<double>(values.begin(), values.end()));
-}
 
 PointCloud Selected(const PointCloud& cloud, const std::vector<char>& keep) {
   std::vector<int> rows;
@@ -200,7 +191,7 @@ void DropOutliers(const PointFilterOptions& options, double merge_cell, Filtered
   // Several layers of points are denser than a merged layer. With this limit, the hull's points,
   // one per voxel, are no outliers beside them.
   const double usual =
-      std::max(Median(near.mean_distance), EvenMeanDistance(merge_cell, options.neighbors));
+      std::max(UpperMedian(near.mean_distance), EvenMeanDistance(merge_cell, options.neighbors));
   const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * usual : INFINITY;
   std::vector<char> keep(out.cloud.points.rows(), 1), aligned;
   const bool graded = options.thin_unsure && out.cloud.confidence.size() > 0;
@@ -241,7 +232,7 @@ FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options,
 
   ReportProgress(progress, 0.6, "measuring the sampling");
   out.spacing = Measure(out.cloud, options.neighbors).spacing;
-  out.median_spacing = Median(out.spacing);
+  out.median_spacing = UpperMedian(out.spacing);
   if (!(out.median_spacing > 0))
     throw InputError("mesh: most points of " + what +
                      " lie on top of each other; fuse the cloud first, so that places are unique");

@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::reconstruct {
@@ -25,13 +26,8 @@ double CellSize(const PointsX3& points, int depth) {
 double BulkExtent(const PointsX3& points) {
   double extent = 0;
   for (int c = 0; c < 3; ++c) {
-    std::vector<double> values(points.col(c).begin(), points.col(c).end());
-    const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 100);
-    const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 100);
-    std::nth_element(values.begin(), low, values.end());
-    const double lowest = *low;
-    std::nth_element(values.begin(), high, values.end());
-    extent = std::max(extent, *high - lowest);
+    const auto [low, high] = TrimmedRange(Eigen::VectorXd(points.col(c)), 0.01);
+    extent = std::max(extent, high - low);
   }
   return extent;
 }

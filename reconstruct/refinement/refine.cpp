@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/outlines.h"
@@ -41,14 +42,6 @@ struct ProfileTuning {
   // of the cost; a minimum this much below its profile's mean has half of the full agreement
   KEYPOSE_TUNED(float, kContrast, 0.05f);
 };
-
-double Quantile(Values values, double share) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // The minimum of a profile near the vertex's position, and its weight: the curvature of the minimum
 // times the square of the agreement.
@@ -117,8 +110,8 @@ class Refiner {
     for (Eigen::Index v = 0; v < start.rows(); ++v)
       moved[v] = static_cast<float>((result_.mesh.points.row(v) - start.row(v)).norm() /
                                     result_.footprint);
-    result_.moved_median = Quantile(moved, 0.5),
-    result_.moved_95 = Quantile(std::move(moved), 0.95);
+    result_.moved_median = QuantileFloor(moved, 0.5),
+    result_.moved_95 = QuantileFloor(std::move(moved), 0.95);
     return std::move(result_);
   }
 
@@ -160,7 +153,7 @@ class Refiner {
           "faces; the surface was made from other "
           "photographs or cameras: run mesh again on these");
     result_.seen = static_cast<double>(footprints.size()) / static_cast<double>(chosen_.size());
-    result_.footprint = Quantile(std::move(footprints), 0.5);
+    result_.footprint = QuantileFloor(std::move(footprints), 0.5);
   }
 
   // Mean cost of the surface as it is now, over the compared vertices.

@@ -1,9 +1,9 @@
 #include "reconstruct/sfm/ground_by_outlines.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "core/io/pictures/sight_io.h"
+#include "core/numbers/statistics.h"
 #include "core/values/tuned.h"
 
 namespace keypose::reconstruct {
@@ -16,13 +16,12 @@ struct OutlineGroundTuning {
   KEYPOSE_TUNED(double, kSpread, 0.02);  // of the height; at most 0.005 for sets with right cameras
 };
 
-Eigen::Vector3d Quantile(const Scene& scene, double share) {
+Eigen::Vector3d QuantilesOf(const Scene& scene, double share) {
   Eigen::Vector3d result;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> values;
     for (const SparsePoint& point : scene.points) values.push_back(point.position[k]);
-    std::sort(values.begin(), values.end());
-    result[k] = values[share * static_cast<double>(values.size() - 1)];
+    result[k] = QuantileFloor(std::move(values), share);
   }
   return result;
 }
@@ -32,8 +31,8 @@ Eigen::Vector3d Quantile(const Scene& scene, double share) {
 std::optional<GroundContact> GroundOf(const ImageSet& set, const Scene& level) {
   if (level.points.empty()) return std::nullopt;
   const Sight sight = ReadMaskedViews(set, level);
-  const Eigen::Vector3d low = Quantile(level, OutlineGroundTuning::kOutliers),
-                        high = Quantile(level, 1 - OutlineGroundTuning::kOutliers);
+  const Eigen::Vector3d low = QuantilesOf(level, OutlineGroundTuning::kOutliers),
+                        high = QuantilesOf(level, 1 - OutlineGroundTuning::kOutliers);
   const auto ground = FindGroundContact(sight.views, sight.masks, low, high);
   if (!ground || ground->spread > OutlineGroundTuning::kSpread * (high.z() - low.z()))
     return std::nullopt;

@@ -8,11 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/project/poses_io.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/known/known_cameras.h"
@@ -55,8 +56,7 @@ bool SeenUnderSeveralTilts(const Scene& scene) {
     tilts.push_back(std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree);
   }
   if (tilts.size() < 8) return false;
-  std::sort(tilts.begin(), tilts.end());
-  return tilts[tilts.size() * 9 / 10] - tilts[tilts.size() / 10] >= PosedModelTuning::kTilts_deg;
+  return QuantileAbove(tilts, 0.9) - QuantileAbove(tilts, 0.1) >= PosedModelTuning::kTilts_deg;
 }
 
 Rigid3 RigidOf(const Similarity3& similarity) {

@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "core/numbers/statistics.h"
+
 namespace keypose::reconstruct {
 namespace {
 
@@ -19,8 +21,6 @@ struct Group {
   std::vector<int> images;
   std::vector<double> focals;  // known ones, ascending
 };
-
-double Median(const std::vector<double>& ascending) { return ascending[ascending.size() / 2]; }
 
 /// The photographs of one size in groups of like focal length, the shortest first.
 std::vector<Group> ByFocal(const ImageSet& set, const std::vector<int>& images) {
@@ -87,7 +87,6 @@ SetLenses LensesOf(const ImageSet& set) {
   for (Group& group : groups) std::sort(group.images.begin(), group.images.end());
   std::sort(groups.begin(), groups.end(),
             [](const Group& a, const Group& b) { return a.images.front() < b.images.front(); });
-  std::sort(relative.begin(), relative.end());
   SetLenses lenses;
   lenses.focal_known = !relative.empty();
   lenses.of_image.resize(set.images.size());
@@ -97,8 +96,8 @@ SetLenses LensesOf(const ImageSet& set) {
     camera.width = image.width;
     camera.height = image.height;
     const double side = std::max(camera.width, camera.height);
-    camera.fx = camera.fy = !group.focals.empty() ? Median(group.focals)
-                            : !relative.empty()   ? Median(relative) * side
+    camera.fx = camera.fy = !group.focals.empty() ? UpperMedian(group.focals)
+                            : !relative.empty()   ? UpperMedian(relative) * side
                                                   : kGuess * side;
     camera.cx = camera.width / 2.0;
     camera.cy = camera.height / 2.0;

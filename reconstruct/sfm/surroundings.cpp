@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/io/pictures/image_set.h"
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/matching/static_matches.h"
@@ -99,8 +100,7 @@ bool HasSurroundings(const StrategyContext& context, const fs::path& scratch) {
     counts.push_back(
         OutsideMatches(features[0], features[1], outside[0], outside[1], longer_side_px, options));
   }
-  std::sort(counts.begin(), counts.end());
-  const int usual = counts[counts.size() / 2];
+  const int usual = UpperMedian(std::move(counts));
   stage.Report("surroundings_matches", usual);
   watch.Lap(stage, "surroundings_probe");
   return usual >= SurroundingsTuning::kFewest;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "reconstruct/stereo/window_bias.h"
 
 namespace keypose::reconstruct {
@@ -59,9 +60,7 @@ float ErrorLimit(const std::vector<stereo::PlaneMap>& maps, const FusionOptions&
     });
   }
   if (errors.empty()) return static_cast<float>(options.largest_error);
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return std::max(static_cast<float>(options.largest_error), *middle);
+  return std::max(static_cast<float>(options.largest_error), UpperMedian(std::move(errors)));
 }
 
 class Fuser {

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "core/numbers/statistics.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -24,12 +25,6 @@ constexpr double kNotBelow = 0.15;  // of the distance: people often aim at the 
 
 Vector3d AxisOf(const View& view) {
   return view.camera_from_world.rotation.conjugate() * Vector3d::UnitZ();
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Near {
@@ -139,7 +134,7 @@ Vector3d LookedAt(const std::vector<View>& views) {
     std::vector<double> misses(views.size());
     for (std::size_t v = 0; v < views.size(); ++v)
       misses[v] = AxisOf(views[v]).cross(middle - views[v].Center()).norm();
-    const double usual = std::max(1e-12, MedianOf(misses));
+    const double usual = std::max(1e-12, UpperMedian(misses));
     for (std::size_t v = 0; v < views.size(); ++v)
       weights[v] = 1 / (1 + std::pow(misses[v] / (2 * usual), 2));
   }
@@ -151,7 +146,7 @@ std::optional<SupportPlane> FindSupportPlane(const Scene& scene,
   const Vector3d middle = LookedAt(scene.views);
   std::vector<double> distances;
   for (const View& view : scene.views) distances.push_back((view.Center() - middle).norm());
-  const double distance = MedianOf(distances);
+  const double distance = UpperMedian(distances);
   const double thickness = options.thickness * distance;
   const std::vector<Near> points = PointsAround(scene, middle, options.reach * distance, distance);
   if (SizeOf(points) < options.fewest) return std::nullopt;

@@ -8,8 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "reconstruct/surroundings/print_turns.h"
 #include "reconstruct/surroundings/turning_plane.h"
@@ -100,9 +101,7 @@ std::optional<double> RatioOf(const BeforeTripods& set, const Tripod& first, con
   for (const std::vector<double>& of_pair : found)
     ratios.insert(ratios.end(), of_pair.begin(), of_pair.end());
   if (SizeOf(ratios) < kFewestRadii) return std::nullopt;
-  const auto half = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), half, ratios.end());
-  return *half;
+  return UpperMedian(std::move(ratios));
 }
 
 /// Distances in units of the largest tripod's, along matches from one to the next.
@@ -149,9 +148,7 @@ double MedianDistance(const std::vector<Tripod>& tripods) {
   for (const Tripod& tripod : tripods)
     if (tripod.distance > 0)
       distances.insert(distances.end(), tripod.images.size(), tripod.distance);
-  const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), half, distances.end());
-  return *half;
+  return UpperMedian(std::move(distances));
 }
 
 /// The tripod of each photograph that has one with a known distance.

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 
 namespace keypose::reconstruct::testing {
@@ -180,8 +181,7 @@ Accuracy Measure(const RenderedScene& rendered, const PointCloud& cloud, int cou
   accuracy.outliers = static_cast<double>(std::count_if(errors.begin(), errors.end(),
                                                         [](double e) { return e > 5; })) /
                       count;
-  std::sort(errors.begin(), errors.end());
-  accuracy.footprints_90 = errors[0.9 * (count - 1)];
+  accuracy.footprints_90 = QuantileFloor(std::move(errors), 0.9);
   const KdTree tree(cloud.points.topRows(count));
   const SurfaceSamples samples =
       SampleSurface(rendered.truth.points, rendered.truth.faces, 5000, 7);

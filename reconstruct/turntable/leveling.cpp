@@ -7,6 +7,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "core/numbers/statistics.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -32,19 +33,6 @@ struct LevelingTuning {
   KEYPOSE_TUNED(double, kOffCircle, 0.03);
   KEYPOSE_TUNED(double, kOutliers, 0.01);  // of the points, at each end
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// Axis of the rotation from view i to view j, in the world. Rotation angles near 0 and 180 degrees
 /// give none.
@@ -201,9 +189,8 @@ Box ObjectBox(const Scene& scene, const Matrix3d& upright) {
     std::vector<double> values;
     for (const SparsePoint& point : scene.points)
       values.push_back(upright.row(k).dot(point.position));
-    box.low(k) = Quantile(values, LevelingTuning::kOutliers);
-    box.high(k) = Quantile(values, 1 - LevelingTuning::kOutliers);
-    box.middle(k) = Median(values);
+    box.low(k) = QuantileFloor(values, LevelingTuning::kOutliers);
+    box.high(k) = QuantileFloor(values, 1 - LevelingTuning::kOutliers);
   }
   box.middle = (box.low + box.high) / 2;
   return box;

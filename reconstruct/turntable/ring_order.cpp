@@ -7,9 +7,10 @@
 #include <map>
 #include <set>
 
-#include "core/values/angles.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/numerics/epipolar.h"
@@ -143,14 +144,12 @@ class Sorter {
     for (int k = 0; k < 3; ++k) {
       std::vector<double> values;
       for (const Vector3d& x : points) values.push_back(x[k]);
-      std::sort(values.begin(), values.end());
-      middle_[k] =
-          0.5 * (values[values.size() / 50] + values[values.size() - 1 - values.size() / 50]);
+      const auto [low, high] = TrimmedRange(std::move(values), 0.02);
+      middle_[k] = 0.5 * (low + high);
     }
     std::vector<double> reach;
     for (const Vector3d& x : points) reach.push_back((x - middle_).norm());
-    std::sort(reach.begin(), reach.end());
-    near_ = options_.near_surface * reach[reach.size() * 9 / 10];
+    near_ = options_.near_surface * QuantileAbove(std::move(reach), 0.9);
     PointsX3 surface(std::ssize(points), 3);
     for (std::size_t i = 0; i < points.size(); ++i) surface.row(i) = points[i].transpose();
     surface_.emplace(surface);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/numbers/statistics.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/tuned.h"
 
@@ -73,12 +74,6 @@ Eigen::VectorXd Profile(const Image8& mask) {
       profile(static_cast<int>(static_cast<std::int64_t>(y) * kRows / mask.height)) +=
           *mask.at(x, y) > 127;
   return profile / mask.width;
-}
-
-double UpperMedian(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace

@@ -5,8 +5,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/values/camera.h"
 #include "core/numbers/kd_tree.h"
+#include "core/numbers/statistics.h"
+#include "core/values/camera.h"
 #include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 #include "register/nricp/alignment.h"
@@ -31,13 +32,6 @@ struct LandmarkDoubtTuning {
   KEYPOSE_TUNED(double, kFloor, 0.02);
 };
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// L x L distances along the surface between landmarks.
 Eigen::MatrixXd Between(const Mesh& mesh, const std::vector<int>& vertices) {
   const GeodesicGraph graph(mesh.points, mesh.faces, GeodesicGraph::kEdgesOnly);
@@ -58,7 +52,7 @@ class Stress {
     std::vector<double> logs;
     for (Eigen::Index i = 0; i < source_.rows(); ++i)
       for (Eigen::Index j = 0; j < i; ++j) logs.push_back(Log(i, j, i, j));
-    median_ = Median(logs);
+    median_ = UpperMedian(logs);
   }
   /// |change| of the distance between landmarks i and j whose targets are those of ti and tj.
   double Change(Eigen::Index i, Eigen::Index j, Eigen::Index ti, Eigen::Index tj) const {
@@ -81,7 +75,7 @@ class Stress {
     std::vector<double> changes;
     for (Eigen::Index k = 0; k < count(); ++k)
       if (k != a) changes.push_back(Change(a, k, a, k));
-    return Median(changes);
+    return UpperMedian(changes);
   }
 
  private:
@@ -124,7 +118,7 @@ void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
                    std::vector<char>& named, std::vector<std::string>& doubts) {
   std::vector<double> changes;
   for (Eigen::Index a = 0; a < stress.count(); ++a) changes.push_back(stress.OfOne(a));
-  if (Median(changes) > LandmarkDoubtTuning::kRestLog)
+  if (UpperMedian(changes) > LandmarkDoubtTuning::kRestLog)
     return;  // nothing fits: probably another shape, not one bad landmark
   for (std::size_t a = 0; a < changes.size(); ++a) {
     if (named[a] || changes[a] < LandmarkDoubtTuning::kMisplacedLog) continue;

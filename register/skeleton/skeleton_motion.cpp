@@ -3,8 +3,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -131,8 +132,7 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
   for (int n : limb.nodes)
     if (body.tree->radius()[n] < LimbAxisTuning::kOutsideBall * ball || limb.nodes.size() < 8)
       radii.push_back(body.tree->radius()[n]);
-  std::sort(radii.begin(), radii.end());
-  const double thick = radii.empty() ? 0 : radii[radii.size() * 4 / 5];
+  const double thick = QuantileAbove(std::move(radii), 0.8);
   Center(body.scene, static_cast<int>(kAxisSamples * ball / std::max(axis.length, 1e-300)), thick,
          axis.points);
   line.clear();

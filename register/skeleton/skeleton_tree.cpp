@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -300,10 +301,8 @@ void SkeletonTree::MergeLimb(int limb) {
 bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double reach) {
   if (limbs_.size() != 1) return false;
   const std::vector<int> run = limbs_[0].nodes;
-  std::vector<double> sorted;
-  for (int n : run) sorted.push_back(radius_[n]);
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
+  std::vector<double> radii;
+  for (int n : run) radii.push_back(radius_[n]);
   std::size_t thickest = 0;
   for (std::size_t k = 0; k < run.size(); ++k)
     if (radius_[run[k]] > radius_[run[thickest]]) thickest = k;
@@ -311,7 +310,7 @@ bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double 
   const bool at_front = (nodes_.row(ball) - nodes_.row(run.front())).norm() <
                         (nodes_.row(ball) - nodes_.row(run.back())).norm();
   const int end = at_front ? run.front() : run.back();
-  if (radius_[ball] < thicker * sorted[sorted.size() / 2] ||
+  if (radius_[ball] < thicker * UpperMedian(std::move(radii)) ||
       (nodes_.row(ball) - nodes_.row(end)).norm() > reach * radius_[ball])
     return false;
   Vector3d centre = nodes_.row(ball);

@@ -6,12 +6,13 @@
 #include <map>
 #include <utility>
 
+#include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/image_turns.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/pictures/image_turns.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 #include "synth/scores/score.h"
 
@@ -117,18 +118,6 @@ void Refine(const std::vector<Pair>& pairs, const Vector3d& center, Similarity3*
   }
 }
 
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
-  return values[values.size() / 2];
-}
-
-double Percentile99(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[(values.size() - 1) * 99 / 100];
-}
-
 /// Faces above the foot and near the truth.
 Mesh WithoutFoot(const Mesh& mesh, const Mesh& truth, const Similarity3& truth_from_mesh) {
   const RayScene scene(truth.points, truth.faces);
@@ -192,7 +181,7 @@ RoomCameraScore ScoreRoomCameras(const Scene& truth, const Scene& model, const V
     }
     turns.push_back(errors.first / kDegree), places.push_back(errors.second);
   }
-  score.median_deg = MedianOf(turns), score.median_over_distance = MedianOf(places);
+  score.median_deg = UpperMedian(turns), score.median_over_distance = UpperMedian(places);
   return score;
 }
 
@@ -247,8 +236,8 @@ BaseScore ScoreBase(const Mesh& truth, const Mesh& mesh, const Similarity3& trut
   }
   BaseScore score;
   score.below = std::max(0.0, -placed.col(2).minCoeff()) / diagonal;
-  score.beside = Percentile99(beside);
-  score.anywhere = Percentile99(outside) / diagonal;
+  score.beside = QuantileFloor(beside, 0.99);
+  score.anywhere = QuantileFloor(outside, 0.99) / diagonal;
   score.mean_to_truth = sum / static_cast<double>(samples.rows()) / diagonal;
   const RayScene made(placed, mesh.faces);
   const PointsX3 of_truth = SampleSurface(truth.points, truth.faces, kSamples, 4).points;
@@ -259,7 +248,7 @@ BaseScore ScoreBase(const Mesh& truth, const Mesh& mesh, const Similarity3& trut
         gaps[i] = std::sqrt(made.ClosestPoint(of_truth.row(i)).squared_distance) / diagonal;
       },
       256);
-  score.missing = Percentile99(gaps);
+  score.missing = QuantileFloor(gaps, 0.99);
   return score;
 }
 

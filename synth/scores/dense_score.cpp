@@ -5,12 +5,13 @@
 #include <limits>
 #include <string>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/surface_distance.h"
+#include "core/values/errors.h"
 
 namespace keypose::synth {
 namespace {
@@ -19,14 +20,6 @@ using Eigen::Vector3d;
 
 constexpr int kTruthSamples = 40000;
 constexpr int kSeenBy = 3;
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// Points on the true surface, and whether enough cameras see them.
 struct Places {
@@ -80,8 +73,8 @@ PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const
   const auto near =
       std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 1; });
   score.within_one_footprint = static_cast<double>(near) / static_cast<double>(distances.size());
-  score.median = Quantile(distances, 0.5), score.p90 = Quantile(distances, 0.9),
-  score.p99 = Quantile(distances, 0.99);
+  score.median = QuantileFloor(distances, 0.5), score.p90 = QuantileFloor(distances, 0.9),
+  score.p99 = QuantileFloor(distances, 0.99);
   const Places places = PlacesOn(truth, views);
   const KdTree tree(points);
   std::vector<char> reached(places.seen.size());
@@ -149,7 +142,7 @@ HullComparison CompareWithHull(const Mesh& truth, const std::vector<View>& views
   const double count = static_cast<double>(excess.size());
   comparison.mean_m /= count, comparison.hull_mean_m /= count,
       comparison.worse_share = worse / count;
-  comparison.worst_excess_footprints = Quantile(std::move(excess), 0.999);
+  comparison.worst_excess_footprints = QuantileFloor(std::move(excess), 0.999);
   return comparison;
 }
 

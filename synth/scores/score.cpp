@@ -7,14 +7,15 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/surfaces/surface_distance.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
-#include "core/surfaces/surface_distance.h"
 
 namespace keypose::synth {
 namespace {
@@ -94,16 +95,13 @@ Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarit
   Similarity3 best = truth_from_mesh;
   for (int round = 0; round < rounds; ++round) {
     const std::vector<RayScene::Foot> feet = Feet(scene, Transformed(best, samples));
-    std::vector<double> sorted;
+    std::vector<double> squares;
     PointsX3 goals(samples.rows(), 3);
     for (Eigen::Index i = 0; i < samples.rows(); ++i) {
       goals.row(i) = feet[i].point.transpose();
-      sorted.push_back(feet[i].squared_distance);
+      squares.push_back(feet[i].squared_distance);
     }
-    std::nth_element(sorted.begin(),
-                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 9 / 10),
-                     sorted.end());
-    const double limit = sorted[sorted.size() * 9 / 10];
+    const double limit = QuantileAbove(std::move(squares), 0.9);
     Eigen::VectorXd weights(samples.rows());
     for (Eigen::Index i = 0; i < samples.rows(); ++i)
       weights[i] = feet[i].squared_distance <= limit ? 1 : 0;

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/mask_fill.h"
 
@@ -91,10 +92,7 @@ MovingSurfaceScore ScoreMovingSurface(const SurfaceScoreCommand& command) {
     all.insert(all.end(), distances[i].begin(), distances[i].end());
   }
   score.mean_m = MeanOf(all);
-  const auto p95 =
-      all.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(all.size()));
-  std::nth_element(all.begin(), p95, all.end());
-  score.p95_m = *p95;
+  score.p95_m = QuantileAbove(std::move(all), 0.95);
   ScoreOutlines(command, frames, &score);
   const double true_difference = SecondDifference(truth);
   if (true_difference > 0) score.second_difference = SecondDifference(frames) / true_difference;

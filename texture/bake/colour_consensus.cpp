@@ -5,8 +5,9 @@
 #include <cmath>
 #include <queue>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::texture {
@@ -34,17 +35,11 @@ struct Show {
 };
 using Shows = std::vector<std::vector<Show>>;  // one list per point
 
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void CompareToMedian(std::vector<Show>& list) {
   std::vector<double> values(list.size());
   const auto median = [&](auto value) {
     for (std::size_t i = 0; i < list.size(); ++i) values[i] = value(list[i]);
-    return MedianOf(values);
+    return UpperMedianInPlace(values);
   };
   Vector3d hue;
   for (int c = 0; c < 3; ++c) hue[c] = median([c](const Show& s) { return s.hue[c]; });
@@ -199,7 +194,8 @@ void FindOtherLights(std::vector<ViewColors>& colors) {
   const Vector2d usual(MiddleOfHalf(x), MiddleOfHalf(y));
   for (const ViewColors& c : colors)
     if (c.places >= kLeastForLight) away.push_back((c.light - usual).norm());
-  const double limit = std::max(ConsensusTuning::kLight, ConsensusTuning::kSpread * MedianOf(away));
+  const double limit =
+      std::max(ConsensusTuning::kLight, ConsensusTuning::kSpread * UpperMedian(std::move(away)));
   for (ViewColors& c : colors)
     c.other_light = c.places >= kLeastForLight && (c.light - usual).norm() > limit;
 }
@@ -232,7 +228,7 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
       off.push_back(std::hypot(s.hue_off / Tuning::kHue, lit / Tuning::kBrightness));
     }
     std::vector<double> sorted = off;
-    const double limit = std::max(1.0, Tuning::kSpread * MedianOf(sorted));
+    const double limit = std::max(1.0, Tuning::kSpread * UpperMedianInPlace(sorted));
     for (std::size_t i = 0; i < list.size(); ++i) contrary[list[i].view].push_back(off[i] > limit);
   }
   for (std::size_t v = 0; v < views.size(); ++v) {

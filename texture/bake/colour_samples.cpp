@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 
 namespace keypose::texture {
@@ -135,8 +136,7 @@ void ColorSampler::WeighSharpness() {
     if (view.sharpness() > 0) known.push_back(view.sharpness());
   sharpness_.assign(views_.size(), 1.0);
   if (known.empty()) return;
-  std::nth_element(known.begin(), known.begin() + known.size() / 2, known.end());
-  const double median = known[known.size() / 2];
+  const double median = UpperMedian(std::move(known));
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].sharpness() > 0)
       sharpness_[v] = std::clamp(views_[v].sharpness() / median, 0.2, 1.5);

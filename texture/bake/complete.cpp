@@ -7,10 +7,11 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 #include "texture/bake/bake_view.h"
 #include "views/atlas/atlas.h"
@@ -68,12 +69,6 @@ using Edges = std::vector<std::pair<int, int>>;
 /// too little is seen in both.
 using Factors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-double MedianOfCopy(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Logarithm of own over other, where both are confident.
 struct Ratios {
   std::vector<int> vertices;
@@ -98,8 +93,7 @@ Ratios CompareVertices(const VertexColors& own, const VertexColors& other) {
                              .cast<double>();
   }
   if (ratios.vertices.empty()) return ratios;
-  for (int c = 0; c < 3; ++c)
-    ratios.median[c] = MedianOfCopy({ratios.logs.col(c).begin(), ratios.logs.col(c).end()});
+  for (int c = 0; c < 3; ++c) ratios.median[c] = UpperMedian(Eigen::VectorXd(ratios.logs.col(c)));
   return ratios;
 }
 

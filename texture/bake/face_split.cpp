@@ -4,8 +4,9 @@
 #include <iterator>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::texture {
 namespace {
@@ -44,10 +45,8 @@ void SplitAtMiddles(Rows& rows, FacesX3& faces) {
 }
 
 double MedianPixels(const Mesh& mesh, const std::vector<View>& views) {
-  Eigen::VectorXd pixels =
-      FaceAreas(mesh.points, mesh.faces).cwiseProduct(PixelsPerUnit(mesh, views).cwiseAbs2());
-  std::nth_element(pixels.begin(), pixels.begin() + pixels.size() / 2, pixels.end());
-  return pixels[pixels.size() / 2];
+  return UpperMedian(Eigen::VectorXd(
+      FaceAreas(mesh.points, mesh.faces).cwiseProduct(PixelsPerUnit(mesh, views).cwiseAbs2())));
 }
 
 }  // namespace

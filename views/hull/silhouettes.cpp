@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 
 namespace keypose {
 namespace {
@@ -173,10 +174,7 @@ double MiddleFootprint(const VisualHull& hull, const Silhouettes& silhouettes) {
   std::vector<double> lengths;
   for (int i = 0; i < silhouettes.views(); ++i)
     lengths.push_back(silhouettes.See(i, middle).footprint);
-  std::nth_element(lengths.begin(),
-                   lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2),
-                   lengths.end());
-  return lengths[lengths.size() / 2];
+  return UpperMedian(std::move(lengths));
 }
 
 PointCloud ExactHullSurface(const VisualHull& hull, const Silhouettes& silhouettes) {
@@ -218,11 +216,8 @@ HullCheck CheckAgainstHull(const std::vector<PreparedView>& views, const VisualH
   ParallelFor(std::ssize(views),
               [&](std::int64_t i) { out.iou[i] = OverlapOf(views[i], grid, silhouettes); });
   for (const double iou : out.iou) out.mean += iou / static_cast<double>(views.size());
-  std::vector<double> sorted = out.iou;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
   // Hair or fur lowers the IoU of all views alike, and then no single view is at fault.
-  const double limit = std::min(least_iou, sorted[sorted.size() / 2] - kStandsOut);
+  const double limit = std::min(least_iou, UpperMedian(out.iou) - kStandsOut);
   for (std::size_t i = 0; i < views.size(); ++i)
     if (out.iou[i] < limit) out.disagreeing.push_back(views[i].name);
   return out;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numbers/statistics.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -221,10 +222,7 @@ double NoiseLevel(const GreyMask& grey) {
         }
       if (count > kBlock * kBlock / 2) blocks.push_back(sum / count * std::sqrt(M_PI / 2) / 6);
     }
-  if (blocks.empty()) return 0;
-  const std::size_t k = blocks.size() / 10;
-  std::nth_element(blocks.begin(), blocks.begin() + k, blocks.end());
-  return blocks[k];
+  return QuantileAbove(std::move(blocks), 0.1);
 }
 
 }  // namespace

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/pictures/image_quality.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {
@@ -166,13 +167,6 @@ Eigen::Vector3d PlaceOn(const Figure& figure, const Drawn& drawn, int i) {
          v * figure.points.row(face[2]);
 }
 
-double MedianSize(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + SizeOf(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Differences and gradients of two normalised pictures, and their correlation.
 GreyMatches Compared(const Figure& figure, const Drawn& drawn, const std::vector<float>& a,
                      const std::vector<float>& b, const std::vector<char>& valid) {
@@ -196,7 +190,7 @@ GreyMatches Compared(const Figure& figure, const Drawn& drawn, const std::vector
       result.matches.push_back({PlaceOn(figure, drawn, i), gradient, difference});
     }
   result.correlation = aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
-  result.deviation = 1.4826 * MedianSize(sizes);
+  result.deviation = 1.4826 * UpperMedian(std::move(sizes));
   return result;
 }
 

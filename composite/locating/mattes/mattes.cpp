@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/numbers/statistics.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {
@@ -16,13 +17,6 @@ constexpr double kShadowColour = 0.06, kDarkest = 0.45;   // of a shadow, relati
 constexpr double kLeastPart = 0.02;                       // of the largest part
 constexpr double kLeastShare = 2e-4;                      // of the picture
 constexpr int kGrabRounds = 3, kGrabSide = 900;
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + SizeOf(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Exposure {
   std::array<double, 3> gain{1, 1, 1};
@@ -39,11 +33,11 @@ Exposure ExposureOf(const Image8& frame, const Image8& plate) {
     for (std::size_t i = 0; i < count; i += 7)
       if (plate.data[3 * i + c] > 20 && plate.data[3 * i + c] < 245)
         ratios.push_back(frame.data[3 * i + c] / static_cast<double>(plate.data[3 * i + c]));
-    if (!ratios.empty()) exposure.gain[c] = Median(ratios);
+    if (!ratios.empty()) exposure.gain[c] = UpperMedian(ratios);
   }
   for (std::size_t i = 0; i < count; i += 7)
     sizes.push_back(std::abs(frame.data[3 * i + 1] - exposure.gain[1] * plate.data[3 * i + 1]));
-  exposure.noise = std::max(0.7, 1.4826 * Median(sizes));
+  exposure.noise = std::max(0.7, 1.4826 * UpperMedian(sizes));
   return exposure;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "composite/locating/outline/shrunk.h"
+#include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
@@ -47,9 +48,7 @@ double DeviationOf(const OutlineMatches& found, double offset_px, double expecte
   for (const OutlineMatch& match : found.matches)
     sizes.push_back(std::abs(match.distance_px - offset_px));
   if (sizes.empty()) return expected_px;
-  const auto middle = sizes.begin() + SizeOf(sizes) / 2;
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(expected_px, 1.4826 * *middle);
+  return std::max(expected_px, 1.4826 * UpperMedian(std::move(sizes)));
 }
 
 void AddOutlines(NormalEquations& equations, const std::vector<SilhouettePoint>& silhouette,
