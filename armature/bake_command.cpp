@@ -3,21 +3,21 @@
 
 #include <nlohmann/json.hpp>
 
+#include "armature/armature_commands.h"
 #include "armature/bake_options.h"
-#include "armature/commands.h"
 #include "armature/live/joint_timing.h"
 #include "armature/live/pose_text.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/live/puppet_files.h"
 #include "armature/recording/curves.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/frame_folder.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/values/size_of.h"
+#include "core/io/pictures/frame_folder.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

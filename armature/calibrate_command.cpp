@@ -6,14 +6,14 @@
 #include <cmath>
 #include <sstream>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/controller/gear_fit.h"
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

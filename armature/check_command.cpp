@@ -4,14 +4,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
 #include "armature/recording/curves.h"
-#include "core/values/angles.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/values/angles.h"
 
 namespace keypose::armature {
 namespace {

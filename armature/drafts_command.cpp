@@ -7,15 +7,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/live/joint_timing.h"
 #include "armature/live/page_stream.h"
 #include "armature/live/puppet_files.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/io/text/line_input.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::armature {

@@ -1,14 +1,14 @@
 // `keypose armature edit`: a recorded take changed as a dope sheet says, as a new take.
 #include <fmt/format.h>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/description/description_file.h"
 #include "armature/recording/curve_edits.h"
 #include "armature/recording/flipbook.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
-#include "core/values/size_of.h"
 #include "core/stage/stage.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

@@ -3,19 +3,19 @@
 
 #include <CLI/CLI.hpp>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
 #include "armature/example/theropod_body.h"
 #include "armature/example/theropod_set.h"
 #include "armature/puppet.h"
-#include "core/values/errors.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

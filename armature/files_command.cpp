@@ -7,14 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
 #include "armature/puppet.h"
 #include "armature/recording/curves.h"
-#include "core/values/errors.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

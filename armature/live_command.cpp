@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/example/theropod.h"
 #include "armature/live/latency.h"
 #include "armature/live/page_stream.h"
@@ -23,10 +23,10 @@
 #include "armature/puppet.h"
 #include "armature/recording/session.h"
 #include "armature/recording/still_joints.h"
-#include "core/values/errors.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "armature/commands.h"
-#include "core/values/errors.h"
+#include "armature/armature_commands.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"

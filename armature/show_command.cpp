@@ -1,5 +1,5 @@
 // `keypose armature show`: what a page needs to show the character of a recorded take.
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/live/page_stream.h"
 #include "armature/live/puppet_files.h"
 #include "core/stage/stage.h"

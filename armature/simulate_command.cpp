@@ -7,15 +7,15 @@
 #include <random>
 #include <sstream>
 
-#include "armature/commands.h"
+#include "armature/armature_commands.h"
 #include "armature/controller/steady_clock.h"
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
 #include "armature/recording/curves.h"
 #include "armature/simulation/simulated_box.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

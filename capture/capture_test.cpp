@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/pictures/checks.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"
+#include "capture/pictures/photograph_checks.h"
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"

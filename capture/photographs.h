@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/pictures/checks.h"
+#include "capture/pictures/photograph_checks.h"
 
 namespace keypose::capture {
 

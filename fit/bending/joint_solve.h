@@ -6,7 +6,7 @@
 #include "core/values/camera.h"
 #include "core/values/landmark_goal.h"
 #include "deform/arap/arap_fit.h"
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 
 namespace keypose::fit {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/values/landmark_goal.h"
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 
 namespace keypose::fit {
 

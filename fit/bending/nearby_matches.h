@@ -5,7 +5,7 @@
 
 #include "core/surfaces/ray_scene.h"
 #include "fit/appearance/textured_render.h"
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 #include "views/placement/surface_features.h"
 
 namespace keypose::fit {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fit/appearance/patch_search.h"
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 #include "views/placement/surface_features.h"
 
 namespace keypose::fit {

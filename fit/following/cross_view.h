@@ -6,7 +6,7 @@
 #include "core/values/mesh.h"
 #include "fit/appearance/patch_shift.h"
 #include "fit/appearance/textured_render.h"
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::fit {

@@ -8,8 +8,8 @@
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "deform/arap/arap_fit.h"
-#include "fit/bending/constraints.h"
 #include "fit/bending/unfold.h"
+#include "fit/bending/view_constraints.h"
 #include "fit/contours/outline.h"
 #include "fit/following/cross_view.h"
 

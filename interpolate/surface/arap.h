@@ -8,7 +8,7 @@
 #include "core/values/mesh.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
-#include "interpolate/surface/constraints.h"
+#include "interpolate/surface/key_constraints.h"
 #include "interpolate/turns/turns.h"
 
 namespace keypose::interpolation {

@@ -6,13 +6,13 @@
 #include <limits>
 #include <map>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "deform/poisson/poisson.h"
-#include "interpolate/surface/constraints.h"
-#include "interpolate/surface/face_paths.h"
 #include "deform/volume/volume_correction.h"
+#include "interpolate/surface/face_paths.h"
+#include "interpolate/surface/key_constraints.h"
 
 namespace keypose::interpolation {
 

@@ -10,7 +10,7 @@
 #include <opencv2/core/version.hpp>
 #include <sstream>
 
-#include "pipeline/commands/commands.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/run/opened_project.h"
 
 namespace keypose::pipeline {

@@ -9,17 +9,17 @@
 #include <set>
 #include <utility>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/painted_masks.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
 #include "core/values/size_of.h"
-#include "pipeline/commands/commands.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/commands/new_project.h"
-#include "pipeline/graph/pipeline_file.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"
+#include "pipeline/graph/pipeline_file.h"
 #include "pipeline/text/text.h"
 
 namespace keypose::pipeline {

@@ -5,14 +5,14 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/glb_mesh.h"
-#include "core/io/pictures/image_kind.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_texture.h"
+#include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/photograph_files.h"
-#include "pipeline/commands/commands.h"
+#include "core/io/text/files.h"
+#include "core/values/file_names.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/commands/new_project.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "pipeline/commands/commands.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/commands/new_project.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"

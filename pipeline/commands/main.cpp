@@ -11,9 +11,9 @@
 #include <system_error>
 #include <utility>
 
-#include "pipeline/commands/commands.h"
-#include "pipeline/run/opened_project.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/graph/stage_info.h"
+#include "pipeline/run/opened_project.h"
 #include "pipeline/text/text.h"
 
 namespace keypose::pipeline {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/commands/commands.h"
 #include "pipeline/cache/project_lock.h"
+#include "pipeline/commands/keypose_commands.h"
+#include "pipeline/disk/zip_writer.h"
 #include "pipeline/run/opened_project.h"
 #include "pipeline/text/text.h"
-#include "pipeline/disk/zip_writer.h"
 
 namespace keypose::pipeline {
 namespace {

@@ -7,13 +7,13 @@
 #include <map>
 #include <set>
 
+#include "pipeline/cache/project_lock.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/run/builder.h"
 #include "pipeline/run/collect_ending.h"
-#include "pipeline/commands/commands.h"
 #include "pipeline/run/observer.h"
-#include "pipeline/cache/project_lock.h"
-#include "pipeline/run/results_folder.h"
 #include "pipeline/run/opened_project.h"
+#include "pipeline/run/results_folder.h"
 #include "pipeline/text/terminal.h"
 #include "pipeline/text/text.h"
 

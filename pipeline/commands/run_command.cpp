@@ -7,12 +7,12 @@
 #include <ctime>
 #include <fstream>
 
-#include "pipeline/run/builder.h"
-#include "pipeline/commands/commands.h"
-#include "pipeline/run/display.h"
 #include "pipeline/cache/project_lock.h"
-#include "pipeline/run/run_checks.h"
+#include "pipeline/commands/keypose_commands.h"
+#include "pipeline/run/builder.h"
+#include "pipeline/run/display.h"
 #include "pipeline/run/opened_project.h"
+#include "pipeline/run/run_checks.h"
 #include "pipeline/text/terminal.h"
 
 namespace keypose::pipeline {

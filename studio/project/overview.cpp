@@ -7,7 +7,7 @@
 
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
-#include "pipeline/commands/commands.h"
+#include "pipeline/commands/keypose_commands.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/run/builder.h"
 #include "pipeline/run/collect_ending.h"
@@ -34,6 +34,10 @@ bool HasPicks(Snapshot& snapshot, const std::string& pose) {
 
 json PoseJson(Snapshot& snapshot, const std::string& pose) {
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  const auto given = [&](const char* word, const std::string& otherwise) {
+    const pipeline::Setting* path = rule ? rule->Given(word) : nullptr;
+    return path ? path->text : otherwise;
+  };
   json meshes = json::array();
   for (const MeshKind kind : {MeshKind::kMesh, MeshKind::kClean, MeshKind::kRefined,
                               MeshKind::kSurface, MeshKind::kCloud})
@@ -42,10 +46,10 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
   return {{"name", pose},
           {"template", snapshot.IsTemplate(pose)},
           {"method", snapshot.IsFitted(pose) ? "fit" : "scan"},
-          {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
+          {"photos", given(pipeline::kPhotosWord, "photos/" + pose)},
           {"photographs", OriginalPhotographs(photos).size()},
-          {"masks", rule && rule->masks ? rule->masks->text : ""},
-          {"mesh", rule && rule->mesh ? rule->mesh->text : ""},
+          {"masks", given("masks", "")},
+          {"mesh", given("mesh", "")},
           {"has_landmarks", HasPicks(snapshot, pose)},
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},

@@ -7,20 +7,20 @@
 #include <optional>
 #include <utility>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
-#include "synth/photographs/calibration_board.h"
+#include "synth/photographs/board_picture.h"
 #include "synth/photographs/enlarged.h"
-#include "synth/worlds/hand.h"
 #include "synth/photographs/light.h"
-#include "synth/worlds/posed_clay.h"
 #include "synth/photographs/ray_table.h"
 #include "synth/photographs/sensor.h"
 #include "synth/photographs/turntable.h"
+#include "synth/worlds/hand.h"
+#include "synth/worlds/posed_clay.h"
 
 namespace keypose::synth {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "synth/photographs/calibration_board.h"
+#include "synth/photographs/board_picture.h"
 #include "synth/photographs/mishaps.h"
 
 namespace keypose::synth {

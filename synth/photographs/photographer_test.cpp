@@ -11,7 +11,7 @@
 #include "core/pictures/render.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/errors.h"
-#include "synth/photographs/calibration_board.h"
+#include "synth/photographs/board_picture.h"
 #include "synth/worlds/polygonize.h"
 
 namespace keypose::synth::photographer_test {

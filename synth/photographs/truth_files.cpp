@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
-#include "core/io/meshes/mesh_io.h"
-#include "synth/photographs/calibration_board.h"
+#include "core/values/errors.h"
+#include "synth/photographs/board_picture.h"
 #include "synth/worlds/outer_surface.h"
 
 namespace keypose::synth {

@@ -9,14 +9,14 @@
 #include "capture/shoot/develop/focus_stack.h"
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/session/announcer.h"
-#include "capture/shoot/session/checks.h"
 #include "capture/shoot/session/helper.h"
 #include "capture/shoot/session/project.h"
 #include "capture/shoot/session/shot_book.h"
+#include "capture/shoot/session/shot_checks.h"
 #include "capture/shoot/session/wishes.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

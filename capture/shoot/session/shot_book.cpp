@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/session/checks.h"
-#include "core/values/errors.h"
+#include "capture/shoot/session/shot_checks.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

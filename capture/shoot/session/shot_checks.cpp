@@ -1,4 +1,4 @@
-#include "capture/shoot/session/checks.h"
+#include "capture/shoot/session/shot_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,10 @@
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
-#include "core/values/errors.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
+#include "core/values/percent.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -87,19 +89,6 @@ double WholeShift(const cv::Mat& before, const cv::Mat& after) {
   return cv::norm(cv::phaseCorrelate(a, b, window));
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::string Percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
-  return text;
-}
-
 /// The photographs of a ring, and what they have in common.
 struct Ring {
   std::vector<PhotographEntry*> entries;
@@ -136,7 +125,7 @@ class Judge {
     const auto median = [&](double PhotographEntry::*number) {
       std::vector<double> values;
       for (const PhotographEntry* entry : ring.entries) values.push_back(entry->*number);
-      return Median(values);
+      return UpperMedian(values);
     };
     ring.crispness = median(&PhotographEntry::crispness);
     ring.sharpness = median(&PhotographEntry::sharpness);
@@ -168,7 +157,7 @@ class Judge {
     JudgeLight(ring, entry);
     constexpr double kClipped = 0.05;
     if (entry.clipped > kClipped)
-      add("clipped", Percent(entry.clipped) + " of the figure is pure white or black",
+      add("clipped", PercentHalfEven(entry.clipped) + " of the figure is pure white or black",
           "change the exposure for the whole pose, or soften the light");
   }
 
@@ -303,9 +292,7 @@ double MovedBetween(const Image8& before, const Image8& after) {
   std::vector<double> moved = Displacements(MatOf(a), MatOf(b), MatOf(mask));
   constexpr std::size_t kFewest = 12;
   if (moved.size() < kFewest) return Decimal(scale * WholeShift(MatOf(a), MatOf(b)), 2);
-  const auto at = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() * 9 / 10);
-  std::nth_element(moved.begin(), at, moved.end());
-  return Decimal(scale * *at, 2);
+  return Decimal(scale * QuantileAbove(std::move(moved), 0.9), 2);
 }
 
 void JudgeAll(SideFile* side) { Judge(side).All(); }

@@ -1,11 +1,11 @@
-#include "interpolate/surface/constraints.h"
+#include "interpolate/surface/key_constraints.h"
 
 #include <algorithm>
 #include <iterator>
 #include <queue>
 
-#include "core/values/errors.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 
 namespace keypose::interpolation {
 

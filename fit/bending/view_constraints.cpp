@@ -1,4 +1,4 @@
-#include "fit/bending/constraints.h"
+#include "fit/bending/view_constraints.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Pins, paths, springs and the floor.
-#include "interpolate/surface/constraints.h"
+#include "interpolate/surface/key_constraints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

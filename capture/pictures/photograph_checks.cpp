@@ -1,4 +1,4 @@
-#include "capture/pictures/checks.h"
+#include "capture/pictures/photograph_checks.h"
 
 #include <algorithm>
 #include <cmath>

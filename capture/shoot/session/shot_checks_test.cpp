@@ -1,4 +1,4 @@
-#include "capture/shoot/session/checks.h"
+#include "capture/shoot/session/shot_checks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "synth/photographs/calibration_board.h"
+#include "synth/photographs/board_picture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
 #include "fit/appearance/patch_shift.h"
 #include "fit/contours/outline.h"
 #include "views/placement/surface_features.h"
