@@ -11,7 +11,7 @@
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
 #include "cleanup/strategies/measure.h"
-#include "cleanup/testing/damage.h"
+#include "cleanup/testing/damaged_meshes.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"

@@ -11,7 +11,7 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
-#include "cleanup/testing/damage.h"
+#include "cleanup/testing/damaged_meshes.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/text/files.h"
 #include "core/pictures/render.h"

@@ -9,7 +9,7 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/strategies/cleanup.h"
-#include "cleanup/testing/damage.h"
+#include "cleanup/testing/damaged_meshes.h"
 #include "core/surfaces/geometry.h"
 #include "core/values/errors.h"
 
@@ -26,7 +26,7 @@ TEST(MakeClosedManifold, MutilatedMeshesComeOutClosedOrAreRefused) {
   CleanupOptions options;
   options.faces = kFaces;
   for (int i = 0; i < kMeshes; i += KEYPOSE_MUTILATED_STEP) {
-    const Mutilated mutilated = MakeMutilated(i);
+    const DamagedMesh mutilated = MakeDamagedMesh(i);
     SCOPED_TRACE(std::to_string(i) + " " + mutilated.story);
     try {
       const CleanupResult once = MakeClosedManifold(mutilated.mesh, options);

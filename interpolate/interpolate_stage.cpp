@@ -16,7 +16,7 @@
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 #include "interpolate/closed_seams.h"
-#include "interpolate/distortion.h"
+#include "interpolate/distortion_meter.h"
 #include "interpolate/interpolate_options.h"
 #include "interpolate/sequence.h"
 #include "interpolate/timing/rules.h"

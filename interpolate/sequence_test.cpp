@@ -11,7 +11,7 @@
 #include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "interpolate/distortion.h"
+#include "interpolate/distortion_meter.h"
 #include "interpolate/testing/played_poses.h"
 
 namespace keypose::interpolation::sequence_test {

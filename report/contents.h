@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/values/image.h"
-#include "report/distortion.h"
+#include "report/distortion_tables.h"
 #include "report/run_record.h"
 #include "report/surface_distance.h"
 #include "report/view_evidence.h"

@@ -8,7 +8,7 @@
 
 #include "cleanup/repair/intersections.h"
 #include "cleanup/repair/topology.h"
-#include "cleanup/testing/damage.h"
+#include "cleanup/testing/damaged_meshes.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/size_of.h"

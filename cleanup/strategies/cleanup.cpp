@@ -9,13 +9,13 @@
 #include "cleanup/repair/handles.h"
 #include "cleanup/repair/intersections.h"
 #include "cleanup/repair/see_through.h"
-#include "cleanup/strategies/damage.h"
+#include "cleanup/strategies/changed_faces.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/strategies/repair_strategies.h"
 #include "cleanup/support/support_plane.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 
 namespace keypose::cleanup {
 namespace {

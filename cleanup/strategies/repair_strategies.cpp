@@ -17,11 +17,11 @@
 #include "cleanup/repair/soup.h"
 #include "cleanup/repair/topology.h"
 #include "cleanup/repair/wrap.h"
-#include "cleanup/strategies/damage.h"
+#include "cleanup/strategies/changed_faces.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/support/support_plane.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 
 namespace keypose::cleanup {

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/surfaces/geometry.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
-#include "interpolate/distortion.h"
+#include "core/values/camera.h"
+#include "core/values/size_of.h"
+#include "interpolate/distortion_meter.h"
 #include "interpolate/sequence.h"
 
 namespace keypose::interpolation {

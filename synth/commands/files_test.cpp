@@ -18,7 +18,7 @@
 #include "core/values/errors.h"
 #include "synth/commands/photos_command.h"
 #include "synth/commands/score_command.h"
-#include "synth/photographs/damage.h"
+#include "synth/photographs/damaged_photographs.h"
 #include "synth/photographs/truth_files.h"
 #include "synth/worlds/outer_surface.h"
 

@@ -5,18 +5,18 @@
 #include <exception>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
-#include "synth/photographs/damage.h"
-#include "synth/scores/motion_score.h"
 #include "synth/commands/pair_command.h"
 #include "synth/commands/performance_command.h"
 #include "synth/commands/photos_command.h"
-#include "synth/rooms/room_command.h"
-#include "synth/rooms/room_score_command.h"
 #include "synth/commands/score_command.h"
 #include "synth/commands/shot_command.h"
+#include "synth/photographs/damaged_photographs.h"
+#include "synth/rooms/room_command.h"
+#include "synth/rooms/room_score_command.h"
+#include "synth/scores/motion_score.h"
 #include "synth/scores/shot_score.h"
 #include "synth/scores/surface_score.h"
 #include "synth/scores/video_score.h"

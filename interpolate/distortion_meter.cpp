@@ -1,4 +1,4 @@
-#include "interpolate/distortion.h"
+#include "interpolate/distortion_meter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "report/distortion.h"
+#include "report/distortion_tables.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,14 +1,14 @@
-#include "synth/photographs/damage.h"
+#include "synth/photographs/damaged_photographs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
 #include "core/values/image.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "synth/photographs/sensor.h"
 
 namespace keypose::synth {

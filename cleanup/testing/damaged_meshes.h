@@ -25,10 +25,10 @@ Mesh Together(const Mesh& a, const Mesh& b);
 
 /// One of the thousand damaged meshes: the index chooses a shape and one to four kinds of damage.
 /// Deterministic.
-struct Mutilated {
+struct DamagedMesh {
   Mesh mesh;
   std::string story;  ///< shape and damage, for messages
 };
-Mutilated MakeMutilated(int index);
+DamagedMesh MakeDamagedMesh(int index);
 
 }  // namespace keypose::cleanup

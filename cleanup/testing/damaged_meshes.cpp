@@ -1,4 +1,4 @@
-#include "cleanup/testing/damage.h"
+#include "cleanup/testing/damaged_meshes.h"
 
 #include <Eigen/Geometry>
 #include <array>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/surfaces/geometry.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -264,10 +264,10 @@ Mesh Together(const Mesh& a, const Mesh& b) {
   return out;
 }
 
-Mutilated MakeMutilated(int index) {
+DamagedMesh MakeDamagedMesh(int index) {
   FixedRandom random(1000003ull * static_cast<std::uint64_t>(index) + 1);
   const Shape shape = BaseShape(index);
-  Mutilated out{shape.mesh, shape.name + ":"};
+  DamagedMesh out{shape.mesh, shape.name + ":"};
   // The first kind cycles, so that each kind is combined with each shape. Up to three more are
   // random.
   const int kinds = SizeOf(Kinds()), first = index / 5 % (kinds + 1), more = random.Below(4);

@@ -1,4 +1,4 @@
-#include "cleanup/strategies/damage.h"
+#include "cleanup/strategies/changed_faces.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/surface_distance.h"
 
