@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "armature/description/armature.h"
-#include "armature/simulation/faults.h"
+#include "armature/simulation/box_faults.h"
 #include "armature/simulation/simulated_sensors.h"
 #include "core/io/text/serial_port.h"
 

@@ -6,13 +6,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/films/actor_regions.h"
-#include "capture/films/exposure.h"
+#include "capture/films/film_exposure.h"
 #include "capture/films/moving_regions.h"
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/empty_set.h"
 #include "capture/segmentation/trimap.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/films/actor_regions.h"
-#include "capture/films/exposure.h"
+#include "capture/films/film_exposure.h"
 #include "capture/films/moving_regions.h"
 #include "capture/films/pixel_modes.h"
 #include "capture/pictures/cv_image.h"

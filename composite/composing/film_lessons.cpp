@@ -9,10 +9,10 @@
 
 #include "composite/follow/follow_film.h"
 #include "composite/layer/linear_light.h"
-#include "composite/light/exposure.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
+#include "composite/light/plate_exposure.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

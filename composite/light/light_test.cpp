@@ -4,8 +4,8 @@
 #include <random>
 
 #include "composite/layer/linear_light.h"
-#include "composite/light/exposure.h"
 #include "composite/light/grain.h"
+#include "composite/light/plate_exposure.h"
 #include "composite/light/shading.h"
 #include "composite/light/shadow_fit.h"
 #include "composite/light/stated_light.h"

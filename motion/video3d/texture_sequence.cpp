@@ -26,7 +26,7 @@ std::vector<FilmedView> ViewsOf(const SequenceInput& input, const FilmedFrame& f
   return views;
 }
 
-Exposure ExposureOf(const SequenceInput& input, const SequenceOptions& options) {
+CameraExposures ExposureOf(const SequenceInput& input, const SequenceOptions& options) {
   std::vector<ColorPair> pairs;
   const int count = std::min(kExposureFrames, input.frames);
   for (int i = 0; i < count && options.level_exposure; ++i) {
@@ -36,7 +36,7 @@ Exposure ExposureOf(const SequenceInput& input, const SequenceOptions& options) 
         frame.points, input.mesh.faces, ViewsOf(input, frame, options.view), kExposureVertices);
     pairs.insert(pairs.end(), some.begin(), some.end());
   }
-  return LevelExposure(pairs, SizeOf(input.views));
+  return LevelExposures(pairs, SizeOf(input.views));
 }
 
 /// The colours that the films show, frame by frame, into the store.

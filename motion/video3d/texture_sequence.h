@@ -8,7 +8,7 @@
 #include "core/values/image.h"
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
-#include "motion/video3d/exposure.h"
+#include "motion/video3d/camera_exposure.h"
 #include "motion/video3d/filmed_view.h"
 #include "motion/video3d/surface_texels.h"
 #include "motion/video3d/texture_fill.h"
@@ -45,7 +45,7 @@ struct ColorStore {
 };
 
 struct SequenceReport {
-  Exposure exposure;
+  CameraExposures exposure;
   double seen_ever = 0;                 ///< share of the surface that some frame shows
   std::vector<double> own, neighbours;  ///< per frame: shares, as FilledTexture
   std::vector<double> covered;          ///< per camera: share of the mesh's pixels in its masks

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/values/mesh.h"
-#include "motion/video3d/exposure.h"
+#include "motion/video3d/camera_exposure.h"
 #include "motion/video3d/filmed_view.h"
 #include "motion/video3d/surface_texels.h"
 
@@ -52,7 +52,7 @@ class ViewBlender {
   std::vector<float> smoothed_;  // texels x cameras: weight by angle and agreement
 };
 
-/// Pairs of views at vertices that both see well, for LevelExposure.
+/// Pairs of views at vertices that both see well, for LevelExposures.
 /// @param most  about how many vertices are looked at
 std::vector<ColorPair> PairsOfViews(const PointsX3& points, const FacesX3& faces,
                                     const std::vector<FilmedView>& views, int most);

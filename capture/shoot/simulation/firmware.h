@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "capture/shoot/simulation/faults.h"
+#include "capture/shoot/simulation/fault_plan.h"
 #include "capture/shoot/simulation/world.h"
 #include "core/io/text/serial_port.h"
 

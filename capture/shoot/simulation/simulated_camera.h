@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "capture/shoot/devices/camera.h"
-#include "capture/shoot/simulation/faults.h"
+#include "capture/shoot/simulation/fault_plan.h"
 #include "capture/shoot/simulation/world.h"
 
 namespace keypose::capture::shoot {

@@ -1,11 +1,11 @@
-#include "capture/shoot/simulation/faults.h"
+#include "capture/shoot/simulation/fault_plan.h"
 
 #include <algorithm>
 #include <charconv>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 

@@ -1,4 +1,4 @@
-#include "composite/light/exposure.h"
+#include "composite/light/plate_exposure.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "motion/video3d/exposure.h"
+#include "motion/video3d/camera_exposure.h"
 
 #include <Eigen/Cholesky>
 #include <array>
@@ -48,8 +48,8 @@ Eigen::VectorXd Solve(const std::vector<LogPair>& logs, const Eigen::VectorXd& o
 
 }  // namespace
 
-Exposure LevelExposure(const std::vector<ColorPair>& pairs, int cameras) {
-  Exposure exposure;
+CameraExposures LevelExposures(const std::vector<ColorPair>& pairs, int cameras) {
+  CameraExposures exposure;
   exposure.gains.assign(cameras, Eigen::Vector3f::Ones());
   exposure.compared.assign(cameras, 0);
   for (int c = 0; c < 3; ++c) {

@@ -1,4 +1,4 @@
-#include "capture/films/exposure.h"
+#include "capture/films/film_exposure.h"
 
 #include <algorithm>
 #include <cmath>

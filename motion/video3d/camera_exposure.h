@@ -1,4 +1,5 @@
-// Exposure and white balance of several cameras, levelled by what they show of the same surface.
+// CameraExposures and white balance of several cameras, levelled by what they show of the same
+// surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +14,7 @@ struct ColorPair {
   float weight = 1;
 };
 
-struct Exposure {
+struct CameraExposures {
   /// per camera: factors of its linear colours after which all agree; their geometric mean is 1
   std::vector<Eigen::Vector3f> gains;
   std::vector<char> compared;  ///< per camera: 0: it shares no surface with the others; gain 1
@@ -22,6 +23,6 @@ struct Exposure {
 /// Least squares of logarithms, with weights that fall for pairs that disagree (Cauchy): highlights
 /// and wrong places have little say. Pairs that are darker than 2 % are left out.
 /// Same bits for any thread count.
-Exposure LevelExposure(const std::vector<ColorPair>& pairs, int cameras);
+CameraExposures LevelExposures(const std::vector<ColorPair>& pairs, int cameras);
 
 }  // namespace keypose::motion

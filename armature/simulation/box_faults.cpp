@@ -1,4 +1,4 @@
-#include "armature/simulation/faults.h"
+#include "armature/simulation/box_faults.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {
