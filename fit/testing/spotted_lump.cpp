@@ -12,7 +12,7 @@ constexpr int kSide = 420;
 std::vector<View> RingAround(const Mesh& mesh, const std::vector<double>& azimuths_deg) {
   std::vector<View> ring;
   for (const double azimuth : azimuths_deg)
-    ring.push_back(FitView(mesh.points, azimuth, 20, kSide, kSide));
+    ring.push_back(keypose::FitView(mesh.points, azimuth, 20, kSide, kSide));
   return ring;
 }
 
