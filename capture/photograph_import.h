@@ -10,12 +10,12 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/capture_options.h"
-#include "capture/photographs.h"
+#include "capture/photograph_files.h"
 #include "capture/room/stroke_masks.h"
 #include "capture/shoot/record/side_file.h"
-#include "core/values/image.h"
 #include "core/io/pictures/image_set.h"
 #include "core/stage/stage_context.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

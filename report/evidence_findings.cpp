@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "report/html.h"
-#include "report/limits.h"
+#include "report/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

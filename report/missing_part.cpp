@@ -7,7 +7,7 @@
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
-#include "report/limits.h"
+#include "report/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

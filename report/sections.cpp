@@ -8,8 +8,8 @@
 #include <set>
 
 #include "report/html.h"
-#include "report/limits.h"
 #include "report/pictures.h"
+#include "report/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

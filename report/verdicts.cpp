@@ -10,7 +10,7 @@
 #include "report/contents.h"
 #include "report/evidence_findings.h"
 #include "report/html.h"
-#include "report/limits.h"
+#include "report/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/numbers/statistics.h"
 #include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
-#include "report/limits.h"
+#include "report/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

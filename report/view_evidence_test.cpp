@@ -7,8 +7,8 @@
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
-#include "report/limits.h"
 #include "report/shots_stage.h"
+#include "report/verdict_limits.h"
 #include "report/view_evidence.h"
 
 namespace keypose::report::view_evidence_test {

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "composite/composing/film_lessons.h"
-#include "composite/composing/geometry.h"
 #include "composite/composing/join.h"
+#include "composite/composing/shot_geometry.h"
 #include "composite/layer/linear_light.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "composite/composing/geometry.h"
+#include "composite/composing/shot_geometry.h"
 #include "composite/layer/character_layer.h"
 #include "composite/layer/set_geometry.h"
 #include "composite/light/grain.h"

@@ -1,4 +1,4 @@
-#include "composite/composing/geometry.h"
+#include "composite/composing/shot_geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
-#include "core/values/limits.h"
+#include "core/values/coordinate_limit.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "fit/tracking/outline_matches.h"
+#include "fit/tracking/outline_residuals.h"
 #include "fit/tracking/pose_prior.h"
 
 namespace keypose::fit {

@@ -11,7 +11,7 @@
 #include "motion/fields/marks.h"
 #include "motion/root/feet.h"
 #include "motion/root/held_patches.h"
-#include "motion/root/patch_tracks.h"
+#include "motion/root/patch_paths.h"
 #include "motion/root/placed_poses.h"
 
 namespace keypose::motion {

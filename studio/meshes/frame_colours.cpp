@@ -5,15 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/values/same_faces.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/meshes/frame_order.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 
 namespace keypose::studio {
 
@@ -93,7 +93,7 @@ json PaintedJson(Snapshot& snapshot, const std::string& shot, const fs::path& fi
 std::pair<std::string, std::string> OwnColours(Snapshot& snapshot, const std::string& shot,
                                                const Mesh& first, const Mesh& laid_out) {
   std::string problem = "neither a texture nor colours of its vertices come with the mesh";
-  if (snapshot.file().texture) {
+  if (snapshot.file().Given("texture")) {
     try {
       ReadImageInfo(OwnTexture(snapshot, shot));
       if (SameLayout(first, laid_out)) return {"texture", ""};
@@ -143,7 +143,7 @@ fs::path FrameTexture(Snapshot& snapshot, const std::string& shot, int frame) {
 
 fs::path OwnTexture(Snapshot& snapshot, const std::string& shot) {
   RequireShot(snapshot, shot);
-  const auto& named = snapshot.file().texture;
+  const auto* named = snapshot.file().Given("texture");
   if (!named) throw NotFound("pipeline.yaml names no texture");
   const fs::path project = snapshot.project();
   const fs::path file =

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
+#include "core/values/errors.h"
 #include "studio/project/films.h"
 #include "studio/project/originals.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 
 namespace keypose::studio {
 

@@ -8,17 +8,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/project/shot_io.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "core/values/size_of.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"
-#include "pipeline/graph/references.h"
+#include "pipeline/graph/sources.h"
 #include "studio/project/kept_picture.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "views/shot/shot.h"
 
 namespace keypose::studio {

@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/values/errors.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/project/shot_clicks.h"
 #include "studio/project/shot_files.h"
 #include "studio/project/shot_setup.h"
@@ -24,13 +24,13 @@ using pipeline::ShotRule;
 namespace {
 
 json FilmJson(Snapshot& snapshot, const ShotRule& rule) {
-  json shot = {{"film", TextOf(rule.film)},
+  json shot = {{"film", TextOf(rule.Given("film"))},
                {"fps", rule.fps},
-               {"plate", TextOf(rule.plate)},
-               {"mattes", TextOf(rule.mattes)},
-               {"clicks", TextOf(rule.clicks)},
-               {"holdout", TextOf(rule.holdout)},
-               {"set", TextOf(rule.set)},
+               {"plate", TextOf(rule.Given("plate"))},
+               {"mattes", TextOf(rule.Given("mattes"))},
+               {"clicks", TextOf(rule.Given("clicks"))},
+               {"holdout", TextOf(rule.Given("holdout"))},
+               {"set", TextOf(rule.Given("set"))},
                {"camera", ShotCamera(snapshot)},
                {"shows", json::array()},
                {"frames", json::array()},
@@ -40,7 +40,7 @@ json FilmJson(Snapshot& snapshot, const ShotRule& rule) {
   for (const ShotRule::Shows& show : rule.shows)
     shot["shows"].push_back({{"frame", show.frame}, {"pose", show.pose.text}});
   try {
-    const auto pictures = PicturesOf(Resolved(snapshot, rule.film->text));
+    const auto pictures = PicturesOf(Resolved(snapshot, rule.Given("film")->text));
     for (const FilmPicture& picture : pictures)
       shot["frames"].push_back(
           {{"frame", picture.frame}, {"name", picture.path.filename().string()}});
@@ -123,7 +123,7 @@ json ShotJson(Snapshot& snapshot) {
 
 fs::path FilmFrameFile(Snapshot& snapshot, int frame) {
   const ShotRule& shot = ShotOf(snapshot);
-  for (const FilmPicture& picture : PicturesOf(Resolved(snapshot, shot.film->text)))
+  for (const FilmPicture& picture : PicturesOf(Resolved(snapshot, shot.Given("film")->text)))
     if (picture.frame == frame) return picture.path;
   throw NotFound(fmt::format("the film has no frame {}", frame));
 }

@@ -1,20 +1,19 @@
-// The puppet as an input device: a session of `keypose armature live`, what its page shows, frames
-// baked from what was recorded.
+#include "studio/server/armature_routes.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
-#include "core/io/meshes/mesh_io.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/run/opened_project.h"
 #include "pipeline/text/text.h"
 #include "studio/meshes/mesh_bytes.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/server/armature_setup.h"
-#include "studio/server/routes.h"
 #include "studio/server/serial_ports.h"
 #include "studio/server/session_answers.h"
 
@@ -97,47 +96,31 @@ std::string LineOf(const json& body) {
 
 }  // namespace
 
-void Routes::FollowArmature() {
-  ArmatureControl::Listener listener;
-  static_cast<SessionListener&>(listener) = ToPages(hub_, "armature");
-  listener.baked = [this](int code, const std::string& message) {
-    hub_.Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
-  };
-  // Not before: a take that is there keeps its own puppet if the session was begun with another.
-  listener.began = [this](const ArmatureSetup& setup) {
-    try {
-      KeepSetupOfTake(folder_, setup);
-    } catch (const std::exception&) {  // then its puppet is looked for when it is opened
-    }
-  };
-  armature_ = std::make_unique<ArmatureControl>(folder_, listener);
-}
-
-void Routes::AddArmature() {
-  const fs::path last = LastSetupFile(folder_);
-  Add("GET", "/api/armature", [this, last](const Question&) {
+void ArmatureRoutes::AddTo(RouteTable& table) {
+  const fs::path last = LastSetupFile(project_.folder());
+  table.Get("/api/armature", [this, last](const Question&) {
     const ArmatureStory story = armature_->Story();
     json answer = StoryJson(story);
     answer["baking"] = story.baking;
     answer["ports"] = SerialPorts();
     answer["setup"] = SavedJson(last);
-    ListArmature(folder_, &answer);
+    ListArmature(project_.folder(), &answer);
     return JsonAnswer(answer);
   });
-  Add("POST", "/api/armature/example", [this](const Question&) {
-    const fs::path example = folder_ / "armature/example";
-    if (pipeline::RealDisk().LeadsOutside(example, folder_))
+  table.Post("/api/armature/example", [this](const Question&) {
+    const fs::path example = project_.folder() / "armature/example";
+    if (pipeline::RealDisk().LeadsOutside(example, project_.folder()))
       throw UsageError("armature/example leads out of the project");
     if (!fs::exists(example / "set.ply")) {
       const ChildResult made = RunChild({(pipeline::ProgramFolder() / "keypose-armature").string(),
                                          "example", "--folder", example.string()},
-                                        folder_, 60);
+                                        project_.folder(), 60);
       if (made.exit_code != 0) throw DiskError(made.output);
     }
     return JsonAnswer(ExampleSetup());
   });
-  Add("POST", "/api/armature/start", [this, last](const Question& question) {
-    const ArmatureSetup setup = ArmatureSetupFrom(question.Json(), folder_);
+  table.Post("/api/armature/start", [this, last](const Question& question) {
+    const ArmatureSetup setup = ArmatureSetupFrom(question.Json(), project_.folder());
     const fs::path take = armature_->TakeFolder(setup.take);
     if (fs::exists(take / "curves.json") && !fs::exists(take / "journal.jsonl"))
       throw UsageError(
@@ -148,32 +131,32 @@ void Routes::AddArmature() {
     WriteFileAtomically(last, ArmatureSetupJson(setup).dump());
     return JsonAnswer({{"started", true}});
   });
-  Add("POST", "/api/armature/command", [this](const Question& question) {
+  table.Post("/api/armature/command", [this](const Question& question) {
     armature_->Say(LineOf(question.Json()));
     return JsonAnswer({{"sent", true}});
   });
-  Add("POST", "/api/armature/interrupt", [this](const Question&) {
+  table.Post("/api/armature/interrupt", [this](const Question&) {
     armature_->Interrupt();
     return JsonAnswer({{"sent", true}});
   });
-  Add("POST", "/api/armature/bake", [this, last](const Question& question) {
+  table.Post("/api/armature/bake", [this, last](const Question& question) {
     const json body = question.Json();
     const std::string between = body.at("between");
     if (between != "hold" && between != "linear" && between != "smooth" && between != "keys")
       throw UsageError("between frames it can hold, go linear or smooth; or make keys");
     const json take = body.contains("take") ? body.at("take") : SavedJson(last).at("take");
-    armature_->Bake(SetupOfTake(folder_, TakeName(take)), between);
+    armature_->Bake(SetupOfTake(project_.folder(), TakeName(take)), between);
     return JsonAnswer({{"started", true}});
   });
   AddArmatureViews();
 }
 
-void Routes::AddArmatureViews() {
+void ArmatureRoutes::AddArmatureViews() {
   // Of the session, or of a take that is named.
   const auto setup = [this](const Question& question) {
     const std::string take = question.Get("take");
-    if (!take.empty()) return SetupOfTake(folder_, take);
-    return ArmatureSetupFrom(SavedJson(LastSetupFile(folder_)), folder_);
+    if (!take.empty()) return SetupOfTake(project_.folder(), take);
+    return ArmatureSetupFrom(SavedJson(LastSetupFile(project_.folder())), project_.folder());
   };
   const auto page_folder = [this](const Question& question) {
     const std::string take = question.Get("take");
@@ -184,47 +167,64 @@ void Routes::AddArmatureViews() {
     if (!fs::is_regular_file(file)) throw NotFound("no session has begun");
     return ReadFile(file);
   };
-  Add("GET", "/api/armature/pose", [this](const Question& question) {
+  table.Get("/api/armature/pose", [this](const Question& question) {
     const int after = WholeNumber(question.Get("after", "0"), 0, 2147483647);
     const std::string pose = armature_->Pose(static_cast<std::uint64_t>(after));
     return Answer{200, "application/json", pose.empty() ? "null" : pose, {}, {}};
   });
-  Add("GET", "/api/armature/view", [page_file](const Question& question) {
+  table.Get("/api/armature/view", [page_file](const Question& question) {
     return Answer{200, "application/json", page_file(question, "view.json"), {}, {}};
   });
-  Add("GET", "/api/armature/weights", [page_file](const Question& question) {
+  table.Get("/api/armature/weights", [page_file](const Question& question) {
     return BytesAnswer(page_file(question, "weights.bin"));
   });
-  Add("GET", "/api/armature/frames", [page_file](const Question& question) {
+  table.Get("/api/armature/frames", [page_file](const Question& question) {
     const std::string all = page_file(question, "frames.bin");
     const auto from =
         static_cast<std::size_t>(WholeNumber(question.Get("from", "0"), 0, 2147483647));
     return BytesAnswer(from < all.size() ? all.substr(from) : "");
   });
-  Add("GET", "/api/armature/mesh", [this, setup, page_folder](const Question& question) {
+  table.Get("/api/armature/mesh", [this, setup, page_folder](const Question& question) {
     const ArmatureSetup now = setup(question);
     const bool set = question.Get("what") == "set";
     const std::string& name = set ? now.set : now.mesh;
     if (set && name.empty()) throw NotFound("the set has no geometry");
-    return BytesAnswer(
-        MeshBytes(ReadMesh(name.empty() ? page_folder(question) / "rest.ply" : folder_ / name)));
+    return BytesAnswer(MeshBytes(
+        ReadMesh(name.empty() ? page_folder(question) / "rest.ply" : project_.folder() / name)));
   });
-  Add("GET", "/api/armature/texture", [this, setup](const Question& question) {
+  table.Get("/api/armature/texture", [this, setup](const Question& question) {
     const ArmatureSetup now = setup(question);
     if (now.texture.empty()) throw NotFound("the character has no texture");
-    return PictureAnswer(PictureFile(PictureFolder(), folder_ / now.texture, 0));
+    return PictureAnswer(PictureFile(project_.PictureFolder(), project_.folder() / now.texture, 0));
   });
-  Add("GET", "/api/armature/plate", [this, page_file](const Question& question) {
+  table.Get("/api/armature/plate", [this, page_file](const Question& question) {
     const int index = WholeNumber(question.Get("index", "0"), 0, 1000000);
     const json pictures = json::parse(page_file(question, "view.json")).at("pictures");
     if (pictures.empty()) throw NotFound("there is no plate");
     const fs::path file =
         pictures.at(std::min(static_cast<std::size_t>(index), pictures.size() - 1))
             .get<std::string>();
-    if (pipeline::RealDisk().LeadsOutside(file, folder_))
+    if (pipeline::RealDisk().LeadsOutside(file, project_.folder()))
       throw NotFound("the plate leads out of the project");
-    return PictureAnswer(PictureFile(PictureFolder(), file, 0));
+    return PictureAnswer(PictureFile(project_.PictureFolder(), file, 0));
   });
+}
+
+// FOLLOW
+void ArmatureRoutes::FollowArmature() {
+  ArmatureControl::Listener listener;
+  static_cast<SessionListener&>(listener) = ToPages(project_.hub(), "armature");
+  listener.baked = [this](int code, const std::string& message) {
+    project_.hub().Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
+  };
+  // Not before: a take that is there keeps its own puppet if the session was begun with another.
+  listener.began = [this](const ArmatureSetup& setup) {
+    try {
+      KeepSetupOfTake(project_.folder(), setup);
+    } catch (const std::exception&) {  // then its puppet is looked for when it is opened
+    }
+  };
+  armature_ = std::make_unique<ArmatureControl>(project_.folder(), listener);
 }
 
 }  // namespace keypose::studio

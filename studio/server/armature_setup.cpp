@@ -5,12 +5,12 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/text/text.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/server/session_answers.h"
 #include "studio/server/take_puppet.h"
 

@@ -5,7 +5,7 @@
 #include "core/io/text/files.h"
 #include "core/testing/dng.h"
 #include "core/testing/folder.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/server/routes.h"
 
 namespace keypose::studio::mask_routes_test {

@@ -1,17 +1,17 @@
-// Shooting: a session of `keypose shoot`, its live view, and what has landed.
+#include "studio/server/shoot_routes.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/photograph_files.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/text/text.h"
-#include "studio/project/photographs.h"
-#include "studio/server/routes.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/server/serial_ports.h"
 #include "studio/server/session_answers.h"
 
@@ -92,26 +92,22 @@ json PlansOf(const fs::path& photos) {
 
 }  // namespace
 
-void Routes::FollowShoot() {
-  shoot_ = std::make_unique<ShootControl>(folder_, ToPages(hub_, "shoot"));
-}
-
-void Routes::AddShoot() {
-  const fs::path last = folder_ / ".keypose/studio/shoot.json";
-  Add("GET", "/api/shoot", [this, last](const Question&) {
+void ShootRoutes::AddTo(RouteTable& table) {
+  const fs::path last = project_.folder() / ".keypose/studio/shoot.json";
+  table.Get("/api/shoot", [this, last](const Question&) {
     json answer = StoryJson(shoot_->Story());
     answer["ports"] = SerialPorts();
-    answer["plans"] = PlansOf(folder_ / "photos");
+    answer["plans"] = PlansOf(project_.folder() / "photos");
     answer["setup"] = SavedJson(last);
     return JsonAnswer(answer);
   });
-  Add("POST", "/api/shoot/start", [this, last](const Question& question) {
+  table.Post("/api/shoot/start", [this, last](const Question& question) {
     const ShootSetup setup = SetupFrom(question.Json());
     shoot_->Start(setup);
     WriteFileAtomically(last, SetupJson(setup).dump());
     return JsonAnswer({{"started", true}});
   });
-  Add("POST", "/api/shoot/command", [this](const Question& question) {
+  table.Post("/api/shoot/command", [this](const Question& question) {
     const json body = question.Json();
     const std::string command = body.at("command");
     if (std::find(std::begin(kCommands), std::end(kCommands), command) == std::end(kCommands))
@@ -119,28 +115,33 @@ void Routes::AddShoot() {
     shoot_->Say(body.dump());
     return JsonAnswer({{"sent", true}});
   });
-  Add("POST", "/api/shoot/interrupt", [this](const Question&) {
+  table.Post("/api/shoot/interrupt", [this](const Question&) {
     shoot_->Interrupt();
     return JsonAnswer({{"sent", true}});
   });
   AddShootPictures();
 }
 
-void Routes::AddShootPictures() {
-  Add("GET", "/api/shoot/live", [this](const Question&) {
+void ShootRoutes::AddShootPictures() {
+  table.Get("/api/shoot/live", [this](const Question&) {
     if (!fs::is_regular_file(shoot_->LiveFile())) throw NotFound("there is no live view");
     // In one piece: the file is replaced several times a second.
     return Answer{200, "image/jpeg", ReadFile(shoot_->LiveFile()), {}, {}};
   });
-  Add("GET", "/api/shoot/picture", [this](const Question& question) {
+  table.Get("/api/shoot/picture", [this](const Question& question) {
     const std::string path = question.Need("path");
     const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
-    const fs::path file = folder_ / path;
+    const fs::path file = project_.folder() / path;
     if (!StaysBelow(path) || !path.starts_with("photos/") || !IsPhotographName(file) ||
-        !fs::is_regular_file(file) || pipeline::RealDisk().LeadsOutside(file, folder_))
+        !fs::is_regular_file(file) || pipeline::RealDisk().LeadsOutside(file, project_.folder()))
       throw NotFound(fmt::format("there is no photograph {}", path));
-    return PictureAnswer(PictureFile(PictureFolder(), file, width));
+    return PictureAnswer(PictureFile(project_.PictureFolder(), file, width));
   });
+}
+
+// FOLLOW
+void ShootRoutes::FollowShoot() {
+  shoot_ = std::make_unique<ShootControl>(project_.folder(), ToPages(project_.hub(), "shoot"));
 }
 
 }  // namespace keypose::studio

@@ -1,4 +1,5 @@
-// The filmed shot: its film, clicks, camera and result.
+#include "studio/server/shot_routes.h"
+
 #include <fmt/format.h>
 
 #include <atomic>
@@ -7,11 +8,10 @@
 
 #include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/project/shot.h"
 #include "studio/project/shot_clicks.h"
 #include "studio/project/shot_setup.h"
-#include "studio/server/routes.h"
 
 namespace keypose::studio {
 
@@ -51,49 +51,52 @@ json QuickAnswer(WarmProgram& locate, const std::vector<std::string>& flags,
 
 }  // namespace
 
-void Routes::AddShot() {
-  locate_ = std::make_unique<WarmProgram>(pipeline::ProgramFolder() / "keypose-locate", folder_);
+void ShotRoutes::AddTo(RouteTable& table) {
+  locate_ = std::make_unique<WarmProgram>(pipeline::ProgramFolder() / "keypose-locate",
+                                          project_.folder());
   const auto whole = [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return ShotJson(now); }));
+    return JsonAnswer(project_.With([](Snapshot& now) { return ShotJson(now); }));
   };
-  Add("GET", "/api/shot", whole);
+  table.Get("/api/shot", whole);
   const auto change = [this, whole](void (*save)(Snapshot&, const nlohmann::json&)) {
     return [this, whole, save](const Question& question) {
-      With([&](Snapshot& now) {
+      project_.With([&](Snapshot& now) {
         save(now, question.Json());
         return 0;
       });
-      stale_ = true;
+      project_.Forget();
       return whole(question);
     };
   };
-  Add("PUT", "/api/shot", change(SaveShot));
-  Add("PUT", "/api/shot/clicks", [this, save = change(SaveClicks)](const Question& question) {
+  table.Put("/api/shot", change(SaveShot));
+  table.Put("/api/shot/clicks", [this, save = change(SaveClicks)](const Question& question) {
     locate_->Warm();  // outlines will be asked for
     return save(question);
   });
-  Add("POST", "/api/shot/quick", [this](const Question& question) {
+  table.Post("/api/shot/quick", [this](const Question& question) {
     static std::atomic<int> number = 0;
     const int frame = question.Json().at("frame"), mine = number++ % kMostFrames;
-    const QuickFiles files = QuickFilesOf(folder_, mine);
-    const auto flags = With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
+    const QuickFiles files = QuickFilesOf(project_.folder(), mine);
+    const auto flags =
+        project_.With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
     json answer = QuickAnswer(*locate_, flags, files);
     answer["frame"] = frame;
     answer["number"] = mine;
     return JsonAnswer(answer);
   });
-  Add("GET", "/api/shot/frame", [this](const Question& question) {
+  table.Get("/api/shot/frame", [this](const Question& question) {
     const int frame = WholeNumber(question.Need("frame"), 0, kMostFrames);
     const int width = WholeNumber(question.Get("width", "0"), 0, kMostWidth);
-    const fs::path file = With([&](Snapshot& now) { return FilmFrameFile(now, frame); });
-    return PictureAnswer(PictureFile(PictureFolder(), file, width));
+    const fs::path file = project_.With([&](Snapshot& now) { return FilmFrameFile(now, frame); });
+    return PictureAnswer(PictureFile(project_.PictureFolder(), file, width));
   });
-  Add("GET", "/api/shot/picture", [this](const Question& question) {
+  table.Get("/api/shot/picture", [this](const Question& question) {
     const int number = WholeNumber(question.Get("number", "0"), 0, kMostFrames);
     const int width = WholeNumber(question.Get("width", "0"), 0, kMostWidth);
     const std::string what = question.Need("what");
-    const fs::path file = With([&](Snapshot& now) { return ShotPictureFile(now, what, number); });
-    return PictureAnswer(PictureFile(PictureFolder(), file, width));
+    const fs::path file =
+        project_.With([&](Snapshot& now) { return ShotPictureFile(now, what, number); });
+    return PictureAnswer(PictureFile(project_.PictureFolder(), file, width));
   });
 }
 

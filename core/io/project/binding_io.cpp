@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/values/coordinate_limit.h"
 #include "core/values/errors.h"
-#include "core/values/limits.h"
 
 namespace keypose {
 

@@ -9,10 +9,10 @@
 #include <numeric>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_kind.h"
-#include "core/values/limits.h"
+#include "core/io/text/files.h"
+#include "core/values/coordinate_limit.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {

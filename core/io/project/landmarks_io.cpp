@@ -11,13 +11,13 @@
 #include <set>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/project/binding_io.h"
 #include "core/io/text/files.h"
 #include "core/io/text/json_pick.h"
-#include "core/values/limits.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/coordinate_limit.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
-#include "core/values/limits.h"
+#include "core/values/coordinate_limit.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/binding_io.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/binding_io.h"
 #include "core/io/project/stiffness_map.h"
-#include "core/values/limits.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/coordinate_limit.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

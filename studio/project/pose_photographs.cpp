@@ -1,4 +1,4 @@
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 
 #include <fmt/format.h>
 
@@ -6,15 +6,15 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/raw_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/kept_picture.h"
 #include "studio/project/originals.h"

@@ -1,4 +1,4 @@
-#include "motion/root/patch_tracks.h"
+#include "motion/root/patch_paths.h"
 
 #include <algorithm>
 #include <numeric>

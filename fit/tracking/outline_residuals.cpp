@@ -1,4 +1,4 @@
-#include "fit/tracking/outline_matches.h"
+#include "fit/tracking/outline_residuals.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "studio/project/photographs.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/project/originals.h"
 
 #include <gmock/gmock.h>

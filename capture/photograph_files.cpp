@@ -4,15 +4,15 @@
 #include <regex>
 #include <set>
 
-#include "capture/photographs.h"
+#include "capture/photograph_files.h"
 #include "capture/shoot/develop/photograph.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
+#include "core/numbers/parallel.h"
 #include "core/values/errors.h"
 #include "core/values/exif_focal.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
-#include "core/io/pictures/photograph_files.h"
-#include "core/numbers/parallel.h"
 
 namespace keypose::capture {
 namespace fs = std::filesystem;
