@@ -13,7 +13,7 @@
 #include "capture/photograph_import.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"
-#include "capture/pictures/quality.h"
+#include "capture/pictures/photograph_quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/said_figure.h"
 #include "capture/segmentation/masking.h"
@@ -169,7 +169,7 @@ void SegmentAll(StageContext& stage, PhotographImport& import, const CaptureOpti
 
 struct Written {
   CapturedImage image;
-  Quality quality;
+  PhotographQuality quality;
   Image8 cell;
   Preview preview;
 };

@@ -7,7 +7,7 @@
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"
 #include "capture/pictures/photograph_checks.h"
-#include "capture/pictures/quality.h"
+#include "capture/pictures/photograph_quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/testing/test_images.h"
@@ -151,7 +151,7 @@ TEST(MeasureQuality, ExposureAndClippingAreThoseInsideTheMask) {
   Image8 grey(100, 100, 1, 10), mask(100, 100, 1, 0);
   for (int y = 30; y < 70; ++y)
     for (int x = 30; x < 70; ++x) *grey.at(x, y) = 255, *mask.at(x, y) = 255;
-  const Quality quality = MeasureQuality(grey, mask);
+  const PhotographQuality quality = MeasureQuality(grey, mask);
   EXPECT_EQ(quality.exposure, 255);
   EXPECT_EQ(quality.clipped, 1);
 }

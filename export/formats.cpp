@@ -7,8 +7,8 @@
 #include <sstream>
 #include <utility>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/values/size_of.h"
 #include "export/blender/blender_files.h"
 #include "export/caches/caches.h"
@@ -17,9 +17,9 @@
 #include "export/sequences/sequences.h"
 #include "export/usd/usda.h"
 #include "export/vat/vat.h"
+#include "views/film/frame_painter.h"
 #include "views/film/gif.h"
 #include "views/film/mp4.h"
-#include "views/film/picture.h"
 
 namespace keypose::exporting {
 namespace {

@@ -18,9 +18,9 @@
 #include "motion/video3d/picture_difference.h"
 #include "motion/video3d/texture_sequence.h"
 #include "motion/video3d_options.h"
+#include "views/film/frame_painter.h"
 #include "views/film/ground_shadow.h"
 #include "views/film/mp4.h"
-#include "views/film/picture.h"
 #include "views/shot/rig.h"
 
 namespace keypose::motion {

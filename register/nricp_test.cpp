@@ -13,7 +13,7 @@
 #include "core/values/errors.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/alignment.h"
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 #include "register/testing/scenes.h"
 
 namespace keypose::registration::nricp_test {

@@ -11,7 +11,7 @@
 #include "core/testing/paths.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/nricp.h"
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 
 namespace keypose::registration::pairs_test {
 

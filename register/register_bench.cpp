@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "core/surfaces/geometry.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/size_of.h"
 #include "register/auto/auto_registration.h"
 #include "register/nricp/nricp.h"
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 
 namespace {
 

@@ -22,8 +22,8 @@
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/correspondence.h"
 #include "register/nricp/nricp.h"
-#include "register/quality/picture.h"
-#include "register/quality/quality.h"
+#include "register/quality/correspondence_picture.h"
+#include "register/quality/registration_quality.h"
 #include "register/register_options.h"
 
 namespace keypose::registration {

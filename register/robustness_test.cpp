@@ -19,7 +19,7 @@
 #include "core/values/size_of.h"
 #include "deform/arap/rigid_pieces.h"
 #include "register/auto/auto_registration.h"
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 #include "register/testing/scenes.h"
 #include "register/testing/tubes.h"
 
@@ -297,7 +297,7 @@ TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
 
 INSTANTIATE_TEST_SUITE_P(LeftAndBend, CutTarget,
                          ::testing::Combine(::testing::Values(0.4, 0.8),
-                                          ::testing::Values(0.5, 2.5, 4.5)));
+                                            ::testing::Values(0.5, 2.5, 4.5)));
 
 /// A sheet of n x m vertices, nearly flat, or bent about one side.
 Mesh Sheet(int n, int m, bool bent) {

@@ -10,7 +10,7 @@
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
 #include "export/animation/scene.h"
-#include "views/film/picture.h"
+#include "views/film/frame_painter.h"
 
 namespace keypose::exporting {
 

@@ -6,15 +6,15 @@
 #include <iterator>
 #include <limits>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "deform/levels/step_queue.h"
 #include "register/quality/closest_points.h"
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 
 namespace keypose::registration {
 

@@ -8,16 +8,16 @@
 #include <optional>
 #include <utility>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/gain.h"
 #include "texture/bake/paint.h"
-#include "texture/bake/quality.h"
+#include "texture/bake/texture_quality.h"
 #include "views/atlas/atlas.h"
 
 namespace keypose::texture {

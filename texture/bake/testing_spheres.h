@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 #include "texture/bake/bake.h"
-#include "texture/bake/quality.h"
+#include "texture/bake/texture_quality.h"
 #include "views/atlas/atlas.h"
 
 namespace keypose::texture {

@@ -9,13 +9,13 @@ extern "C" {
 #include <cmath>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+#include "views/film/frame_painter.h"
 #include "views/film/libav.h"
 #include "views/film/palette.h"
-#include "views/film/picture.h"
 
 namespace keypose {
 namespace {
@@ -83,11 +83,6 @@ AvFrame PaletteFrame(const AvFile& file, const AVCodecContext& encoder, const Pa
 
 Image8 Shrunk(const Image8& picture, int width, int height) {
   if (width == picture.width && height == picture.height) return picture;
-  static const std::array<double, 256> light = [] {
-    std::array<double, 256> table;
-    for (int i = 0; i < 256; ++i) table[i] = LinearFromSrgb(i / 255.0);
-    return table;
-  }();
   const auto columns = Overlaps(picture.width, width), rows = Overlaps(picture.height, height);
   Image8 small(width, height, 3);
   ParallelFor(height, [&](std::int64_t row) {
@@ -98,7 +93,7 @@ Image8 Shrunk(const Image8& picture, int width, int height) {
         for (int u = 0; u < SizeOf(columns[x].shares); ++u) {
           const std::uint8_t* rgb = picture.at(columns[x].first + u, rows[y].first + v);
           const double share = rows[y].shares[v] * columns[x].shares[u];
-          for (int k = 0; k < 3; ++k) sum[k] += share * light[rgb[k]];
+          for (int k = 0; k < 3; ++k) sum[k] += share * kLinearDouble[rgb[k]];
         }
       for (int k = 0; k < 3; ++k)
         small.at(x, y)[k] = static_cast<std::uint8_t>(

@@ -14,8 +14,8 @@
 #include "core/numbers/parallel.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "views/film/frame_painter.h"
 #include "views/film/palette.h"
-#include "views/film/picture.h"
 
 namespace keypose::gif_test {
 

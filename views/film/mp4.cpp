@@ -6,8 +6,8 @@ extern "C" {
 }
 
 #include "core/values/errors.h"
+#include "views/film/frame_painter.h"
 #include "views/film/libav.h"
-#include "views/film/picture.h"
 
 namespace keypose {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/record/plan.h"
+#include "capture/shoot/record/shot_plan.h"
 
 namespace keypose::capture::shoot {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "capture/shoot/devices/camera.h"
-#include "capture/shoot/record/plan.h"
+#include "capture/shoot/record/shot_plan.h"
 #include "capture/shoot/record/side_file.h"
 
 namespace keypose::capture::shoot {

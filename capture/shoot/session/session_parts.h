@@ -8,7 +8,7 @@
 
 #include "capture/shoot/devices/camera.h"
 #include "capture/shoot/devices/turntable.h"
-#include "capture/shoot/record/plan.h"
+#include "capture/shoot/record/shot_plan.h"
 #include "capture/shoot/record/side_file.h"
 #include "capture/shoot/session/clock.h"
 #include "capture/shoot/session/conversation.h"

@@ -7,7 +7,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "capture/pictures/cv_image.h"
-#include "capture/pictures/quality.h"
+#include "capture/pictures/photograph_quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "core/numbers/statistics.h"
@@ -275,7 +275,7 @@ Measured MeasurePhotograph(const Image8& image) {
   measured.touches_border = TouchesBorder(mask);
   measured.light = Decimal(LightOfSet(small, mask), 6);
   const Image8 grey = WorkingImage(Grey(image), kSharpness_px);
-  const Quality quality = MeasureQuality(grey, Resized(mask, grey.width, grey.height));
+  const PhotographQuality quality = MeasureQuality(grey, Resized(mask, grey.width, grey.height));
   measured.crispness = Decimal(quality.crispness, 4);
   measured.sharpness = Decimal(quality.laplacian_variance, 2);
   measured.exposure = Decimal(quality.exposure, 2);

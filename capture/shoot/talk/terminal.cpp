@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "capture/shoot/record/plan.h"
-#include "core/values/errors.h"
+#include "capture/shoot/record/shot_plan.h"
 #include "core/io/text/files.h"
 #include "core/io/text/line_input.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

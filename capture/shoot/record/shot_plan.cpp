@@ -1,4 +1,4 @@
-#include "capture/shoot/record/plan.h"
+#include "capture/shoot/record/shot_plan.h"
 
 #include <cmath>
 #include <cstdio>

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "core/values/image.h"
 #include "core/pictures/image_quality.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/image.h"
+#include "core/values/mesh.h"
 #include "texture/bake/bake_view.h"
 
 namespace keypose::texture {

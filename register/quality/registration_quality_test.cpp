@@ -1,4 +1,4 @@
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 
 #include <gtest/gtest.h>
 

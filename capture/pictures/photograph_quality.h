@@ -5,7 +5,7 @@
 
 namespace keypose::capture {
 
-struct Quality {
+struct PhotographQuality {
   double laplacian_variance = 0;  ///< grey levels^2; depends on the object's texture
   double crispness = 0;           ///< in [0, 1]: 0 blurred, 1 crisp; hardly depends on the texture
   double exposure = 0;            ///< mean luma, 0..255
@@ -20,6 +20,6 @@ struct Quality {
 /// their measure.
 /// @param grey  one channel
 /// @param mask  same size, one channel
-Quality MeasureQuality(const Image8& grey, const Image8& mask);
+PhotographQuality MeasureQuality(const Image8& grey, const Image8& mask);
 
 }  // namespace keypose::capture

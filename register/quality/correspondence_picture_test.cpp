@@ -1,4 +1,4 @@
-#include "register/quality/picture.h"
+#include "register/quality/correspondence_picture.h"
 
 #include <gtest/gtest.h>
 

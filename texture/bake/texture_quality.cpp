@@ -1,4 +1,4 @@
-#include "texture/bake/quality.h"
+#include "texture/bake/texture_quality.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "views/film/picture.h"
+#include "views/film/frame_painter.h"
 
 #include <png.h>
 
@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

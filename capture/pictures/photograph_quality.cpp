@@ -1,4 +1,4 @@
-#include "capture/pictures/quality.h"
+#include "capture/pictures/photograph_quality.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -35,7 +35,7 @@ cv::Rect WithReach(const cv::Rect& box, const cv::Size& size) {
 
 }  // namespace
 
-Quality MeasureQuality(const Image8& grey, const Image8& mask) {
+PhotographQuality MeasureQuality(const Image8& grey, const Image8& mask) {
   cv::Mat all = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255))
                              : cv::Mat(MatOf(mask) > 127);
   // Excludes the object's outline, which is an edge of the mask and not of the texture.
@@ -51,7 +51,7 @@ Quality MeasureQuality(const Image8& grey, const Image8& mask) {
   cv::meanStdDev(laplacian, mean, deviation, inside);
   pixels.convertTo(values, CV_32F);
   inside.convertTo(weight, CV_32F, 1 / 255.0);
-  Quality quality;
+  PhotographQuality quality;
   quality.laplacian_variance = deviation[0] * deviation[0];
   quality.crispness =
       1 - std::max(BlurEffect(values, weight, true), BlurEffect(values, weight, false));

@@ -1,13 +1,13 @@
-#include "register/quality/quality.h"
+#include "register/quality/registration_quality.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
-#include "core/surfaces/mesh_checks.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/self_intersections.h"
 #include "core/values/tuned.h"
 #include "register/quality/closest_points.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/landmark_goal.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 
 namespace keypose::registration {
 

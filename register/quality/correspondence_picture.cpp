@@ -1,4 +1,4 @@
-#include "register/quality/picture.h"
+#include "register/quality/correspondence_picture.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,13 +6,13 @@
 #include <cmath>
 #include <functional>
 
-#include "core/values/camera.h"
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 
 namespace keypose::registration {
 
