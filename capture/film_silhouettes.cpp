@@ -11,14 +11,15 @@
 #include "capture/salience/salience_network.h"
 #include "capture/segmentation/masking.h"
 #include "capture/segmentation/trimap.h"
-#include "core/values/errors.h"
-#include "core/values/figure_strokes.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/percent.h"
 #include "core/values/size_of.h"
 #include "views/shot/filmed_view.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::capture {
 namespace {
@@ -279,8 +280,8 @@ void Compare(StageContext& stage, const std::vector<ShotCamera>& cameras,
     most = std::max(most, denied);
     if (denied < kContradicts) continue;
     const std::string& name = cameras[c].name;
-    stage.Warn("camera " + name + ": of its masks " + std::to_string(std::lround(100 * denied)) +
-               " % lie where other cameras see nothing of the actor; look at them, and click what "
+    stage.Warn("camera " + name + ": of its masks " + PercentHalfUp(denied) +
+               " lie where other cameras see nothing of the actor; look at them, and click what "
                "is not the actor (--figure '!" +
                name + "/FRAME:X,Y', in a project keypose figure --shot SHOT --not " + name +
                "/FRAME:X,Y)");

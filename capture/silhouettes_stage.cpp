@@ -18,8 +18,8 @@
 #include "core/values/errors.h"
 #include "core/values/figure_strokes.h"
 #include "core/values/size_of.h"
-#include "views/shot/rig.h"
 #include "views/shot/shot.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::capture {
 namespace {

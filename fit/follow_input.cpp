@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "core/values/errors.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/mesh_checks.h"
 #include "core/numbers/parallel.h"
-#include "core/values/same_faces.h"
+#include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/seams.h"
+#include "core/values/errors.h"
+#include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 #include "views/atlas/atlas.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::fit {
 namespace {

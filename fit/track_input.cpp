@@ -4,14 +4,14 @@
 #include <cmath>
 #include <set>
 
-#include "core/values/errors.h"
 #include "core/io/project/rig_calibration.h"
-#include "core/values/name_list.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/name_list.h"
 #include "core/values/size_of.h"
 #include "fit/tracking/camera_turns.h"
 #include "views/shot/filmed_view.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::fit {
 namespace {

@@ -21,7 +21,7 @@
 #include "views/film/frame_painter.h"
 #include "views/film/ground_shadow.h"
 #include "views/film/mp4.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::motion {
 namespace {

@@ -5,7 +5,7 @@
 #include "core/io/project/colmap_io.h"
 #include "core/stage/stage.h"
 #include "reconstruct/numerics/cpu_seconds.h"
-#include "reconstruct/refinement/refine.h"
+#include "reconstruct/refinement/refine_surface.h"
 #include "views/load/prepared_views.h"
 
 namespace keypose::reconstruct {

@@ -13,8 +13,8 @@
 #include "composite/layer/character_layer.h"
 #include "composite/layer/set_geometry.h"
 #include "composite/light/grain.h"
-#include "composite/light/shading.h"
 #include "composite/light/shadow_fit.h"
+#include "composite/light/shot_light.h"
 #include "composite/plate/clean_plate.h"
 
 namespace keypose::composite {

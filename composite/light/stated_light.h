@@ -2,7 +2,7 @@
 #pragma once
 
 #include "composite/layer/table_shadow.h"
-#include "composite/light/shading.h"
+#include "composite/light/shot_light.h"
 #include "core/values/camera.h"
 
 namespace keypose::composite {

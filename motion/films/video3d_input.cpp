@@ -1,17 +1,18 @@
 #include "motion/films/video3d_input.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "core/values/errors.h"
-#include "core/io/pictures/frame_folder.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/mesh_checks.h"
+#include "core/io/pictures/frame_folder.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/percent.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 #include "motion/video3d/depth_view.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose::motion {
 namespace {
@@ -20,10 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr int kCheckedFrames = 5;
 constexpr double kElsewhere = 0.25, kBadlyPlaced = 0.7;  // share of the mesh's pixels in masks
-
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
-}
 
 /// Pixels of the camera that the mesh covers.
 int PixelsOf(const Mesh& mesh, const FacesX3& faces, const View& view) {
@@ -45,8 +42,7 @@ bool FitsScaled(const Mesh& mesh, const std::vector<View>& views, std::size_t on
   for (std::size_t v = 0; v < views.size(); ++v)
     if (v != one) others.push_back((views[v].Center() - middle).norm());
   if (others.empty()) return false;
-  std::nth_element(others.begin(), others.begin() + SizeOf(others) / 2, others.end());
-  const double ratio = (scaled.Center() - middle).norm() / others[others.size() / 2];
+  const double ratio = (scaled.Center() - middle).norm() / UpperMedian(std::move(others));
   return ratio > 1.0 / 3 && ratio < 3 && PixelsOf(mesh, mesh.faces, scaled) > 0;
 }
 
@@ -149,12 +145,13 @@ void Video3dInput::CheckPlaces(StageContext& stage) {
     const CameraCheck& check = checks[v];
     covered += check.covered, masked += check.masked;
     if (check.masked > 0 && check.covered < kBadlyPlaced * check.masked)
-      stage.Warn("in camera " + views()[v].name + " only " + Percent(check.covered / check.masked) +
+      stage.Warn("in camera " + views()[v].name + " only " +
+                 PercentHalfUp(check.covered / check.masked) +
                  " of the mesh lie in the masks: look at its masks and calibration");
   }
   if (masked > 0 && covered < kElsewhere * masked)
     throw InputError("video3d: the mesh is not where the films show the actor: only " +
-                     Percent(covered / masked) +
+                     PercentHalfUp(covered / masked) +
                      " of its pixels lie in the masks. Let `transfer` write its frames with "
                      "--space template, and check that films and frames begin at one moment");
 }

@@ -12,7 +12,7 @@
 #include "texture/bake/labels.h"
 #include "texture/bake/lattice.h"
 #include "texture/bake/paint.h"
-#include "texture/bake/seams.h"
+#include "texture/bake/seam_levelling.h"
 #include "texture/bake/testing_spheres.h"
 
 namespace keypose::texture::bake_parts_test {

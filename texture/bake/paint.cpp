@@ -5,11 +5,11 @@
 #include <mutex>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 #include "texture/bake/lattice.h"
-#include "texture/bake/seams.h"
+#include "texture/bake/seam_levelling.h"
 
 namespace keypose::texture {
 namespace {

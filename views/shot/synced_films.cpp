@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/rig_calibration.h"
-#include "core/values/name_list.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/name_list.h"
 #include "core/values/size_of.h"
 #include "views/shot/filmed_view.h"
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 namespace keypose {
 namespace {

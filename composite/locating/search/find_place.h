@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "composite/locating/refinement/refine.h"
+#include "composite/locating/refinement/refine_placement.h"
 #include "views/placement/surface_features.h"
 
 namespace keypose::composite {

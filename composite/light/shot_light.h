@@ -9,10 +9,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 
 namespace keypose::composite {
 

@@ -1,4 +1,4 @@
-#include "composite/light/shading.h"
+#include "composite/light/shot_light.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "composite/layer/linear_light.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

@@ -1,12 +1,12 @@
-#include "reconstruct/refinement/shading.h"
+#include "reconstruct/refinement/shading_normals.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/pictures/srgb.h"
 #include "core/values/tuned.h"
 
@@ -42,15 +42,6 @@ Vector3d Slope(const Basis& l, const Vector3d& n) {
           l[3] + l[5] * n.x() + l[6] * n.y() + 6 * l[8] * n.z()};
 }
 
-const std::array<float, 256>& Linear() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> out{};
-    for (int i = 0; i < 256; ++i) out[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
-    return out;
-  }();
-  return table;
-}
-
 // Mean linear brightness of 3 x 3 pixels; vertices are several pixels apart.
 float Brightness(const Image8& color, double x, double y) {
   const int ix = static_cast<int>(x + 0.5), iy = static_cast<int>(y + 0.5);
@@ -59,7 +50,7 @@ float Brightness(const Image8& color, double x, double y) {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const std::uint8_t* p = color.at(ix + dx, iy + dy);
-      sum += 0.2126f * Linear()[p[0]] + 0.7152f * Linear()[p[1]] + 0.0722f * Linear()[p[2]];
+      sum += 0.2126f * LinearOf(p[0]) + 0.7152f * LinearOf(p[1]) + 0.0722f * LinearOf(p[2]);
     }
   return sum / 9;
 }
@@ -152,9 +143,7 @@ class Shading {
         values.push_back(brightness_[i][v] / light);
     }
     if (values.empty()) return 0;
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    const double median = values[values.size() / 2];
+    const double median = UpperMedianInPlace(values);
     double sum = 0, weights = 0;
     for (const double value : values) {
       const double w = Robust((value / median - 1) / 0.1);
@@ -192,9 +181,7 @@ class Shading {
             std::abs(brightness_[i][v] - own * light_[i].dot(Harmonics(normal))) /
             brightness_[i][v]));
     if (errors.empty()) return -1;
-    std::nth_element(errors.begin(),
-                     errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
-    return errors[errors.size() / 2];
+    return UpperMedian(std::move(errors));
   }
 
   const PointsX3& normals_;
@@ -204,12 +191,9 @@ class Shading {
   std::vector<float> own_;
 };
 
-double Median(std::vector<float> values) {
+double MedianOfKnown(std::vector<float> values) {
   std::erase_if(values, [](float v) { return v < 0; });
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return UpperMedian(std::move(values));
 }
 
 }  // namespace
@@ -231,7 +215,8 @@ ShadingNormals NormalsFromShading(const Mesh& mesh, const PointsX3& normals,
           turns[3 * v + c] = static_cast<float>(normal[c] - normals(v, c));
       },
       kShadingGrain);
-  out.residual_before = Median(std::move(before)), out.residual_after = Median(std::move(after));
+  out.residual_before = MedianOfKnown(std::move(before));
+  out.residual_after = MedianOfKnown(std::move(after));
   std::vector<char> known(count);
   for (int v = 0; v < count; ++v) known[v] = out.weight[v] > 0;
   std::vector<float> slow = turns;

@@ -1,4 +1,4 @@
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

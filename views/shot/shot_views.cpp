@@ -1,4 +1,4 @@
-#include "views/shot/rig.h"
+#include "views/shot/shot_views.h"
 
 #include <algorithm>
 #include <cstddef>

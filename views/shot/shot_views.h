@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/stage/stage.h"
+#include "core/values/camera.h"
 #include "views/shot/shot_camera.h"
 
 namespace keypose {

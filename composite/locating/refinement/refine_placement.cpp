@@ -1,4 +1,4 @@
-#include "composite/locating/refinement/refine.h"
+#include "composite/locating/refinement/refine_placement.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

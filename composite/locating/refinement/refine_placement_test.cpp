@@ -1,8 +1,9 @@
 // A place by outlines, and how well outlines show the lens.
 #include <gtest/gtest.h>
 
-#include "composite/locating/refinement/refine.h"
+#include "composite/locating/refinement/refine_placement.h"
 #include "composite/locating/testing/odd_body.h"
+#include "core/pictures/mask_overlap.h"
 
 namespace keypose::composite::refine_test {
 
@@ -15,7 +16,7 @@ TEST(Refined, OutlinesBringADisturbedPlaceBack) {
   const Placement found =
       Refined(figure, evidence, Disturbed(truth, 5, 0.004), {40, 3, 15, nullptr, false}, {});
   EXPECT_LT(ShiftBetween(found, truth, body.points), 0.5);
-  EXPECT_GT(Overlap(Covered(figure, found), matte), 0.99);
+  EXPECT_GT(MaskIoU(Covered(figure, found), matte), 0.99);
 }
 
 TEST(CenterDeviation, FallsWithTheRootOfTheFramesAndIsGreatForAFarFigure) {

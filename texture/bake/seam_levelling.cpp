@@ -1,4 +1,4 @@
-#include "texture/bake/seams.h"
+#include "texture/bake/seam_levelling.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "reconstruct/refinement/refine.h"
+#include "reconstruct/refinement/refine_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/outlines.h"
 #include "reconstruct/refinement/photo_profile.h"
-#include "reconstruct/refinement/shading.h"
+#include "reconstruct/refinement/shading_normals.h"
 #include "reconstruct/refinement/vertex_views.h"
 #include "views/hull/frontier_points.h"
 #include "views/hull/silhouettes.h"

@@ -1,4 +1,4 @@
-#include "reconstruct/refinement/refine.h"
+#include "reconstruct/refinement/refine_surface.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
