@@ -27,7 +27,7 @@ TEST(MakeClosedManifold, MutilatedMeshesComeOutClosedOrAreRefused) {
   options.faces = kFaces;
   for (int i = 0; i < kMeshes; i += KEYPOSE_MUTILATED_STEP) {
     const DamagedMesh mutilated = MakeDamagedMesh(i);
-    SCOPED_TRACE(std::to_string(i) + " " + mutilated.story);
+    SCOPED_TRACE(std::to_string(i) + " " + mutilated.description);
     try {
       const CleanupResult once = MakeClosedManifold(mutilated.mesh, options);
       ++outcomes[once.strategy];

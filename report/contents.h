@@ -96,7 +96,7 @@ struct Finding {
   std::string text;   ///< HTML
   std::string cure;   ///< what to do, as plain text; empty if nothing
 };
-/// All findings, worst first. The limits are in limits.h.
+/// All findings, worst first. The limits are in verdict_limits.h.
 std::vector<Finding> FindAll(const Contents& contents);
 
 /// Whether a pose (or "animation") is good enough.

@@ -272,16 +272,16 @@ DamagedMesh MakeDamagedMesh(int index) {
   // random.
   const int kinds = SizeOf(Kinds()), first = index / 5 % (kinds + 1), more = random.Below(4);
   if (first < kinds) {
-    out.story += std::string(" ") + Kinds()[first].name;
+    out.description += std::string(" ") + Kinds()[first].name;
     Kinds()[first].apply(out.mesh, random);
   }
   for (int i = 0; i < more; ++i) {
     const NamedDamage& kind = Kinds()[random.Below(kinds)];
-    out.story += std::string(", ") + kind.name;
+    out.description += std::string(", ") + kind.name;
     kind.apply(out.mesh, random);
   }
   if (first == kinds) {
-    out.story += " NaNs";
+    out.description += " NaNs";
     PlantNan(out.mesh, random);
   }
   return out;

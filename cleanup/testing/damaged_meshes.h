@@ -27,7 +27,7 @@ Mesh Together(const Mesh& a, const Mesh& b);
 /// Deterministic.
 struct DamagedMesh {
   Mesh mesh;
-  std::string story;  ///< shape and damage, for messages
+  std::string description;  ///< shape and damage, for messages
 };
 DamagedMesh MakeDamagedMesh(int index);
 

@@ -14,7 +14,7 @@ namespace keypose {
 
 /// Checks what every algorithm needs.
 /// @throws InputError  no vertices, no faces, an index out of range, or a vertex that is not finite
-/// or beyond kMostCoordinate (limits.h)
+/// or beyond kMostCoordinate (coordinate_limit.h)
 void RequireUsable(const Mesh& mesh, const std::string& what);
 
 /// @throws InputError  a vertex that is not finite

@@ -1,5 +1,5 @@
-// Where one more landmark would help. Unlike quality.cpp, it works on patches of the source, not on
-// samples.
+// Where one more landmark would help. Unlike registration_quality.cpp, it works on patches of the
+// source, not on samples.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

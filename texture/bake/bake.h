@@ -93,7 +93,7 @@ struct BakeOptions {
   std::vector<std::string> Problems() const;
 };
 
-/// Agreement of a rendered textured mesh with one photograph (quality.h).
+/// Agreement of a rendered textured mesh with one photograph (texture_quality.h).
 struct ViewQuality {
   bool used = false;      ///< it contributed detail to at least one texel
   bool held_out = false;  ///< the values held_out_* are valid

@@ -26,8 +26,8 @@ struct PaintOptions {
 };
 
 /// Combines two pictures: the mean of all views, and the detail of one photograph per face. That
-/// photograph is chosen by a graph cut (labels.h), shifted smoothly in colour (seams.h), and
-/// cross-faded over the faces around a border between two. A texel has the detail where the two
+/// photograph is chosen by a graph cut (labels.h), shifted smoothly in colour (seam_levelling.h),
+/// and cross-faded over the faces around a border between two. A texel has the detail where the two
 /// pictures differ by much less than `detail_step` (square root of linear light), and the mean
 /// where they differ by much more.
 /// Cost: four colour samples per face and view, one evaluation per texel and view.
