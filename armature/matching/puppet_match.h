@@ -8,7 +8,7 @@
 
 #include "armature/description/armature.h"
 #include "armature/matching/chain_match.h"
-#include "armature/matching/skeleton.h"
+#include "armature/matching/joint_skeleton.h"
 #include "core/values/camera.h"
 
 namespace keypose::armature {

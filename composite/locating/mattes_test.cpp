@@ -5,7 +5,8 @@
 
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/matte_outline.h"
-#include "composite/locating/outline/silhouette.h"
+#include "composite/locating/outline/mesh_silhouette.h"
+#include "core/pictures/mask_overlap.h"
 #include "core/values/image.h"
 
 namespace keypose::composite::mattes_test {
@@ -48,8 +49,8 @@ TEST(MatteByColours, FollowsTheFigureWhereTheMeshIsOff) {
       for (int c = 0; c < 3; ++c)
         picture.at(x, y)[c] = static_cast<std::uint8_t>(
             (*truth.at(x, y) ? 170 - 40 * c : 60 + 20 * c) + (7 * x + 13 * y) % 9);
-  EXPECT_LT(Overlap(off, truth), 0.93);
-  EXPECT_GT(Overlap(MatteByColours(picture, off, 10), truth), 0.98);
+  EXPECT_LT(MaskIoU(off, truth), 0.93);
+  EXPECT_GT(MaskIoU(MatteByColours(picture, off, 10), truth), 0.98);
 }
 
 }  // namespace keypose::composite::mattes_test

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fit/body/body_surface.h"
-#include "fit/tracking/silhouette.h"
+#include "fit/tracking/mask_silhouette.h"
 
 namespace keypose::fit {
 

@@ -13,7 +13,7 @@
 #include "register/auto/auto_fit.h"
 #include "register/auto/whole_area.h"
 #include "register/intrinsic/suggest.h"
-#include "register/skeleton/skeleton.h"
+#include "register/skeleton/skeleton_start.h"
 
 namespace keypose::registration {
 

@@ -1,4 +1,5 @@
-// Landmarks, their suggestions, and what is painted on the template.
+#include "studio/server/landmarks_routes.h"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -10,7 +11,6 @@
 #include "studio/project/picks.h"
 #include "studio/project/timeline.h"
 #include "studio/runs/children.h"
-#include "studio/server/routes.h"
 
 namespace keypose::studio {
 
@@ -44,66 +44,77 @@ class OwnFile {
 
 }  // namespace
 
-void Routes::AddLandmarks() {
+void LandmarksRoutes::AddTo(RouteTable& table) {
+  AddPicks(table);
+  AddFits(table);
+  AddPaint(table);
+}
+
+void LandmarksRoutes::AddPicks(RouteTable& table) {
   const auto picks = [](Snapshot& now, const std::string& pose) {
     return now.IsFitted(pose) ? PhotoPicksJson(now, pose) : PicksJson(now, pose);
   };
-  Add("GET", "/api/landmarks", [this, picks](const Question& question) {
+  table.Get("/api/landmarks", [this, picks](const Question& question) {
     const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) { return picks(now, pose); }));
+    return JsonAnswer(project_.With([&](Snapshot& now) { return picks(now, pose); }));
   });
   // The answer is what was saved, not what another tab has saved meanwhile.
-  Add("PUT", "/api/landmarks", [this, picks](const Question& question) {
+  table.Put("/api/landmarks", [this, picks](const Question& question) {
     const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) {
+    return JsonAnswer(project_.With([&](Snapshot& now) {
       (now.IsFitted(pose) ? SavePhotoPicks : SavePicks)(now, pose, question.Json());
       return picks(now, pose);
     }));
   });
-  Add("POST", "/api/landmarks/import", [this, picks](const Question& question) {
+  table.Post("/api/landmarks/import", [this, picks](const Question& question) {
     const std::string pose = question.Need("pose");
     const json body = question.Json();
-    return JsonAnswer(With([&](Snapshot& now) {
+    return JsonAnswer(project_.With([&](Snapshot& now) {
       ImportPicks(now, pose, body.at("name"), body.at("text"));
       return picks(now, pose);
     }));
   });
-  Add("GET", "/api/landmarks/export", [this](const Question& question) {
+  table.Get("/api/landmarks/export", [this](const Question& question) {
     const std::string pose = question.Need("pose"), format = question.Need("format");
-    Answer answer = TextAnswer(With([&](Snapshot& now) { return ExportPicks(now, pose, format); }));
+    Answer answer =
+        TextAnswer(project_.With([&](Snapshot& now) { return ExportPicks(now, pose, format); }));
     answer.download = pose + (format == "pp" ? ".pp" : format == "wrap" ? "_wrap.json" : ".json");
     return answer;
   });
-  Add("GET", "/api/landmarks/advice", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) { return AdviceJson(now, question.Need("pose")); }));
-  });
-  Add("GET", "/api/landmarks/fit", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) { return PairFitJson(now, question.Need("pose")); }));
-  });
-  Add("GET", "/api/landmarks/photographs", [this](const Question& question) {
-    return JsonAnswer(
-        With([&](Snapshot& now) { return PhotoFitJson(now, question.Need("pose")); }));
-  });
-  Add("POST", "/api/landmarks/suggest",
-      [this](const Question& question) { return Suggest(question); });
-  AddPaint();
 }
 
-void Routes::AddPaint() {
-  Add("GET", "/api/stiffness", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return StiffnessJson(now); }));
+void LandmarksRoutes::AddFits(RouteTable& table) {
+  table.Get("/api/landmarks/advice", [this](const Question& question) {
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return AdviceJson(now, question.Need("pose")); }));
   });
-  Add("PUT", "/api/stiffness", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) {
+  table.Get("/api/landmarks/fit", [this](const Question& question) {
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return PairFitJson(now, question.Need("pose")); }));
+  });
+  table.Get("/api/landmarks/photographs", [this](const Question& question) {
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return PhotoFitJson(now, question.Need("pose")); }));
+  });
+  table.Post("/api/landmarks/suggest",
+             [this](const Question& question) { return Suggest(question); });
+}
+
+void LandmarksRoutes::AddPaint(RouteTable& table) {
+  table.Get("/api/stiffness", [this](const Question&) {
+    return JsonAnswer(project_.With([](Snapshot& now) { return StiffnessJson(now); }));
+  });
+  table.Put("/api/stiffness", [this](const Question& question) {
+    return JsonAnswer(project_.With([&](Snapshot& now) {
       SaveStiffness(now, question.Json());
       return StiffnessJson(now);
     }));
   });
-  Add("GET", "/api/regions", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return RegionsJson(now); }));
+  table.Get("/api/regions", [this](const Question&) {
+    return JsonAnswer(project_.With([](Snapshot& now) { return RegionsJson(now); }));
   });
-  Add("PUT", "/api/regions", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) {
+  table.Put("/api/regions", [this](const Question& question) {
+    return JsonAnswer(project_.With([&](Snapshot& now) {
       const json body = question.Json();
       SaveRegions(now, body);
       FollowPaintedRegions(now, body.at("regions"));
@@ -112,19 +123,19 @@ void Routes::AddPaint() {
   });
 }
 
-Answer Routes::Suggest(const Question& question) {
+Answer LandmarksRoutes::Suggest(const Question& question) {
   const json body = question.Json();
   const std::string pose = body.at("pose");
   const double count = body.at("count");
   if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
-  const OwnFile suggested(folder_ / ".keypose/studio");
+  const OwnFile suggested(project_.folder() / ".keypose/studio");
   std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose-landmarks").string(),
                                     "suggest",
                                     "--suggested",
                                     suggested.path.string(),
                                     "--count",
                                     std::to_string(static_cast<int>(count))};
-  With([&](Snapshot& now) {
+  project_.With([&](Snapshot& now) {
     const std::string whole = now.graph().template_pose;
     for (const auto& [flag, of] : {std::pair{"--source", whole}, std::pair{"--target", pose}}) {
       const auto path = now.PickedMesh(of);
@@ -136,10 +147,10 @@ Answer Routes::Suggest(const Question& question) {
       words.insert(words.end(), {"--landmarks", known.string(), "--landmarks", there.string()});
     return 0;
   });
-  const ChildResult result = RunChild(words, folder_, kSuggestSeconds);
+  const ChildResult result = RunChild(words, project_.folder(), kSuggestSeconds);
   if (result.exit_code != 0) throw InputError(result.output);
   return JsonAnswer(
-      With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested.path); }));
+      project_.With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested.path); }));
 }
 
 }  // namespace keypose::studio

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
 #include <string_view>
 
@@ -51,9 +50,16 @@ json QuickAnswer(WarmProgram& locate, const std::vector<std::string>& flags,
 
 }  // namespace
 
+ShotRoutes::ShotRoutes(SharedProject& project)
+    : PageRoutes(project),
+      locate_(pipeline::ProgramFolder() / "keypose-locate", project.folder()) {}
+
 void ShotRoutes::AddTo(RouteTable& table) {
-  locate_ = std::make_unique<WarmProgram>(pipeline::ProgramFolder() / "keypose-locate",
-                                          project_.folder());
+  AddParts(table);
+  AddPictures(table);
+}
+
+void ShotRoutes::AddParts(RouteTable& table) {
   const auto whole = [this](const Question&) {
     return JsonAnswer(project_.With([](Snapshot& now) { return ShotJson(now); }));
   };
@@ -70,20 +76,26 @@ void ShotRoutes::AddTo(RouteTable& table) {
   };
   table.Put("/api/shot", change(SaveShot));
   table.Put("/api/shot/clicks", [this, save = change(SaveClicks)](const Question& question) {
-    locate_->Warm();  // outlines will be asked for
+    locate_.Warm();  // outlines will be asked for
     return save(question);
   });
-  table.Post("/api/shot/quick", [this](const Question& question) {
-    static std::atomic<int> number = 0;
-    const int frame = question.Json().at("frame"), mine = number++ % kMostFrames;
-    const QuickFiles files = QuickFilesOf(project_.folder(), mine);
-    const auto flags =
-        project_.With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
-    json answer = QuickAnswer(*locate_, flags, files);
-    answer["frame"] = frame;
-    answer["number"] = mine;
-    return JsonAnswer(answer);
-  });
+  table.Post(
+      "/api/shot/quick", [this](const Question& question) { return Quick(question); },
+      Changes::kNothing);
+}
+
+Answer ShotRoutes::Quick(const Question& question) {
+  const int frame = question.Json().at("frame"), mine = quick_number_++ % kMostFrames;
+  const QuickFiles files = QuickFilesOf(project_.folder(), mine);
+  const auto flags =
+      project_.With([&](Snapshot& now) { return QuickLocateFlags(now, frame, files); });
+  json answer = QuickAnswer(locate_, flags, files);
+  answer["frame"] = frame;
+  answer["number"] = mine;
+  return JsonAnswer(answer);
+}
+
+void ShotRoutes::AddPictures(RouteTable& table) {
   table.Get("/api/shot/frame", [this](const Question& question) {
     const int frame = WholeNumber(question.Need("frame"), 0, kMostFrames);
     const int width = WholeNumber(question.Get("width", "0"), 0, kMostWidth);

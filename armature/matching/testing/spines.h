@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "armature/description/armature.h"
+#include "armature/matching/joint_skeleton.h"
 #include "armature/matching/polyline.h"
-#include "armature/matching/skeleton.h"
 
 namespace keypose::armature {
 

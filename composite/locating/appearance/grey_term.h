@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "composite/locating/lens/normal_equations.h"
-#include "composite/locating/outline/silhouette.h"
+#include "composite/locating/outline/mesh_silhouette.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "composite/locating/outline/silhouette.h"
+#include "composite/locating/outline/mesh_silhouette.h"
 
 namespace keypose::composite {
 

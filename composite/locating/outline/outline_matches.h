@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "composite/locating/outline/matte_outline.h"
-#include "composite/locating/outline/silhouette.h"
+#include "composite/locating/outline/mesh_silhouette.h"
 
 namespace keypose::composite {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "composite/locating/outline/matte_outline.h"
+#include "composite/locating/outline/mesh_silhouette.h"
 #include "composite/locating/outline/shrunk.h"
-#include "composite/locating/outline/silhouette.h"
 #include "composite/locating/testing/odd_body.h"
 #include "core/pictures/fit_view.h"
 #include "core/surfaces/geometry.h"

@@ -1,7 +1,7 @@
 // The camera of a filmed shot and the character's place in each of its frames.
 #pragma once
 
-#include "composite/locating/search/shot.h"
+#include "composite/locating/search/located_shot.h"
 #include "core/values/progress.h"
 
 namespace keypose::composite {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "composite/locating/search/shot.h"
+#include "composite/locating/search/located_shot.h"
 #include "core/values/progress.h"
 
 namespace keypose::composite {

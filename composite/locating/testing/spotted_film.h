@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "composite/locating/search/shot.h"
+#include "composite/locating/search/located_shot.h"
 
 namespace keypose::composite {
 

@@ -1,4 +1,4 @@
-#include "studio/project/shot.h"
+#include "studio/project/page_shot.h"
 
 #include <fmt/format.h>
 

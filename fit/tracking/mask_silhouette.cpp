@@ -1,4 +1,4 @@
-#include "fit/tracking/silhouette.h"
+#include "fit/tracking/mask_silhouette.h"
 
 #include <algorithm>
 #include <cmath>

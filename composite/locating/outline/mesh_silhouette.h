@@ -5,9 +5,9 @@
 
 #include "composite/locating/lens/normal_equations.h"
 #include "core/surfaces/face_pairs.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 
 namespace keypose::composite {
 
@@ -42,8 +42,5 @@ std::vector<SilhouettePoint> FindSilhouette(const Figure& figure, const Placemen
 
 /// 255 where the mesh is seen. 1 channel, of the camera's size. Same bits for any thread count.
 Image8 Covered(const Figure& figure, const Placement& at);
-
-/// Area in both over area in either; values above 127 count. 0 when both are empty.
-double Overlap(const Image8& a, const Image8& b);
 
 }  // namespace keypose::composite

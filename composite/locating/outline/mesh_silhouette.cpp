@@ -1,12 +1,12 @@
-#include "composite/locating/outline/silhouette.h"
+#include "composite/locating/outline/mesh_silhouette.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "deform/levels/edge_collapse.h"
 
@@ -145,15 +145,6 @@ Image8 Covered(const Figure& figure, const Placement& at) {
       },
       16);
   return covered;
-}
-
-double Overlap(const Image8& a, const Image8& b) {
-  std::size_t both = 0, either = 0;
-  for (std::size_t i = 0; i < a.data.size(); ++i) {
-    const bool in_a = a.data[i] > 127, in_b = b.data[i] > 127;
-    both += in_a && in_b, either += in_a || in_b;
-  }
-  return either ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }
 
 }  // namespace keypose::composite

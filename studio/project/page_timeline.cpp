@@ -1,4 +1,4 @@
-#include "studio/project/timeline.h"
+#include "studio/project/page_timeline.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/timeline.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/values/errors.h"
 #include "pipeline/graph/timeline_yaml.h"
 #include "studio/project/changes.h"
 #include "studio/project/picks.h"

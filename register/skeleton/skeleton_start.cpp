@@ -1,4 +1,4 @@
-#include "register/skeleton/skeleton.h"
+#include "register/skeleton/skeleton_start.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "armature/matching/skeleton.h"
+#include "armature/matching/joint_skeleton.h"
 
 #include <map>
 #include <set>
