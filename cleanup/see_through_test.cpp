@@ -11,8 +11,8 @@
 #include <set>
 #include <tuple>
 
+#include "cleanup/repair/handle_loops.h"
 #include "cleanup/repair/handles.h"
-#include "cleanup/repair/topology.h"
 #include "cleanup/strategies/cleanup.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/text/files.h"

@@ -1,4 +1,4 @@
-#include "cleanup/support/support_plane.h"
+#include "cleanup/support/support_cut.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
 #include "core/io/project/regions_io.h"
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
 #include "core/surfaces/mesh_checks.h"
@@ -19,8 +19,8 @@
 #include "interpolate/distortion_meter.h"
 #include "interpolate/interpolate_options.h"
 #include "interpolate/sequence.h"
+#include "interpolate/timing/frame_schedule.h"
 #include "interpolate/timing/rules.h"
-#include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {
 namespace {

@@ -9,8 +9,8 @@
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
 #include "interpolate/surface/frame_source.h"
+#include "interpolate/timing/frame_schedule.h"
 #include "interpolate/timing/rules.h"
-#include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {
 

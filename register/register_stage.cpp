@@ -18,7 +18,7 @@
 #include "core/surfaces/seams.h"
 #include "core/values/errors.h"
 #include "register/auto/auto_registration.h"
-#include "register/auto/topology.h"
+#include "register/auto/fused_template.h"
 #include "register/landmarks/landmarks.h"
 #include "register/nricp/correspondence.h"
 #include "register/nricp/nricp.h"

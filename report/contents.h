@@ -9,8 +9,8 @@
 
 #include "core/values/image.h"
 #include "report/distortion_tables.h"
+#include "report/one_way_distance.h"
 #include "report/run_record.h"
-#include "report/surface_distance.h"
 #include "report/view_evidence.h"
 
 namespace keypose::report {

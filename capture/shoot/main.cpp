@@ -17,9 +17,9 @@
 #include "capture/shoot/session/white_card.h"
 #include "capture/shoot/simulation/simulated_set.h"
 #include "capture/shoot/talk/json_lines.h"
-#include "capture/shoot/talk/terminal.h"
-#include "core/values/errors.h"
+#include "capture/shoot/talk/terminal_conversation.h"
 #include "core/io/text/line_input.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "cleanup/repair/components.h"
+#include "cleanup/repair/handle_loops.h"
 #include "cleanup/repair/holes.h"
 #include "cleanup/repair/intersections.h"
 #include "cleanup/repair/see_through.h"
 #include "cleanup/repair/soup.h"
-#include "cleanup/repair/topology.h"
 #include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleanup/repair/handle_loops.h"
 #include "cleanup/repair/intersections.h"
-#include "cleanup/repair/topology.h"
 #include "cleanup/testing/damaged_meshes.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "cleanup/repair/topology.h"
+#include "cleanup/repair/handle_loops.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"

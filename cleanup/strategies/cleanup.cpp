@@ -12,7 +12,7 @@
 #include "cleanup/strategies/changed_faces.h"
 #include "cleanup/strategies/measure.h"
 #include "cleanup/strategies/repair_strategies.h"
-#include "cleanup/support/support_plane.h"
+#include "cleanup/support/support_cut.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/values/errors.h"

@@ -9,9 +9,9 @@
 
 #include "cleanup/strategies/cleanup_options.h"
 #include "cleanup/strategies/cleanup_result.h"
-#include "cleanup/support/support_plane.h"
-#include "core/values/progress.h"
+#include "cleanup/support/support_cut.h"
 #include "core/pictures/sight_lines.h"
+#include "core/values/progress.h"
 
 namespace keypose::cleanup {
 

@@ -7,8 +7,8 @@
 
 #include "core/values/mesh.h"
 #include "core/values/timeline.h"
+#include "interpolate/timing/frame_schedule.h"
 #include "interpolate/timing/spline.h"
-#include "interpolate/timing/timeline.h"
 #include "interpolate/turns/turns.h"
 
 namespace keypose::interpolation {

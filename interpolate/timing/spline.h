@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/values/size_of.h"
-#include "interpolate/timing/timeline.h"
+#include "interpolate/timing/frame_schedule.h"
 
 namespace keypose::interpolation {
 

@@ -7,13 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/io/project/timeline_json.h"
 #include "core/values/errors.h"
-#include "core/io/project/timeline.h"
 #include "pipeline/disk/project_paths.h"
+#include "pipeline/graph/sources_yaml.h"
 #include "pipeline/graph/stage_info.h"
-#include "pipeline/text/text.h"
 #include "pipeline/graph/timeline_yaml.h"
 #include "pipeline/graph/yaml_reader.h"
+#include "pipeline/text/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -47,34 +48,18 @@ class Reader : public YamlReader {
     pose.name = name;
     pose.where = At(key);
     if (node.IsScalar()) {
-      pose.photos = PathText(node, "photos");
+      pose.given.push_back(ReadGiven(*this, kPhotosWord, node, node));
       return pose;
     }
     const std::string what = "pose '" + name + "'";
     Map(node, what,
         [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-          if (field == "photos")
-            pose.photos = PathText(value, field);
-          else if (field == "masks")
-            pose.masks = PathText(value, field);
-          else if (field == "background")
-            pose.background = PathText(value, field);
-          else if (field == "landmarks")
-            pose.landmarks = PathText(value, field);
-          else if (field == "cameras")
-            pose.cameras = PathText(value, field);
-          else if (field == "mesh")
-            pose.mesh = PathText(value, field);
-          else if (field == "texture")
-            pose.texture = PathText(value, field);
-          else if (field == "method")
+          if (field == "method")
             pose.method = Choice(value, field, {"scan", "fit"});
           else if (field == "options")
             pose.options = StepOptions(value, what + ".options");
           else
-            Unknown(field_key, what,
-                    {"photos", "masks", "background", "landmarks", "cameras", "mesh", "texture",
-                     "method", "options"});
+            pose.given.push_back(ReadGiven(*this, field, field_key, value));
         });
     return pose;
   }
@@ -85,24 +70,16 @@ class Reader : public YamlReader {
     shot.name = name;
     shot.where = At(key);
     if (node.IsScalar()) {
-      shot.video = PathText(node, "video");
+      shot.given.push_back(ReadGiven(*this, kVideoWord, node, node));
       return shot;
     }
     const std::string what = "shot '" + name + "'";
     Map(node, what,
         [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-          if (field == "video")
-            shot.video = PathText(value, field);
-          else if (field == "calibration")
-            shot.calibration = PathText(value, field);
-          else if (field == "actor")
-            shot.actor = PathText(value, field);
-          else if (field == "pins")
-            shot.pins = PathText(value, field);
-          else if (field == "options")
+          if (field == "options")
             shot.options = StepOptions(value, what + ".options");
           else
-            Unknown(field_key, what, {"video", "calibration", "actor", "pins", "options"});
+            shot.given.push_back(ReadGiven(*this, field, field_key, value));
         });
     return shot;
   }
@@ -357,27 +334,15 @@ class Reader : public YamlReader {
     shot.where = At(key);
     Map(node, "shot",
         [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-          if (field == "film")
-            shot.film = PathText(value, field);
-          else if (field == "fps")
+          if (field == "fps")
             shot.fps = Fps(value);
           else if (field == "shows")
             shot.shows = Shows(value);
-          else if (field == "plate")
-            shot.plate = PathText(value, field);
-          else if (field == "mattes")
-            shot.mattes = PathText(value, field);
-          else if (field == "clicks")
-            shot.clicks = PathText(value, field);
-          else if (field == "holdout")
-            shot.holdout = PathText(value, field);
-          else if (field == "set")
-            shot.set = PathText(value, field);
           else
-            Unknown(field_key, "shot",
-                    {"film", "fps", "shows", "plate", "mattes", "clicks", "holdout", "set"});
+            shot.given.push_back(ReadGiven(*this, field, field_key, value));
         });
-    if (!shot.film)
+    const auto is_film = [](const GivenSource& source) { return source.word == kFilmWord; };
+    if (std::none_of(shot.given.begin(), shot.given.end(), is_film))
       Fail(key, "the shot has no film; add the folder of its pictures, as in `film: film`");
     if (shot.shows.size() < 2)
       Fail(key,
@@ -413,13 +378,10 @@ class Reader : public YamlReader {
     const bool performance = kind == ProjectKind::kPerformance;
     const std::set<std::string> others =
         performance ? std::set<std::string>{"poses", "template", "timeline", "shot"}
-                    : std::set<std::string>{"shots", "scan", "texture", "marks"};
+                    : std::set<std::string>{"shots"};
     for (const auto& pair : root) {
       const std::string key = pair.first.Scalar();
-      if (!others.contains(key)) continue;
-      Fail(pair.first, fmt::format("`{}` belongs to a project of {}", key,
-                                   performance ? "poses; this one has `kind: performance`"
-                                               : "a performance; add `kind: performance`"));
+      if (others.contains(key)) Fail(pair.first, OfOtherKind(key, kind));
     }
   }
 
@@ -437,12 +399,8 @@ class Reader : public YamlReader {
             file.name = Text(value, field);
           else if (field == "kind")
             file.kind = Kind(value);
-          else if (field == "scan")
-            file.scan = PathText(value, field);
-          else if (field == "texture")
-            file.texture = PathText(value, field);
-          else if (field == "marks")
-            file.marks = PathText(value, field);
+          else if (field == "sources")
+            file.sources = ReadSources(*this, value);
           else if (field == "shot")
             file.shot = FilmedShot(key, value), shot.reset(key);
           else if (field == "template")
@@ -461,9 +419,7 @@ class Reader : public YamlReader {
                   file.steps.push_back(Step(name, step_key, step));
                 });
           else
-            Unknown(key, "the pipeline",
-                    {"name", "kind", "poses", "shots", "shot", "scan", "texture", "marks",
-                     "template", "timeline", "fps", "options", "steps"});
+            file.given.push_back(ReadGiven(*this, field, key, value));
         });
     RequireKeysOfKind(root, file.kind);
     if (!file.timeline.empty()) file.timeline_json = CheckedTimeline(timeline, file.fps);
@@ -473,6 +429,16 @@ class Reader : public YamlReader {
 };
 
 }  // namespace
+
+std::string NameOf(ProjectKind kind) {
+  return kind == ProjectKind::kPerformance ? "performance" : "poses";
+}
+
+std::string OfOtherKind(const std::string& key, ProjectKind kind) {
+  return fmt::format("`{}` belongs to a project of {}", key,
+                     kind == ProjectKind::kPerformance ? "poses; this one has `kind: performance`"
+                                                       : "a performance; add `kind: performance`");
+}
 
 const StepRule* PipelineFile::FindStep(const std::string& step) const {
   const auto it = std::find_if(steps.begin(), steps.end(),

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
+#include "core/io/project/timeline_json.h"
 #include "core/values/errors.h"
-#include "core/io/project/timeline.h"
 #include "pipeline/graph/shown_frames.h"
 
 namespace keypose::pipeline {

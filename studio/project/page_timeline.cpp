@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 #include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
 #include "core/values/errors.h"

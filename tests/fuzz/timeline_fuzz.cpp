@@ -1,5 +1,5 @@
 // Timelines.
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/shoot/talk/json_lines.h"
-#include "capture/shoot/talk/terminal.h"
+#include "capture/shoot/talk/terminal_conversation.h"
 #include "core/io/text/line_input.h"
 #include "core/values/errors.h"
 

@@ -18,7 +18,7 @@
 #include "core/io/project/colmap_io.h"
 #include "core/io/project/landmarks_io.h"
 #include "core/io/project/poses_io.h"
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 #include "core/io/text/files.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"

@@ -1,4 +1,4 @@
-#include "report/surface_distance.h"
+#include "report/one_way_distance.h"
 
 #include <algorithm>
 #include <cmath>

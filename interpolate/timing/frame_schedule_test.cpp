@@ -1,11 +1,11 @@
-#include "interpolate/timing/timeline.h"
+#include "interpolate/timing/frame_schedule.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
 #include "interpolate/timing/easing.h"

@@ -1,4 +1,4 @@
-#include "capture/shoot/talk/terminal.h"
+#include "capture/shoot/talk/terminal_conversation.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // A template whose parts touch in one shape and not in the other: a ring and a horseshoe.
-#include "register/auto/topology.h"
+#include "register/auto/fused_template.h"
 #include "core/testing/paths.h"
 
 #include <gtest/gtest.h>

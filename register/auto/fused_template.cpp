@@ -1,4 +1,4 @@
-#include "register/auto/topology.h"
+#include "register/auto/fused_template.h"
 
 #include <cmath>
 

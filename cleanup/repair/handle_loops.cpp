@@ -1,4 +1,4 @@
-#include "cleanup/repair/topology.h"
+#include "cleanup/repair/handle_loops.h"
 
 #include <algorithm>
 #include <array>

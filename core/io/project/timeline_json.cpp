@@ -1,4 +1,4 @@
-#include "core/io/project/timeline.h"
+#include "core/io/project/timeline_json.h"
 
 #include <fmt/format.h>
 

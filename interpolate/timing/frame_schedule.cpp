@@ -1,4 +1,4 @@
-#include "interpolate/timing/timeline.h"
+#include "interpolate/timing/frame_schedule.h"
 
 #include <cmath>
 
