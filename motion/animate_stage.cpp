@@ -21,8 +21,8 @@
 #include "motion/animate_options.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
-#include "motion/bvh_rig/rig.h"
 #include "motion/bvh_rig/rig_text.h"
+#include "motion/bvh_rig/rigged_mesh.h"
 
 namespace keypose::motion {
 namespace {
@@ -94,7 +94,7 @@ UpAxes UpOf(const RestUps& rest, const std::string& up) {
 }
 
 /// What a person would otherwise only see in the frames.
-void WarnOfClip(StageContext& stage, const MotionClip& clip, const Rig& rig,
+void WarnOfClip(StageContext& stage, const MotionClip& clip, const RiggedMesh& rig,
                 const std::vector<int>& joints, const RestUps& rest,
                 const AnimateOptions& options) {
   std::string missing;
@@ -133,7 +133,7 @@ PointsX3 Upright(const PointsX3& points, bool y_up) {
 }
 
 /// The height on which the feet stand, through all frames.
-double GroundOf(const Rig& rig, const Retarget& retarget, const std::vector<double>& moments,
+double GroundOf(const RiggedMesh& rig, const Retarget& retarget, const std::vector<double>& moments,
                 bool y_up) {
   std::vector<double> lowest;
   for (double moment : moments)
@@ -146,8 +146,8 @@ void Run(StageContext& stage, const AnimateOptions& options) {
   Mesh mesh = ReadMesh(stage.Input("mesh"));
   RequireUsable(mesh, "animate: the rig's mesh");
   const fs::path skeleton = stage.Input("skeleton"), weights = stage.Input("weights");
-  Rig rig = MakeRig(std::move(mesh), ReadFile(skeleton), skeleton.filename().string(),
-                    ReadFile(weights), weights.filename().string());
+  RiggedMesh rig = MakeRig(std::move(mesh), ReadFile(skeleton), skeleton.filename().string(),
+                           ReadFile(weights), weights.filename().string());
   if (!options.all_parts) rig = LargestPart(rig);
   const std::vector<int> joints = MatchJoints(
       clip, rig, stage.Has("joints") ? LoadTable(stage.Input("joints")) : std::vector<JointName>());

@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "capture/agreement/mask_windows.h"
 #include "capture/agreement/space_queries.h"
-#include "capture/agreement/windows.h"
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/set_rounds.h"

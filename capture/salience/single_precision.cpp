@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "capture/salience/wire.h"
+#include "capture/salience/protobuf_fields.h"
 #include "core/values/errors.h"
 
 namespace keypose::capture {

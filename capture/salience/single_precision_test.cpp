@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/salience/wire.h"
+#include "capture/salience/protobuf_fields.h"
 #include "core/values/errors.h"
 
 namespace keypose::capture::single_precision_test {

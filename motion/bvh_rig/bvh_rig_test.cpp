@@ -9,8 +9,8 @@
 #include "core/values/errors.h"
 #include "motion/bvh_rig/joint_names.h"
 #include "motion/bvh_rig/retarget.h"
-#include "motion/bvh_rig/rig.h"
 #include "motion/bvh_rig/rig_text.h"
+#include "motion/bvh_rig/rigged_mesh.h"
 
 namespace keypose::motion::bvh_rig_test {
 
@@ -41,8 +41,8 @@ MotionClip MakeClip(double size, int frames) {
 }
 
 /// A rig of the same body with hanging arms; its mesh has a small triangle at each bone's head.
-Rig MakeBody() {
-  Rig rig;
+RiggedMesh MakeBody() {
+  RiggedMesh rig;
   const auto add = [&](const std::string& name, int parent, double x, double y) {
     rig.bones.push_back({name, parent, {x, y, 0}, {x, y - 0.1, 0}});
     return static_cast<int>(rig.bones.size()) - 1;
@@ -71,13 +71,14 @@ Rig MakeBody() {
   return rig;
 }
 
-Eigen::Vector3d HeadOf(const Rig& rig, const std::vector<BoneMove>& moves, const char* name) {
+Eigen::Vector3d HeadOf(const RiggedMesh& rig, const std::vector<BoneMove>& moves,
+                       const char* name) {
   return moves[rig.Find(name)].head;
 }
 
 TEST(Retarget, HangingArmsTakeTheClipsLevelOnes) {
   const MotionClip clip = MakeClip(1, 1);
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const std::vector<int> joints = MatchJoints(clip, rig, {});
   const std::vector<BoneMove> moves = Retarget(clip, rig, joints, {}).At(0);
   EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.8, 1.3, 0)).norm(), 1e-12);
@@ -93,7 +94,7 @@ TEST(Retarget, ElbowBendsAndThePathIsScaledByTheLegs) {
     column += static_cast<int>(joint.channels.size());
   }
   clip.values(1, 2) = 10;  // z
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const Retarget retarget(clip, rig, MatchJoints(clip, rig, {}), {});
   EXPECT_NEAR(retarget.scale(), 1 / 20.0, 1e-12);
   const std::vector<BoneMove> moves = retarget.At(1);
@@ -105,7 +106,7 @@ TEST(Retarget, ClipThatFacesTheOtherWayIsTurned) {
   MotionClip clip = MakeClip(1, 1);
   for (ClipJoint& joint : clip.joints) joint.offset[0] = -joint.offset[0];
   clip.values(0, 2) = 1;
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const std::vector<BoneMove> moves = Retarget(clip, rig, MatchJoints(clip, rig, {}), {}).At(0);
   EXPECT_LT((HeadOf(rig, moves, "wrist.L") - Eigen::Vector3d(0.8, 1.3, -1)).norm(), 1e-12);
 }
@@ -114,7 +115,7 @@ TEST(Retarget, BetweenTwoFramesThePoseIsBetween) {
   MotionClip clip = MakeClip(1, 2);
   clip.values(1, 1) = 0.2;  // y
   clip.values(1, 3 + 1) = 40;
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const Retarget retarget(clip, rig, MatchJoints(clip, rig, {}), {});
   const Eigen::Vector3d half =
       Eigen::Vector3d(0, 0.9, 0) + ExpOf({0, 20 * kDegree, 0}) * Eigen::Vector3d(0.8, 0.5, 0);
@@ -128,7 +129,7 @@ TEST(Retarget, ClipWithZUpMovesARigWithYUp) {
   for (ClipJoint& joint : clip.joints)
     joint.offset = Eigen::Vector3d(joint.offset[0], -joint.offset[2], joint.offset[1]);
   clip.values(1, 1) = -1;  // a step forwards
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const std::vector<int> joints = MatchJoints(clip, rig, {});
   const RestUps ups = UpsAtRest(clip, rig, joints);
   EXPECT_TRUE(ups.clip.upright && ups.rig.upright);
@@ -144,7 +145,7 @@ TEST(UpsAtRest, BodyThatLiesIsNotUpright) {
   MotionClip clip = MakeClip(1, 1);
   for (ClipJoint& joint : clip.joints)
     joint.offset = Eigen::Vector3d(joint.offset[1], joint.offset[0], 0);
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   const RestUp up = UpsAtRest(clip, rig, MatchJoints(clip, rig, {})).clip;
   EXPECT_TRUE(up.has_legs);
   EXPECT_FALSE(up.upright);
@@ -162,7 +163,7 @@ TEST(BeginsWithItsRest, OnlyWhenTheSecondFrameMoves) {
 }
 
 TEST(Skinned, BoneTurnsItsVerticesAboutItsHead) {
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   std::vector<BoneMove> moves;
   const Eigen::Matrix3d turn = ExpOf({0.3, 1, -0.2});
   for (const Bone& bone : rig.bones) moves.push_back({turn, turn * bone.head});
@@ -239,7 +240,7 @@ TEST(MatchJoints, ATableOfSomeNamesLeavesTheOthersToBeFound) {
   MotionClip clip = MakeClip(1, 1);
   const int odd = clip.Find("LeftArm");
   clip.joints[odd].name = "Oberarm links";
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   std::vector<int> match = MatchJoints(clip, rig, {});
   EXPECT_EQ(BonesWithoutJoint(rig, match), std::vector<std::string>{"upperarm01.L"});
   match = MatchJoints(clip, rig, {{"Oberarm links", "upperarm01.L"}});
@@ -256,7 +257,7 @@ TEST(MatchJoints, UnknownNamesAreListed) {
   MotionClip clip = MakeClip(1, 1);
   for (std::size_t j = 0; j < clip.joints.size(); ++j)
     clip.joints[j].name = "joint" + std::to_string(j);
-  const Rig rig = MakeBody();
+  const RiggedMesh rig = MakeBody();
   try {
     MatchJoints(clip, rig, {});
     FAIL();
@@ -277,7 +278,7 @@ TEST(MakeRig, ReadsGraphsAndMatrices) {
   for (int i = 0; i < 8; ++i) weights += i % 2 ? "1\n" : "0.5\n";
   for (int i = 0; i < 8; ++i) weights += i % 2 ? "0\n" : "0.5\n";
   const std::string skeleton = "1 0 0 0\n2 0 0 1\n3 0 0 2\n#\n2 3\n1 2\n#\n";
-  const Rig rig = MakeRig(box, skeleton, "a.tgf", weights, "a.dmat");
+  const RiggedMesh rig = MakeRig(box, skeleton, "a.tgf", weights, "a.dmat");
   ASSERT_EQ(rig.bones.size(), 2u);
   EXPECT_EQ(rig.bones[0].name, "1-2");
   EXPECT_EQ(rig.bones[1].parent, 0);
@@ -294,7 +295,7 @@ TEST(MakeRig, ReadsMakeHumansFiles) {
       R"({"bones": {"hand": {"head": "b", "tail": "c", "parent": "arm"},
                     "arm": {"head": "a", "tail": "b", "parent": null}},
           "joints": {"a": [0], "b": [0, 1], "c": [2]}})";
-  const Rig rig =
+  const RiggedMesh rig =
       MakeRig(box, skeleton, "a.mhskel", R"({"weights": {"hand": [[3, 2.0]]}})", "a.mhw");
   EXPECT_EQ(rig.bones[0].name, "arm");
   EXPECT_EQ(rig.bones[1].head, 0.5 * (box.points.row(0) + box.points.row(1)).transpose());
@@ -312,14 +313,14 @@ TEST(MakeRig, ReadsMakeHumansFiles) {
 }
 
 TEST(LargestPart, KeepsItsVerticesInOrder) {
-  Rig rig;
+  RiggedMesh rig;
   rig.mesh = MakeBox(1, 1, 1);
   rig.mesh.points.conservativeResize(11, 3);
   rig.mesh.points.bottomRows(3).setRandom();
   rig.mesh.faces.conservativeResize(13, 3);
   rig.mesh.faces.row(12) << 8, 9, 10;
   rig.weights.resize(11);
-  const Rig part = LargestPart(rig);
+  const RiggedMesh part = LargestPart(rig);
   EXPECT_EQ(part.mesh.points, MakeBox(1, 1, 1).points);
   EXPECT_EQ(part.mesh.faces, MakeBox(1, 1, 1).faces);
 }

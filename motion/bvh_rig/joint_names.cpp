@@ -226,7 +226,7 @@ std::vector<int> GuessedMatch(const MotionClip& clip, const std::vector<std::str
   return match;
 }
 
-std::vector<std::string> NamesOf(const Rig& rig) {
+std::vector<std::string> NamesOf(const RiggedMesh& rig) {
   std::vector<std::string> names;
   for (const Bone& bone : rig.bones) names.push_back(bone.name);
   return names;
@@ -243,7 +243,7 @@ std::vector<BodyJoint> MeaningOf(const std::vector<std::string>& names) {
   return MainCount(bare) > MainCount(as_written) ? bare : as_written;
 }
 
-std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
+std::vector<int> MatchJoints(const MotionClip& clip, const RiggedMesh& rig,
                              const std::vector<JointName>& given) {
   std::vector<std::string> joints;
   for (const ClipJoint& joint : clip.joints) joints.push_back(joint.name);
@@ -270,7 +270,7 @@ std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
   return match;
 }
 
-std::vector<std::string> BonesWithoutJoint(const Rig& rig, const std::vector<int>& match) {
+std::vector<std::string> BonesWithoutJoint(const RiggedMesh& rig, const std::vector<int>& match) {
   const std::vector<std::string> names = NamesOf(rig);
   const std::vector<BodyJoint> meanings = MeaningOf(names);
   std::vector<std::string> missing;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/values/motion_clip.h"
-#include "motion/bvh_rig/rig.h"
+#include "motion/bvh_rig/rigged_mesh.h"
 
 namespace keypose::motion {
 
@@ -52,11 +52,11 @@ struct JointName {
 /// @param given  a person's table; the bones and joints that it does not name are guessed
 /// @throws InputError  the table names a joint or bone that does not exist; or neither hips nor
 /// limbs are found and there is no table: lists the names
-std::vector<int> MatchJoints(const MotionClip& clip, const Rig& rig,
+std::vector<int> MatchJoints(const MotionClip& clip, const RiggedMesh& rig,
                              const std::vector<JointName>& given);
 
 /// Names of the hips, upper and lower arms and legs of the rig that no joint moves.
 /// @param match  from MatchJoints
-std::vector<std::string> BonesWithoutJoint(const Rig& rig, const std::vector<int>& match);
+std::vector<std::string> BonesWithoutJoint(const RiggedMesh& rig, const std::vector<int>& match);
 
 }  // namespace keypose::motion

@@ -29,7 +29,7 @@ std::vector<Eigen::Vector3d> RestOf(const MotionClip& clip) {
 /// Bones and joints of a body's limbs, by what they mean.
 struct Limbs {
   std::map<BodyJoint, int> bone;
-  const Rig* rig;
+  const RiggedMesh* rig;
   const std::vector<int>* joints;
   const std::vector<Eigen::Vector3d>* rest;
 
@@ -39,7 +39,7 @@ struct Limbs {
 };
 
 /// By the rig's own names or, where these say nothing, by those of the joints that move them.
-Limbs LimbsOf(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints,
+Limbs LimbsOf(const MotionClip& clip, const RiggedMesh& rig, const std::vector<int>& joints,
               const std::vector<Eigen::Vector3d>& rest) {
   std::vector<std::string> bone_names, joint_names;
   for (int b = 0; b < SizeOf(rig.bones); ++b) {
@@ -103,7 +103,7 @@ double Size(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-RestUps UpsAtRest(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints) {
+RestUps UpsAtRest(const MotionClip& clip, const RiggedMesh& rig, const std::vector<int>& joints) {
   const std::vector<Eigen::Vector3d> rest = RestOf(clip);
   const Limbs limbs = LimbsOf(clip, rig, joints, rest);
   return {UpOfLegs(limbs, true), UpOfLegs(limbs, false)};
@@ -125,7 +125,7 @@ bool BeginsWithItsRest(const MotionClip& clip) {
   return first < kStill && second > kMoved;
 }
 
-Retarget::Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints,
+Retarget::Retarget(const MotionClip& clip, const RiggedMesh& rig, const std::vector<int>& joints,
                    UpAxes up)
     : clip_(clip),
       rig_(rig),

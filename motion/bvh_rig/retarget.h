@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/values/motion_clip.h"
-#include "motion/bvh_rig/rig.h"
+#include "motion/bvh_rig/rigged_mesh.h"
 
 namespace keypose::motion {
 
@@ -18,7 +18,7 @@ struct RestUps {
   RestUp clip, rig;
 };
 /// @param joints  of each bone, from MatchJoints
-RestUps UpsAtRest(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints);
+RestUps UpsAtRest(const MotionClip& clip, const RiggedMesh& rig, const std::vector<int>& joints);
 
 /// Whether the first frame is the clip's rest pose, and the second one is not: recorded clips often
 /// have such a frame in front, which does not belong to the motion.
@@ -39,7 +39,8 @@ struct UpAxes {
 class Retarget {
  public:
   /// @param joints  of each bone, from MatchJoints
-  Retarget(const MotionClip& clip, const Rig& rig, const std::vector<int>& joints, UpAxes up);
+  Retarget(const MotionClip& clip, const RiggedMesh& rig, const std::vector<int>& joints,
+           UpAxes up);
 
   /// @param frame  of the clip; between two frames, between their poses
   /// @pre 0 <= frame <= clip.frame_count() - 1
@@ -48,7 +49,7 @@ class Retarget {
 
  private:
   const MotionClip& clip_;
-  const Rig& rig_;
+  const RiggedMesh& rig_;
   std::vector<int> joints_;
   Eigen::Matrix3d rig_from_clip_ = Eigen::Matrix3d::Identity();
   std::vector<Eigen::Matrix3d> to_clip_rest_;  // of each bone

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/meshes/bone_weights.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::motion {
@@ -142,9 +142,9 @@ std::vector<Bone> BonesOfGraph(const std::string& text, const std::string& name,
 
 }  // namespace
 
-Rig MakeRig(Mesh mesh, const std::string& skeleton, const std::string& skeleton_name,
-            const std::string& weights, const std::string& weights_name) {
-  Rig rig;
+RiggedMesh MakeRig(Mesh mesh, const std::string& skeleton, const std::string& skeleton_name,
+                   const std::string& weights, const std::string& weights_name) {
+  RiggedMesh rig;
   rig.mesh = std::move(mesh);
   std::vector<std::string> columns;
   rig.bones = FirstOf(skeleton) == '{' ? BonesOfJson(skeleton, rig.mesh, skeleton_name)

@@ -8,8 +8,8 @@
 #include "core/values/progress.h"
 #include "reconstruct/meshing/points.h"
 #include "reconstruct/meshing/poisson_surface.h"
+#include "reconstruct/meshing/surface_windows.h"
 #include "reconstruct/meshing/trim.h"
-#include "reconstruct/meshing/windows.h"
 
 namespace keypose::reconstruct {
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "capture/shoot/simulation/fault_plan.h"
-#include "capture/shoot/simulation/world.h"
+#include "capture/shoot/simulation/simulated_world.h"
 #include "core/io/text/serial_port.h"
 
 namespace keypose::capture::shoot {

@@ -7,7 +7,7 @@
 
 #include "capture/shoot/devices/camera.h"
 #include "capture/shoot/simulation/fault_plan.h"
-#include "capture/shoot/simulation/world.h"
+#include "capture/shoot/simulation/simulated_world.h"
 
 namespace keypose::capture::shoot {
 

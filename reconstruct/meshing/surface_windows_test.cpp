@@ -1,5 +1,5 @@
 // A plate with a window that is covered by wrong points, and photographs that see through it.
-#include "reconstruct/meshing/windows.h"
+#include "reconstruct/meshing/surface_windows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "capture/salience/wire.h"
+#include "capture/salience/protobuf_fields.h"
 
 #include "core/values/errors.h"
 

@@ -1,4 +1,4 @@
-#include "reconstruct/meshing/windows.h"
+#include "reconstruct/meshing/surface_windows.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <set>
 #include <tuple>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 

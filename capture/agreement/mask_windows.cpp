@@ -1,4 +1,4 @@
-#include "capture/agreement/windows.h"
+#include "capture/agreement/mask_windows.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -16,7 +16,7 @@ struct Bone {
   Eigen::Vector3d head = Eigen::Vector3d::Zero(), tail = Eigen::Vector3d::Zero();  ///< when bound
 };
 
-struct Rig {
+struct RiggedMesh {
   Mesh mesh;                ///< in the pose in which it was bound to the bones
   std::vector<Bone> bones;  ///< parents before their children
   /// of each vertex: bone and weight; they sum to 1, or there are none
@@ -35,9 +35,9 @@ struct BoneMove {
 /// Linear blend skinning. Vertices without weights move with the first bone.
 /// @param moves  one for each bone
 /// @return V x 3
-PointsX3 Skinned(const Rig& rig, const std::vector<BoneMove>& moves);
+PointsX3 Skinned(const RiggedMesh& rig, const std::vector<BoneMove>& moves);
 
 /// The rig with only the largest connected part of its mesh; its vertices keep their order.
-Rig LargestPart(const Rig& rig);
+RiggedMesh LargestPart(const RiggedMesh& rig);
 
 }  // namespace keypose::motion

@@ -1,6 +1,6 @@
 // A slab with a window, photographed from all round in front of a grey backdrop; all masks have
 // filled the window.
-#include "capture/agreement/windows.h"
+#include "capture/agreement/mask_windows.h"
 
 #include <gtest/gtest.h>
 

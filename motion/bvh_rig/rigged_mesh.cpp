@@ -1,4 +1,4 @@
-#include "motion/bvh_rig/rig.h"
+#include "motion/bvh_rig/rigged_mesh.h"
 
 #include <algorithm>
 
@@ -8,13 +8,13 @@
 
 namespace keypose::motion {
 
-int Rig::Find(const std::string& name) const {
+int RiggedMesh::Find(const std::string& name) const {
   for (int b = 0; b < SizeOf(bones); ++b)
     if (bones[b].name == name) return b;
   return -1;
 }
 
-PointsX3 Skinned(const Rig& rig, const std::vector<BoneMove>& moves) {
+PointsX3 Skinned(const RiggedMesh& rig, const std::vector<BoneMove>& moves) {
   PointsX3 points(rig.mesh.points.rows(), 3);
   ParallelFor(
       points.rows(),
@@ -31,7 +31,7 @@ PointsX3 Skinned(const Rig& rig, const std::vector<BoneMove>& moves) {
   return points;
 }
 
-Rig LargestPart(const Rig& rig) {
+RiggedMesh LargestPart(const RiggedMesh& rig) {
   const FacesX3& faces = rig.mesh.faces;
   UnionFind joined(rig.mesh.points.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
@@ -39,7 +39,7 @@ Rig LargestPart(const Rig& rig) {
   std::vector<int> size(rig.mesh.points.rows(), 0);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) ++size[joined.Find(faces(f, 0))];
   const int largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
-  Rig part;
+  RiggedMesh part;
   part.bones = rig.bones;
   std::vector<int> place(rig.mesh.points.rows(), -1), kept;
   for (int i = 0; i < SizeOf(place); ++i)

@@ -1,9 +1,9 @@
-#include "capture/shoot/simulation/world.h"
+#include "capture/shoot/simulation/simulated_world.h"
 
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 
