@@ -9,7 +9,7 @@
 #include "capture/board/board_detection.h"
 #include "capture/board/board_print.h"
 #include "capture/capture_options.h"
-#include "capture/photograph_files.h"
+#include "capture/find_photographs.h"
 #include "capture/photograph_import.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"

@@ -10,7 +10,7 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/capture_options.h"
-#include "capture/photograph_files.h"
+#include "capture/find_photographs.h"
 #include "capture/room/stroke_masks.h"
 #include "capture/shoot/record/side_file.h"
 #include "core/io/pictures/image_set.h"

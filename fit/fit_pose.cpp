@@ -50,7 +50,7 @@ std::optional<int> PlaceLate(const FitInput& in, const Way& way, std::vector<Fou
     if (SizeOf(placed) == SizeOf(in.views) || SizeOf(placed) < kFewest) break;
     SubProgress round(progress, begin, (1 + begin) / 2), bending(&round, 0, 0.6),
         finding(&round, 0.6, 1);
-    const BendMarks marks = MarksOf(in.picks, placed, in.unplaced, nullptr);
+    const BendPicks marks = MarksOf(in.picks, placed, in.unplaced, nullptr);
     const BendResult nearly =
         BendToViews(way.mesh, in.texture, in.stiffness, placed, marks, options, &bending);
     Mesh bent = way.mesh;
@@ -122,9 +122,9 @@ Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
   return view.camera().Project(scene.views[view.scene_index].camera.Unproject(pixel));
 }
 
-BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
+BendPicks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
                   std::vector<std::string>* lost) {
-  BendMarks marks;
+  BendPicks marks;
   for (const PhotoPick& pick : picks.pixels) {
     const auto view = std::find_if(views.begin(), views.end(), [&](const BendView& one) {
       return one.view.scene_index == pick.image;

@@ -39,7 +39,7 @@ struct Attempt {
   std::optional<int> late;               ///< cameras found late; nothing if none was looked for
   std::optional<bool> doubtful_dropped;  ///< nothing if there were none
   std::vector<BendView> placed;
-  BendMarks marks;
+  BendPicks marks;
   BendResult result;
 
   /// Of the outlines, mean of the photographs that were placed.
@@ -55,7 +55,7 @@ Eigen::Vector2d PreparedPixel(const PreparedView& view, const Scene& scene,
 
 /// The picks in photographs that were placed, and those in space.
 /// @param lost  if given: receives those in other photographs
-BendMarks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
+BendPicks MarksOf(const PosePicks& picks, const std::vector<BendView>& views, const Scene& scene,
                   std::vector<std::string>* lost);
 
 /// The starts that are worth a try: the figure's likely motions on the rig (FindRigMotions), and

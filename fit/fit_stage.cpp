@@ -298,7 +298,7 @@ double ReportViews(StageContext& stage, const std::vector<BendView>& views,
 }
 
 /// The other photographs in which a mark was picked.
-std::string OtherPicks(const BendMarks& marks, int mark, const std::vector<BendView>& views) {
+std::string OtherPicks(const BendPicks& marks, int mark, const std::vector<BendView>& views) {
   std::vector<std::string> others;
   for (int i = 0; i < SizeOf(marks.pixels); ++i)
     if (i != mark && marks.pixels[i].name == marks.pixels[mark].name)
@@ -307,7 +307,7 @@ std::string OtherPicks(const BendMarks& marks, int mark, const std::vector<BendV
 }
 
 /// @param off_px  in the photograph
-void WarnOfRefused(StageContext& stage, const BendMarks& marks, int mark, double off_px,
+void WarnOfRefused(StageContext& stage, const BendPicks& marks, int mark, double off_px,
                    const std::vector<BendView>& views) {
   const int pixels = SizeOf(marks.pixels);
   if (mark >= pixels)
@@ -315,7 +315,7 @@ void WarnOfRefused(StageContext& stage, const BendMarks& marks, int mark, double
         fmt::format("fit: landmark '{}' contradicts what the photographs show; it is "
                     "left out: check its position",
                     marks.places[mark - pixels].name));
-  const PixelMark& pick = marks.pixels[mark];
+  const PixelPick& pick = marks.pixels[mark];
   stage.Warn(
       fmt::format("fit: landmark '{}' in photograph {} contradicts what the photographs "
                   "show{}: it is {:.0f} pixels beside where the pose has it. It is left out; "
@@ -325,13 +325,13 @@ void WarnOfRefused(StageContext& stage, const BendMarks& marks, int mark, double
 
 /// @param photographs  the placed ones
 /// @param diagonal     of the template
-void ReportMarks(StageContext& stage, const BendMarks& marks, const BendResult& result,
+void ReportMarks(StageContext& stage, const BendPicks& marks, const BendResult& result,
                  const std::vector<BendView>& views, const Scene& photographs, double diagonal) {
   if (result.marks.empty()) return;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   int refused = 0;
   for (int i = 0; i < SizeOf(result.marks); ++i) {
-    const MarkQuality& quality = result.marks[i];
+    const PickQuality& quality = result.marks[i];
     const bool in_picture = i < SizeOf(marks.pixels);
     double off_px = 0;
     nlohmann::ordered_json entry = {
@@ -364,7 +364,7 @@ void ReportShape(StageContext& stage, const BendResult& result) {
 }
 
 void WriteResult(StageContext& stage, Mesh mesh, const Scene& unplaced,
-                 const std::vector<BendView>& views, const BendMarks& marks,
+                 const std::vector<BendView>& views, const BendPicks& marks,
                  const BendResult& result) {
   mesh.points = result.points;
   mesh.normals.resize(0, 3);

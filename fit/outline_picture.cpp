@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 #include "fit/contours/contours.h"
 
@@ -41,7 +41,7 @@ void DrawPick(Image8& picture, const Eigen::Vector2d& pick, const Eigen::Vector2
 }  // namespace
 
 Image8 OutlinePicture(const Mesh& mesh, const std::vector<BendView>& views,
-                      const std::vector<Rigid3>& cameras, const std::vector<PixelMark>& picks) {
+                      const std::vector<Rigid3>& cameras, const std::vector<PixelPick>& picks) {
   const RayScene scene(mesh.points, mesh.faces);
   const FacePairs pairs = FindFacePairs(mesh.faces);
   std::vector<Image8> pictures;
@@ -56,7 +56,7 @@ Image8 OutlinePicture(const Mesh& mesh, const std::vector<BendView>& views,
         Dot(picture, point.pixel + (static_cast<double>(k) / steps - 0.5) * point.length_px * along,
             kLine);
     }
-    for (const PixelMark& mark : picks)
+    for (const PixelPick& mark : picks)
       if (mark.view == v)
         DrawPick(picture, mark.pixel,
                  camera.Project(cameras[v] * PositionOf(mark.point, mesh.points)));

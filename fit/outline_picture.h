@@ -13,6 +13,6 @@ namespace keypose::fit {
 /// crosses, with a line to where the mesh shows their places.
 /// @param cameras  camera from world, one a view
 Image8 OutlinePicture(const Mesh& mesh, const std::vector<BendView>& views,
-                      const std::vector<Rigid3>& cameras, const std::vector<PixelMark>& picks);
+                      const std::vector<Rigid3>& cameras, const std::vector<PixelPick>& picks);
 
 }  // namespace keypose::fit

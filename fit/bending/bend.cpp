@@ -5,14 +5,14 @@
 #include <map>
 #include <optional>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "deform/levels/geodesics.h"
 #include "deform/levels/levels.h"
-#include "fit/bending/evidence.h"
+#include "fit/bending/bend_evidence.h"
 #include "fit/bending/joint_solve.h"
 #include "fit/bending/schedule.h"
 #include "fit/bending/unfold.h"
@@ -34,7 +34,7 @@ constexpr Eigen::Index kMostJointly = 800;  // vertices of a level solved togeth
 class Bending {
  public:
   Bending(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-          const std::vector<BendView>& views, const BendMarks& marks, const BendOptions& options,
+          const std::vector<BendView>& views, const BendPicks& marks, const BendOptions& options,
           Progress* progress)
       : colors_(texture.empty() ? Eigen::MatrixX3f() : VertexColors(mesh, texture)),
         texture_(mesh, texture),
@@ -48,7 +48,7 @@ class Bending {
   BendResult Run();
 
  private:
-  void Prepare(const BendMarks& marks);
+  void Prepare(const BendPicks& marks);
   void MakeLevels();
   PointsX3 FullPoints(int level);
   int LevelOf(int wanted) const { return std::min(wanted, levels_->count() - 1); }
@@ -80,15 +80,15 @@ class Bending {
   std::map<int, std::vector<int>> coarse_of_;  // by level: the level's vertex of each fine vertex
   std::vector<Rigid3> poses_, first_poses_;    // in the frame of the rest shape
   std::optional<ViewEvidence> evidence_;
-  std::vector<Evidence> last_;
-  std::optional<Marks> marks_;
+  std::vector<BendEvidence> last_;
+  std::optional<PickConstraints> marks_;
   std::vector<std::pair<int, Eigen::Vector3d>> turned_;  // vertices of limbs, and where they belong
   int limbs_turned_ = 0;
   int at_ = 0;                 // the level in use
   int rounds_ = 1, done_ = 0;  // all, and those that were run
 };
 
-void Bending::Prepare(const BendMarks& marks) {
+void Bending::Prepare(const BendPicks& marks) {
   if (views_.empty()) throw InputError("fit: no views");
   const PointsX3& points = rest_.mesh.points;
   unit_ = BoundingDiagonal(points) / 2;
@@ -112,7 +112,7 @@ void Bending::Prepare(const BendMarks& marks) {
   }
   first_poses_ = poses_;
   evidence_.emplace(rest_, texture_, views_, options_, first_poses_);
-  BendMarks placed = marks;
+  BendPicks placed = marks;
   for (LandmarkGoal& goal : placed.places)
     goal.target = (goal.target - origin_.transpose()) / unit_;
   marks_.emplace(std::move(placed), rest_.points, rest_.cell_of);
@@ -223,7 +223,7 @@ BendResult Bending::Finish() {
   result.limbs_turned = limbs_turned_;
   if (options_.hold_cameras == 0) KeepPlace(points);
   result.marks = marks_->Quality(FullViews(), points);
-  for (MarkQuality& mark : result.marks) mark.off *= unit_;
+  for (PickQuality& mark : result.marks) mark.off *= unit_;
   result.points = (points * unit_).rowwise() + origin_;
   result.views = Eigen::VectorXi::Zero(points.rows());
   Eigen::VectorXd doubt = Eigen::VectorXd::Ones(points.rows());
@@ -325,7 +325,7 @@ BendResult Bending::Run() {
 }  // namespace
 
 BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-                       const std::vector<BendView>& views, const BendMarks& marks,
+                       const std::vector<BendView>& views, const BendPicks& marks,
                        const BendOptions& options, Progress* progress) {
   return Bending(mesh, texture, stiffness, views, marks, options, progress).Run();
 }

@@ -9,7 +9,7 @@
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
 #include "fit/bending/bend_input.h"
-#include "fit/bending/marks.h"
+#include "fit/bending/pick_constraints.h"
 
 namespace keypose::fit {
 
@@ -27,7 +27,7 @@ struct BendResult {
   Eigen::VectorXi views;        ///< V: how many views hold the vertex by texture
   Eigen::VectorXd confidence;   ///< V, 0 to 1: how firmly the views hold the vertex
   std::vector<ViewQuality> view_quality;
-  std::vector<MarkQuality> marks;  ///< of the marks' pixels, then of their places
+  std::vector<PickQuality> marks;  ///< of the marks' pixels, then of their places
   int limbs_turned = 0;            ///< that stood wrongly after the far rounds
   int unfolded = 0;                ///< vertices moved because a face beside them was flipped
   int flipped = 0;                 ///< faces that could not be turned back so
@@ -38,9 +38,9 @@ struct BendResult {
 /// limbs find far places; then outlines join (from the silhouette to the mask and back, which
 /// prevents shrinking). Limbs that the photographs still contradict are then looked for in other
 /// turns. At last grey values of patches around every vertex. The shape is as rigid as
-/// possible throughout, so what no view shows follows its neighbours rigidly. Marks pull strongly
-/// in the far rounds, and weakly beside grey values. A mark that is still far off after the far
-/// rounds is refused, and these begin again without it.
+/// possible throughout, so what no view shows follows its neighbours rigidly. PickConstraints pull
+/// strongly in the far rounds, and weakly beside grey values. A mark that is still far off after
+/// the far rounds is refused, and these begin again without it.
 ///
 /// @param mesh       the template in the world's frame, near the figure; closed, with UVs (if it
 ///                   has a texture)
@@ -52,7 +52,7 @@ struct BendResult {
 /// Same bits for any thread count.
 /// See docs/algorithms/fit.md.
 BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
-                       const std::vector<BendView>& views, const BendMarks& marks,
+                       const std::vector<BendView>& views, const BendPicks& marks,
                        const BendOptions& options, Progress* progress = nullptr);
 
 }  // namespace keypose::fit

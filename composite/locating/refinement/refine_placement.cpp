@@ -104,7 +104,7 @@ Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d&
   return result;
 }
 
-Placement Refined(const Figure& figure, const Evidence& evidence, const Placement& at,
+Placement Refined(const Figure& figure, const PictureEvidence& evidence, const Placement& at,
                   const RefineStep& step, const LensPrior& lens) {
   Placement scaled = at.Scaled(evidence.scale);
   const double start_focal = scaled.camera.fx;

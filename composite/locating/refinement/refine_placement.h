@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "composite/locating/refinement/evidence.h"
+#include "composite/locating/refinement/picture_evidence.h"
 
 namespace keypose::composite {
 
@@ -17,13 +17,13 @@ struct RefineStep {
 };
 
 /// @param at  with the whole picture's camera, as the result
-Placement Refined(const Figure& figure, const Evidence& evidence, const Placement& at,
+Placement Refined(const Figure& figure, const PictureEvidence& evidence, const Placement& at,
                   const RefineStep& step, const LensPrior& lens);
 
 /// Several frames with one lens. Each has its own place.
 struct SharedFrame {
   const Figure* figure;
-  const Evidence* evidence;
+  const PictureEvidence* evidence;
   Placement at;
 };
 /// @param frames  their placements are refined; all end with one lens

@@ -12,7 +12,7 @@ TEST(Refined, OutlinesBringADisturbedPlaceBack) {
   const Figure figure(body.points, body.faces);
   const Placement truth = LookingFrom(-40, 20);
   const Image8 matte = Covered(figure, truth);
-  const Evidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
+  const PictureEvidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
   const Placement found =
       Refined(figure, evidence, Disturbed(truth, 5, 0.004), {40, 3, 15, nullptr, false}, {});
   EXPECT_LT(ShiftBetween(found, truth, body.points), 0.5);
@@ -26,7 +26,7 @@ TEST(CenterDeviation, FallsWithTheRootOfTheFramesAndIsGreatForAFarFigure) {
     Placement truth = LookingFrom(-40, 20, distance);
     truth.camera.fx = truth.camera.fy = 900 * distance / 0.55;
     const Image8 matte = Covered(figure, truth);
-    const Evidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
+    const PictureEvidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
     const LensPrior known;  // focal length and distortion are given
     return CenterDeviation(std::vector<SharedFrame>(frames, {&figure, &evidence, truth}), {3, 3, 1},
                            known);
@@ -44,7 +44,7 @@ TEST(ProfileFocal, NearIsKnownAndFarIsNot) {
     Placement truth = LookingFrom(-40, 20, distance);
     truth.camera.fx = truth.camera.fy = 900 * distance / 0.55;
     const Image8 matte = Covered(figure, truth);
-    const Evidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
+    const PictureEvidence evidence = MakeEvidence(GreyPicture(matte), matte, 0.5, 1);
     return ProfileFocal({{&figure, &evidence, truth}}, 6).deviation;
   };
   EXPECT_LT(deviation_at(0.4), 0.05);

@@ -8,9 +8,9 @@
 
 #include "composite/locating/candidates/shape_search.h"
 #include "composite/locating/outline/shrunk.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -55,7 +55,7 @@ Camera CameraFor(const Camera& camera, const Image8& picture) {
 }
 
 /// A trial's score: outlines, and with a texture how well grey values agree.
-void Score(Trial& trial, const Figure& figure, const Evidence& evidence, const Look& look) {
+void Score(Trial& trial, const Figure& figure, const PictureEvidence& evidence, const Look& look) {
   const Placement scaled = trial.at.Scaled(evidence.scale);
   trial.outline_px = MatchOutlines(FindSilhouette(figure, scaled, 2), evidence.outline, kScoreReach)
                          .Mean(kScoreReach);
@@ -94,7 +94,7 @@ std::vector<Trial> Different(std::vector<Trial> trials, int most) {
 
 /// Each start refined at 480 px on the rough mesh.
 void RefineRoughly(std::vector<Trial>& trials, const PosedFigure& figure,
-                   const Evidence& evidence) {
+                   const PictureEvidence& evidence) {
   const double side = std::max(evidence.matte.width, evidence.matte.height);
   const Figure& rough = figure.rough();
   ParallelFor(SizeOf(trials), [&](std::int64_t i) {
@@ -121,7 +121,8 @@ void RefineFinely(std::vector<Trial>& trials, const PosedFigure& figure, const L
                   const Look& look, bool focal_known, const std::vector<Sighting>& sightings = {}) {
   const double scale = std::min(
       1.0, static_cast<double>(kFineSide) / std::max(frame.picture.width, frame.picture.height));
-  Evidence evidence = MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, scale);
+  PictureEvidence evidence =
+      MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, scale);
   SetClicks(evidence, frame.clicks);
   SetSightings(evidence, sightings);
   ParallelFor(SizeOf(trials), [&](std::int64_t i) {
@@ -145,7 +146,8 @@ FoundPlace PlaceByOutlines(const PosedFigure& figure, const LocateFrame& frame, 
     trials.push_back({{camera, candidate.camera_from_mesh}});
   const double scale = std::min(
       1.0, static_cast<double>(kRoughSide) / std::max(frame.picture.width, frame.picture.height));
-  Evidence evidence = MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, scale);
+  PictureEvidence evidence =
+      MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, scale);
   SetClicks(evidence, frame.clicks);
   RefineRoughly(trials, figure, evidence);
   SortTrials(trials);

@@ -1,5 +1,6 @@
 #include "composite/locating/search/locate_by_clicks.h"
 
+#include "core/pictures/mask_overlap.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {
@@ -20,7 +21,7 @@ LocatedFrame FrameByClicks(ShotFrames& frames, int i, const Camera& camera, bool
       found.outlines.push_back({point.position, point.pixel, point.normal, 0, point.length_px});
     return found;
   }
-  Evidence rough =
+  PictureEvidence rough =
       MakeEvidence(frame.picture, frame.matte, frame.matte_deviation_px, frames.roughest_scale());
   SetClicks(rough, frame.clicks);
   found.at = Refined(figure, rough, found.at, {kQuickReach, kFine, 4}, {});
@@ -31,7 +32,7 @@ LocatedFrame FrameByClicks(ShotFrames& frames, int i, const Camera& camera, bool
   for (OutlineMatch& match : found.outlines)
     match.pixel /= rough.scale, match.distance_px /= rough.scale;
   found.contour_px = outlines.Mean(kReach) / rough.scale;
-  found.iou = Overlap(Covered(figure, scaled), rough.matte);
+  found.iou = MaskIoU(Covered(figure, scaled), rough.matte);
   return found;
 }
 

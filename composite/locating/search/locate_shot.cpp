@@ -8,6 +8,7 @@
 #include "composite/locating/search/follow_set.h"
 #include "composite/locating/search/locate_by_clicks.h"
 #include "composite/locating/search/shot_frames.h"
+#include "core/pictures/mask_overlap.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
@@ -162,7 +163,7 @@ class Locator {
   LocatedFrame Described(int i) {
     const FrameState& state = frames_[i];
     const Figure& figure = frames_.FigureOf(i).fine;
-    const Evidence& evidence = state.evidence.back();
+    const PictureEvidence& evidence = state.evidence.back();
     LocatedFrame frame;
     frame.at = state.at;
     frame.method = state.found.method;
@@ -172,7 +173,7 @@ class Locator {
         MatchOutlines(FindSilhouette(figure, state.at, 2), evidence.outline, 4 * kReach);
     frame.outlines = outlines.matches;
     frame.contour_px = frames_.ContourOf(i, state.at);
-    frame.iou = Overlap(Covered(figure, state.at), state.frame.matte);
+    frame.iou = MaskIoU(Covered(figure, state.at), state.frame.matte);
     if (const GreyTexture* texture = frames_.texture())
       frame.correlation =
           MatchGreys(figure, *texture, evidence.luma, evidence.matte, state.at).correlation;

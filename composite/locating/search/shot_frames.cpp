@@ -47,8 +47,8 @@ const PosedFigure& ShotFrames::FigureOf(int i) {
 bool ShotFrames::Follow(FrameState& state, const PosedFigure& figure) {
   if (states_.empty() || state.frame.matte.empty() || !state.frame.clicks.empty()) return false;
   const FrameState& before = states_.back();
-  const Evidence rough = MakeEvidence(state.frame.picture, state.frame.matte,
-                                      state.frame.matte_deviation_px, scales_[0]);
+  const PictureEvidence rough = MakeEvidence(state.frame.picture, state.frame.matte,
+                                             state.frame.matte_deviation_px, scales_[0]);
   state.at = Refined(figure.fine, rough, before.at, {20, 3, 8, texture_.get()}, {});
   const double off =
       MatchOutlines(FindSilhouette(figure.fine, state.at.Scaled(rough.scale), 2), rough.outline, 12)
@@ -80,7 +80,7 @@ void ShotFrames::Find(int i) {
 
 /// Outlines by colours, near where features, clicks and grey values have them.
 void ShotFrames::MakeMatte(FrameState& state, const PosedFigure& figure) {
-  Evidence bare = MakeEvidence(state.frame.picture, {}, 0, scales_.back());
+  PictureEvidence bare = MakeEvidence(state.frame.picture, {}, 0, scales_.back());
   SetSightings(bare, state.found.sightings);
   SetClicks(bare, state.frame.clicks);
   state.at = Refined(figure.fine, bare, state.at, {kReach, kReach, 3, texture_.get()}, {});
@@ -112,7 +112,7 @@ RefineStep ShotFrames::PlaceStep(double first_reach_px, int rounds) const {
 
 void ShotFrames::RefineCoarsely(int i) {
   FrameState& state = states_[i];
-  const Evidence& evidence = state.evidence[middle()];
+  const PictureEvidence& evidence = state.evidence[middle()];
   state.at = Refined(FigureOf(i).fine, evidence, state.at, PlaceStep(kReach, 8), {});
 }
 

@@ -17,7 +17,7 @@ struct FrameState {
   LocateFrame frame;  ///< with a matte made by colours, if there was none
   FoundPlace found;
   Placement at;
-  std::vector<Evidence> evidence;  ///< one for each size of the picture, coarse to fine
+  std::vector<PictureEvidence> evidence;  ///< one for each size of the picture, coarse to fine
   std::optional<Rigid3> camera_from_world;
 };
 

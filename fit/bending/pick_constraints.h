@@ -10,20 +10,20 @@
 namespace keypose::fit {
 
 /// A pixel of a view that shows a place of the template.
-struct PixelMark {
+struct PixelPick {
   std::string name;
   SurfacePoint point;
   int view = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of level 0
 };
 
-struct BendMarks {
-  std::vector<PixelMark> pixels;
+struct BendPicks {
+  std::vector<PixelPick> pixels;
   std::vector<LandmarkGoal> places;  ///< in the world's frame
 };
 
-/// How a pick agrees with the result, in the order of BendMarks: pixels, then places.
-struct MarkQuality {
+/// How a pick agrees with the result, in the order of BendPicks: pixels, then places.
+struct PickQuality {
   bool refused = false;  ///< the template cannot be bent there without giving up what views say
   double off = 0;        ///< distance from the pixel's ray, or from the place [length]
   double off_px = 0;     ///< in the picture; 0 for places
@@ -31,12 +31,12 @@ struct MarkQuality {
 
 /// The marks of one template. Each moves with all the vertices of a cell around it, so that it
 /// makes no cusp.
-class Marks {
+class PickConstraints {
  public:
   /// @param rest   V x 3
   /// @param cells  V: which cell of a coarse level each vertex is in
-  /// Marks, rest and later positions in one frame.
-  Marks(BendMarks marks, const PointsX3& rest, const std::vector<int>& cells);
+  /// PickConstraints, rest and later positions in one frame.
+  PickConstraints(BendPicks marks, const PointsX3& rest, const std::vector<int>& cells);
 
   /// Pulls of the view's marks towards their rays.
   /// @param weight  of one mark; @param scale  where it has a quarter of it [length]
@@ -47,7 +47,7 @@ class Marks {
                  std::vector<Constraint>& constraints) const;
 
   /// @param views  at level 0
-  std::vector<MarkQuality> Quality(const std::vector<FitView>& views, const PointsX3& points) const;
+  std::vector<PickQuality> Quality(const std::vector<FitView>& views, const PointsX3& points) const;
   /// Refuses, of each name, the mark that is farthest off, if it is farther off than `limit`.
   /// @return whether any was
   bool Refuse(const std::vector<FitView>& views, const PointsX3& points, double limit);
@@ -58,7 +58,7 @@ class Marks {
             std::vector<Constraint>& constraints) const;
   const std::string& NameOf(int mark) const;
 
-  BendMarks marks_;
+  BendPicks marks_;
   PointsX3 rest_;
   std::vector<int> cell_of_;               // V
   std::vector<std::vector<int>> members_;  // of each cell

@@ -1,4 +1,4 @@
-#include "composite/locating/refinement/evidence.h"
+#include "composite/locating/refinement/picture_evidence.h"
 
 #include <algorithm>
 #include <array>
@@ -52,7 +52,7 @@ double DeviationOf(const OutlineMatches& found, double offset_px, double expecte
 }
 
 void AddOutlines(NormalEquations& equations, const std::vector<SilhouettePoint>& silhouette,
-                 const Evidence& evidence, const Terms& terms) {
+                 const PictureEvidence& evidence, const Terms& terms) {
   const double reach_px = terms.reach_px;
   const OutlineMatches found = MatchOutlines(silhouette, evidence.outline, reach_px);
   const double variance =
@@ -73,7 +73,7 @@ void AddPoint(NormalEquations& equations, const Eigen::Vector3d& position,
   equations.Add(position, Eigen::Vector2d::UnitY(), error.y(), weight);
 }
 
-void AddGreys(NormalEquations& equations, const Figure& figure, const Evidence& evidence,
+void AddGreys(NormalEquations& equations, const Figure& figure, const PictureEvidence& evidence,
               const GreyTexture& texture, const Placement& at) {
   const GreyMatches greys = MatchGreys(figure, texture, evidence.luma, evidence.matte, at);
   if (greys.correlation < EvidenceTuning::kLeastCorrelation || greys.deviation <= 0) return;
@@ -119,7 +119,7 @@ bool FindEdge(const ImageF& luma, const SilhouettePoint& point, double& offset) 
 }
 
 void AddInnerEdges(NormalEquations& equations, const std::vector<SilhouettePoint>& silhouette,
-                   const Evidence& evidence) {
+                   const PictureEvidence& evidence) {
   const double base = EvidenceTuning::kEdgeWeight / EvidenceTuning::kOutlineCorrelation;
   for (const SilhouettePoint& point : silhouette) {
     double offset = 0;
@@ -137,9 +137,9 @@ double CornerSquared(const Camera& camera) {
 
 }  // namespace
 
-Evidence MakeEvidence(const Image8& picture, const Image8& matte, double deviation_px,
-                      double scale) {
-  Evidence evidence;
+PictureEvidence MakeEvidence(const Image8& picture, const Image8& matte, double deviation_px,
+                             double scale) {
+  PictureEvidence evidence;
   const int width = static_cast<int>(std::lround(picture.width * scale));
   const int height = static_cast<int>(std::lround(picture.height * scale));
   evidence.scale = static_cast<double>(width) / picture.width;
@@ -152,18 +152,19 @@ Evidence MakeEvidence(const Image8& picture, const Image8& matte, double deviati
   return evidence;
 }
 
-void SetSightings(Evidence& evidence, const std::vector<Sighting>& sightings) {
+void SetSightings(PictureEvidence& evidence, const std::vector<Sighting>& sightings) {
   evidence.sightings = sightings;
   for (Sighting& sighting : evidence.sightings) sighting.pixel *= evidence.scale;
 }
 
-void SetClicks(Evidence& evidence, const std::vector<Click>& clicks) {
+void SetClicks(PictureEvidence& evidence, const std::vector<Click>& clicks) {
   evidence.clicks = clicks;
   for (Click& click : evidence.clicks) click.pixel *= evidence.scale;
 }
 
-NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                            const Terms& terms, const Eigen::Vector3d& center, double radius) {
+NormalEquations EquationsOf(const Figure& figure, const PictureEvidence& evidence,
+                            const Placement& at, const Terms& terms, const Eigen::Vector3d& center,
+                            double radius) {
   NormalEquations equations(at, center, radius);
   if (!evidence.outline.points().empty() || terms.edges) {
     const std::vector<SilhouettePoint> silhouette = FindSilhouette(figure, at, kStep, terms.edges);
@@ -183,8 +184,8 @@ NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, cons
   return equations;
 }
 
-NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                            const Terms& terms) {
+NormalEquations EquationsOf(const Figure& figure, const PictureEvidence& evidence,
+                            const Placement& at, const Terms& terms) {
   return EquationsOf(figure, evidence, at, terms, figure.center, figure.radius);
 }
 
@@ -201,7 +202,7 @@ void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double sca
                        1 / std::pow(prior.matte_offset_deviation * scale, 2));
 }
 
-Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement& at,
+Misfit MisfitOf(const Figure& figure, const PictureEvidence& evidence, const Placement& at,
                 double reach_px, double matte_offset_px) {
   Misfit misfit;
   if (!evidence.outline.points().empty()) {

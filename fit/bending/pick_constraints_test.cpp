@@ -5,7 +5,7 @@
 
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
-#include "fit/bending/marks.h"
+#include "fit/bending/pick_constraints.h"
 
 namespace keypose::fit::marks_test {
 
@@ -23,7 +23,7 @@ class MarksOfABall : public ::testing::Test {
          {Eigen::Vector3d(6, 0, 1), Eigen::Vector3d(0, 6, 2), Eigen::Vector3d(-4, -4, 3)})
       views_.push_back({static_cast<int>(views_.size()), kLens, LookAt(eye, {0, 0, 0})});
   }
-  PixelMark Pick(int view, const Eigen::Vector2d& beside = {0, 0}) const {
+  PixelPick Pick(int view, const Eigen::Vector2d& beside = {0, 0}) const {
     const FitView& at = views_[view];
     return {"ear", point_, view, at.camera.Project(at.camera_from_world * goal_) + beside};
   }
@@ -47,7 +47,7 @@ Eigen::Vector3d ShiftOf(const std::vector<Constraint>& constraints, const Points
 }
 
 TEST_F(MarksOfABall, TwoPicksOfAPlaceMeetWhereItIs) {
-  const Marks marks({{Pick(0), Pick(1)}, {}}, ball_.points, cells_);
+  const PickConstraints marks({{Pick(0), Pick(1)}, {}}, ball_.points, cells_);
   std::vector<Constraint> pulls;
   for (const FitView& view : views_) marks.AddPixels(view, ball_.points, 3, 1e6, pulls);
   const Eigen::Vector3d shift = goal_ - PositionOf(point_, ball_.points);
@@ -61,7 +61,7 @@ TEST_F(MarksOfABall, TwoPicksOfAPlaceMeetWhereItIs) {
 }
 
 TEST_F(MarksOfABall, OnePickLeavesThePlaceFreeAlongItsRay) {
-  const Marks marks({{Pick(0)}, {}}, ball_.points, cells_);
+  const PickConstraints marks({{Pick(0)}, {}}, ball_.points, cells_);
   std::vector<Constraint> pulls;
   marks.AddPixels(views_[0], ball_.points, 1, 1e6, pulls);
   const Eigen::Vector3d ray = (goal_ - views_[0].Center()).normalized();
@@ -72,7 +72,7 @@ TEST_F(MarksOfABall, OnePickLeavesThePlaceFreeAlongItsRay) {
 }
 
 TEST_F(MarksOfABall, APlaceInSpacePullsThereAndComesFromNoView) {
-  const Marks marks({{}, {{"ear", point_, goal_}}}, ball_.points, cells_);
+  const PickConstraints marks({{}, {{"ear", point_, goal_}}}, ball_.points, cells_);
   std::vector<Constraint> pulls;
   marks.AddPlaces(ball_.points, 1, 1e6, pulls);
   const Eigen::Vector3d shift = goal_ - PositionOf(point_, ball_.points);
@@ -81,12 +81,12 @@ TEST_F(MarksOfABall, APlaceInSpacePullsThereAndComesFromNoView) {
 }
 
 TEST_F(MarksOfABall, OfANameOnlyTheFarthestPickIsRefused) {
-  Marks marks({{Pick(0, {60, 0}), Pick(1, {0, 200}), Pick(2)}, {}}, ball_.points, cells_);
+  PickConstraints marks({{Pick(0, {60, 0}), Pick(1, {0, 200}), Pick(2)}, {}}, ball_.points, cells_);
   const PointsX3 there =
       ball_.points.rowwise() + (goal_ - PositionOf(point_, ball_.points)).transpose();
   const auto refused = [&] {
     std::vector<bool> list;
-    for (const MarkQuality& mark : marks.Quality(views_, there)) list.push_back(mark.refused);
+    for (const PickQuality& mark : marks.Quality(views_, there)) list.push_back(mark.refused);
     return list;
   };
   EXPECT_NEAR(marks.Quality(views_, there)[1].off_px, 200, 1e-9);

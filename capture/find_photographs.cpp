@@ -4,7 +4,7 @@
 #include <regex>
 #include <set>
 
-#include "capture/photograph_files.h"
+#include "capture/find_photographs.h"
 #include "capture/shoot/develop/photograph.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/photograph_files.h"

@@ -1,11 +1,11 @@
-#include "fit/bending/evidence.h"
+#include "fit/bending/bend_evidence.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "fit/bending/feature_filter.h"
@@ -137,7 +137,7 @@ FitView ViewEvidence::ViewAt(int view, int pyramid, const Rigid3& pose) const {
 }
 
 void ViewEvidence::AddFeatures(const FitView& at, const Round& round, const BentShape& shape,
-                               Evidence& evidence) const {
+                               BendEvidence& evidence) const {
   const std::vector<FeatureMatch>& matches = pictures_[at.index].matches;
   std::map<int, int> in_cell;
   for (const FeatureMatch& match : matches) ++in_cell[rest_.cell_of[match.point.vertices[0]]];
@@ -158,7 +158,7 @@ void ViewEvidence::AddFeatures(const FitView& at, const Round& round, const Bent
 }
 
 void ViewEvidence::AddOutlines(const FitView& at, const Round& round, const BentShape& shape,
-                               Evidence& evidence) const {
+                               BendEvidence& evidence) const {
   const std::vector<ContourPoint> contour = FindSilhouette(
       shape.points, rest_.mesh.faces, rest_.pairs, *shape.scene, at.camera, at.camera_from_world);
   OutlineTerms terms;
@@ -174,7 +174,7 @@ void ViewEvidence::AddOutlines(const FitView& at, const Round& round, const Bent
 }
 
 void ViewEvidence::AddAppearance(FitView at, const Round& round, const BentShape& shape,
-                                 Evidence& evidence) const {
+                                 BendEvidence& evidence) const {
   const int level = LevelIn(at.index, round.pyramid);
   const auto& mask = views_[at.index].view.levels[level].grey;
   const TexturedRender render = RenderIn(at, shape);
@@ -196,7 +196,7 @@ void ViewEvidence::AddAppearance(FitView at, const Round& round, const BentShape
 /// improved, and the shifts are of what it then shows.
 void ViewEvidence::ImprovePose(const std::vector<SeenVertex>& seen, const BentShape& shape,
                                FitView& at, std::vector<PatchShift>& shifts,
-                               Evidence& evidence) const {
+                               BendEvidence& evidence) const {
   std::vector<Eigen::Vector2d> goals;
   std::vector<double> weights;
   PointsX3 places(SizeOf(seen), 3);
@@ -228,9 +228,9 @@ void ViewEvidence::ImprovePose(const std::vector<SeenVertex>& seen, const BentSh
           at.camera.Project(at.camera_from_world * shape.points.row(seen[i].vertex).transpose());
 }
 
-Evidence ViewEvidence::Of(int view, const Round& round, const BentShape& shape, const Rigid3& pose,
-                          const Marks& marks) const {
-  Evidence evidence;
+BendEvidence ViewEvidence::Of(int view, const Round& round, const BentShape& shape,
+                              const Rigid3& pose, const PickConstraints& marks) const {
+  BendEvidence evidence;
   evidence.pose = pose;
   const FitView full = ViewAt(view, 0, pose), at = ViewAt(view, round.pyramid, pose);
   if (round.features > 0) AddFeatures(full, round, shape, evidence);

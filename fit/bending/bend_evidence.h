@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "core/surfaces/face_pairs.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 #include "fit/appearance/grey_pyramid.h"
 #include "fit/appearance/textured_render.h"
 #include "fit/bending/bend_input.h"
-#include "fit/bending/marks.h"
+#include "fit/bending/pick_constraints.h"
 #include "fit/bending/schedule.h"
 
 namespace keypose::fit {
@@ -38,7 +38,7 @@ struct BentShape {
 };
 
 /// What one view gives in one round.
-struct Evidence {
+struct BendEvidence {
   std::vector<Constraint> constraints;
   std::vector<int> held;  ///< vertices with a patch
   Eigen::VectorXd sure;   ///< V, confidence of the patch
@@ -67,8 +67,8 @@ class ViewEvidence {
   /// Looks for features again, now that the mesh is near, and takes them in place of the first.
   void MatchAgain(const BentShape& shape, const std::vector<Rigid3>& poses, double reach);
   /// Features, marks, outlines and grey values of one view, as the round asks.
-  Evidence Of(int view, const Round& round, const BentShape& shape, const Rigid3& pose,
-              const Marks& marks) const;
+  BendEvidence Of(int view, const Round& round, const BentShape& shape, const Rigid3& pose,
+                  const PickConstraints& marks) const;
   /// @param pyramid  level of the view; the last one where it has fewer
   FitView ViewAt(int view, int pyramid, const Rigid3& pose) const;
   /// Features in use.
@@ -88,13 +88,13 @@ class ViewEvidence {
                                          double reach) const;
   TexturedRender RenderIn(const FitView& view, const BentShape& shape) const;
   void AddFeatures(const FitView& at, const Round& round, const BentShape& shape,
-                   Evidence& evidence) const;
+                   BendEvidence& evidence) const;
   void AddOutlines(const FitView& at, const Round& round, const BentShape& shape,
-                   Evidence& evidence) const;
+                   BendEvidence& evidence) const;
   void AddAppearance(FitView at, const Round& round, const BentShape& shape,
-                     Evidence& evidence) const;
+                     BendEvidence& evidence) const;
   void ImprovePose(const std::vector<SeenVertex>& seen, const BentShape& shape, FitView& at,
-                   std::vector<PatchShift>& shifts, Evidence& evidence) const;
+                   std::vector<PatchShift>& shifts, BendEvidence& evidence) const;
   int LevelIn(int view, int pyramid) const;
   void DropFar(const FitView& at, const BentShape& shape, std::vector<FeatureMatch>& matches) const;
 

@@ -1,4 +1,4 @@
-#include "fit/bending/marks.h"
+#include "fit/bending/pick_constraints.h"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,8 @@
 
 namespace keypose::fit {
 
-Marks::Marks(BendMarks marks, const PointsX3& rest, const std::vector<int>& cells)
+PickConstraints::PickConstraints(BendPicks marks, const PointsX3& rest,
+                                 const std::vector<int>& cells)
     : marks_(std::move(marks)), rest_(rest), cell_of_(cells) {
   refused_.assign(count(), 0);
   if (count() == 0) return;
@@ -16,14 +17,14 @@ Marks::Marks(BendMarks marks, const PointsX3& rest, const std::vector<int>& cell
   for (int v = 0; v < SizeOf(cells); ++v) members_[cells[v]].push_back(v);
 }
 
-const std::string& Marks::NameOf(int mark) const {
+const std::string& PickConstraints::NameOf(int mark) const {
   const int pixels = SizeOf(marks_.pixels);
   return mark < pixels ? marks_.pixels[mark].name : marks_.places[mark - pixels].name;
 }
 
 /// Shares a mark's pull among the vertices of its cell, whose arms reach to the mark.
-void Marks::Pull(const Constraint& of_mark, const SurfacePoint& point,
-                 std::vector<Constraint>& constraints) const {
+void PickConstraints::Pull(const Constraint& of_mark, const SurfacePoint& point,
+                           std::vector<Constraint>& constraints) const {
   int corner = 0;
   point.weights.maxCoeff(&corner);
   const Eigen::Vector3d place = PositionOf(point, rest_);
@@ -33,10 +34,10 @@ void Marks::Pull(const Constraint& of_mark, const SurfacePoint& point,
                            of_mark.q / static_cast<double>(members.size()), of_mark.goal});
 }
 
-void Marks::AddPixels(const FitView& view, const PointsX3& points, double weight, double scale,
-                      std::vector<Constraint>& constraints) const {
+void PickConstraints::AddPixels(const FitView& view, const PointsX3& points, double weight,
+                                double scale, std::vector<Constraint>& constraints) const {
   for (int i = 0; i < SizeOf(marks_.pixels); ++i) {
-    const PixelMark& mark = marks_.pixels[i];
+    const PixelPick& mark = marks_.pixels[i];
     if (mark.view != view.index || refused_[i]) continue;
     Pull(PullToPixel(view, 0, Eigen::Vector3d::Zero(), PositionOf(mark.point, points), mark.pixel,
                      weight, scale),
@@ -44,8 +45,8 @@ void Marks::AddPixels(const FitView& view, const PointsX3& points, double weight
   }
 }
 
-void Marks::AddPlaces(const PointsX3& points, double weight, double scale,
-                      std::vector<Constraint>& constraints) const {
+void PickConstraints::AddPlaces(const PointsX3& points, double weight, double scale,
+                                std::vector<Constraint>& constraints) const {
   for (int i = 0; i < SizeOf(marks_.places); ++i) {
     const LandmarkGoal& mark = marks_.places[i];
     if (refused_[SizeOf(marks_.pixels) + i]) continue;
@@ -55,10 +56,10 @@ void Marks::AddPlaces(const PointsX3& points, double weight, double scale,
   }
 }
 
-std::vector<MarkQuality> Marks::Quality(const std::vector<FitView>& views,
-                                        const PointsX3& points) const {
-  std::vector<MarkQuality> quality;
-  for (const PixelMark& mark : marks_.pixels) {
+std::vector<PickQuality> PickConstraints::Quality(const std::vector<FitView>& views,
+                                                  const PointsX3& points) const {
+  std::vector<PickQuality> quality;
+  for (const PixelPick& mark : marks_.pixels) {
     const FitView& view = views[mark.view];
     const Eigen::Vector3d x = view.camera_from_world * PositionOf(mark.point, points);
     const double off_px = (view.camera.Project(x) - mark.pixel).norm();
@@ -70,8 +71,9 @@ std::vector<MarkQuality> Marks::Quality(const std::vector<FitView>& views,
   return quality;
 }
 
-bool Marks::Refuse(const std::vector<FitView>& views, const PointsX3& points, double limit) {
-  const std::vector<MarkQuality> quality = Quality(views, points);
+bool PickConstraints::Refuse(const std::vector<FitView>& views, const PointsX3& points,
+                             double limit) {
+  const std::vector<PickQuality> quality = Quality(views, points);
   std::map<std::string, int> worst;
   for (int i = 0; i < count(); ++i) {
     if (refused_[i] || quality[i].off <= limit) continue;

@@ -10,7 +10,7 @@
 
 namespace keypose::composite {
 
-struct Evidence {
+struct PictureEvidence {
   double scale = 1;  ///< of this size over the whole picture's
   ImageF luma;       ///< empty: grey values and edges are not used
   Image8 matte;      ///< empty: outlines are not used
@@ -23,11 +23,11 @@ struct Evidence {
 /// @param picture   RGB
 /// @param matte     1 channel of the same size, or empty
 /// @param deviation_px  of the matte's outline in the whole picture
-Evidence MakeEvidence(const Image8& picture, const Image8& matte, double deviation_px,
-                      double scale);
+PictureEvidence MakeEvidence(const Image8& picture, const Image8& matte, double deviation_px,
+                             double scale);
 /// With the pixels of sightings and clicks in the whole picture.
-void SetSightings(Evidence& evidence, const std::vector<Sighting>& sightings);
-void SetClicks(Evidence& evidence, const std::vector<Click>& clicks);
+void SetSightings(PictureEvidence& evidence, const std::vector<Sighting>& sightings);
+void SetClicks(PictureEvidence& evidence, const std::vector<Click>& clicks);
 
 /// What is known of the lens beforehand.
 struct LensPrior {
@@ -48,10 +48,11 @@ struct Terms {
 
 /// The equations of one frame, without the lens's prior.
 /// @param center, radius  of the mesh that turns; those of the figure unless several share a step
-NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                            const Terms& terms, const Eigen::Vector3d& center, double radius);
-NormalEquations EquationsOf(const Figure& figure, const Evidence& evidence, const Placement& at,
-                            const Terms& terms);
+NormalEquations EquationsOf(const Figure& figure, const PictureEvidence& evidence,
+                            const Placement& at, const Terms& terms, const Eigen::Vector3d& center,
+                            double radius);
+NormalEquations EquationsOf(const Figure& figure, const PictureEvidence& evidence,
+                            const Placement& at, const Terms& terms);
 
 /// @param matte_offset_px  that the equations were made with
 void AddLensPrior(NormalEquations& equations, const LensPrior& prior, double scale,
@@ -64,7 +65,7 @@ struct Misfit {
   double cost = 0;
   double count = 0;  ///< of independent residuals
 };
-Misfit MisfitOf(const Figure& figure, const Evidence& evidence, const Placement& at,
+Misfit MisfitOf(const Figure& figure, const PictureEvidence& evidence, const Placement& at,
                 double reach_px, double matte_offset_px = 0);
 
 /// The equations that outlines alone give, from smooth normals: a turn that they do not see at all,
