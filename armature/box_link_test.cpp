@@ -225,9 +225,9 @@ TEST(BoxLink, ReadsFlagsWhenThereIsAnAlarm) {
 
 TEST(Box, AnswersAreRefusalsWhereARequestIsOfAWrongForm) {
   DirectLine line(4);
-  const auto reply_to = [&](const Frame& request) {
+  const auto reply_to = [&](const WireFrame& request) {
     line.Write(EncodeFrame(request));
-    FrameReader reader;
+    WireFrameReader reader;
     reader.Push(line.Read(0));
     return reader.Next();
   };

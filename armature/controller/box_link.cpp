@@ -12,7 +12,7 @@ constexpr unsigned kHello = 0x01, kRead = 0x02, kChanges = 0x03, kReset = 0x04, 
 constexpr unsigned kVersion = 1, kAllSensors = 0xFFFF;
 constexpr std::size_t kMostPreloads = 64;
 
-[[noreturn]] void Refused(unsigned kind, const Frame& reply) {
+[[noreturn]] void Refused(unsigned kind, const WireFrame& reply) {
   static const char* const kWhy[] = {"for no known reason", "it does not know the request",
                                      "the request has a wrong length", "it has no such sensor"};
   const unsigned code = reply.payload.empty() ? 0 : static_cast<unsigned char>(reply.payload[0]);
@@ -36,8 +36,8 @@ std::vector<CardKind> BoxInfo::KindOfSensors() const {
 
 BoxLink::BoxLink(ByteLine& line, const LinkOptions& options) : line_(line), options_(options) {}
 
-Frame BoxLink::Ask(unsigned kind, const std::string& payload) {
-  const Frame request{static_cast<std::uint8_t>(kind), ++seq_, payload};
+WireFrame BoxLink::Ask(unsigned kind, const std::string& payload) {
+  const WireFrame request{static_cast<std::uint8_t>(kind), ++seq_, payload};
   const std::string bytes = EncodeFrame(request);
   for (int attempt = 0; attempt < options_.tries; ++attempt) {
     if (attempt > 0) ++repeats_;
@@ -62,7 +62,7 @@ Frame BoxLink::Ask(unsigned kind, const std::string& payload) {
 const BoxInfo& BoxLink::Greet() {
   reader_.Clear();
   has_read_ = false;
-  const Frame reply = Ask(kHello, "");
+  const WireFrame reply = Ask(kHello, "");
   PayloadReader reader(reply.payload);
   const unsigned version = reader.U8();
   if (reader.fine() && version != kVersion)
@@ -88,7 +88,7 @@ bool BoxLink::Update() {
   std::string payload;
   PutU16(&payload, static_cast<unsigned>(info_.boot));
   PutU16(&payload, mark_);
-  const Frame reply = has_read_ ? Ask(kChanges, payload) : Ask(kRead, "");
+  const WireFrame reply = has_read_ ? Ask(kChanges, payload) : Ask(kRead, "");
   PayloadReader reader(reply.payload);
   if (static_cast<int>(reader.U16()) != info_.boot) return false;
   mark_ = reader.U16();
@@ -124,7 +124,7 @@ void BoxLink::TakeChanges(PayloadReader reader) {
 }
 
 std::vector<unsigned> BoxLink::ReadFlags() {
-  const Frame reply = Ask(kFlags, "");
+  const WireFrame reply = Ask(kFlags, "");
   PayloadReader reader(reply.payload);
   reader.U16();
   const unsigned count = reader.U16();

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "armature/controller/wire.h"
+#include "armature/controller/wire_frame.h"
 
 namespace keypose::armature {
 
@@ -77,13 +77,13 @@ class BoxLink {
   int damaged() const { return reader_.damaged(); }
 
  private:
-  Frame Ask(unsigned kind, const std::string& payload);
+  WireFrame Ask(unsigned kind, const std::string& payload);
   void TakeAll(PayloadReader reader);
   void TakeChanges(PayloadReader reader);
 
   ByteLine& line_;
   LinkOptions options_;
-  FrameReader reader_;
+  WireFrameReader reader_;
   BoxInfo info_;
   std::uint8_t seq_ = 0;
   bool has_read_ = false, alarm_ = false;

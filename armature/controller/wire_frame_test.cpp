@@ -1,4 +1,4 @@
-#include "armature/controller/wire.h"
+#include "armature/controller/wire_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@ namespace keypose::armature::wire_test {
 
 TEST(WireCrc, MeetsItsKnownAnswer) { EXPECT_EQ(WireCrc("123456789"), 0x29B1); }
 
-TEST(FrameReader, FindsFramesAmongNoise) {
-  const Frame a{0x83, 7, std::string("\xA5\x5A\x00", 3)}, b{0x81, 8, ""};
-  FrameReader reader;
+TEST(WireFrameReader, FindsFramesAmongNoise) {
+  const WireFrame a{0x83, 7, std::string("\xA5\x5A\x00", 3)}, b{0x81, 8, ""};
+  WireFrameReader reader;
   reader.Push("\xA5\xA5\x5Agarbage" + EncodeFrame(a) + "\xA5");
-  std::vector<Frame> found;
+  std::vector<WireFrame> found;
   while (const auto frame = reader.Next()) found.push_back(*frame);
   reader.Push(EncodeFrame(b).substr(1));  // its first byte came with the last push
   while (const auto frame = reader.Next()) found.push_back(*frame);
@@ -22,7 +22,7 @@ TEST(FrameReader, FindsFramesAmongNoise) {
   EXPECT_EQ(found[1].kind, 0x81);
 }
 
-TEST(FrameReader, LosesOnlyTheDamagedFrame) {
+TEST(WireFrameReader, LosesOnlyTheDamagedFrame) {
   std::mt19937 random(3);
   for (int round = 0; round < 200; ++round) {
     std::string bytes;
@@ -30,7 +30,7 @@ TEST(FrameReader, LosesOnlyTheDamagedFrame) {
       bytes += EncodeFrame({0x82, static_cast<std::uint8_t>(i), std::string(i, 'x')});
     const std::size_t at = random() % bytes.size();
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
-    FrameReader reader;
+    WireFrameReader reader;
     reader.Push(bytes + std::string(4096, ' '));
     int count = 0;
     while (const auto frame = reader.Next()) ++count;

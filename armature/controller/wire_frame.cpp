@@ -1,4 +1,4 @@
-#include "armature/controller/wire.h"
+#include "armature/controller/wire_frame.h"
 
 namespace keypose::armature {
 namespace {
@@ -28,7 +28,7 @@ std::uint16_t WireCrc(std::string_view bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-std::string EncodeFrame(const Frame& frame) {
+std::string EncodeFrame(const WireFrame& frame) {
   std::string body;
   body.push_back(static_cast<char>(frame.kind));
   body.push_back(static_cast<char>(frame.seq));
@@ -39,7 +39,7 @@ std::string EncodeFrame(const Frame& frame) {
   return kSync + body;
 }
 
-std::optional<Frame> FrameReader::Next() {
+std::optional<WireFrame> WireFrameReader::Next() {
   while (true) {
     const std::size_t begin = bytes_.find(kSync);
     if (begin == std::string::npos) {
@@ -56,8 +56,8 @@ std::optional<Frame> FrameReader::Next() {
       if (bytes_.size() < whole) return std::nullopt;
       const std::string_view body = std::string_view(bytes_).substr(2, kHead - 2 + length);
       if (WireCrc(body) == WordAt(bytes_, kHead + length)) {
-        Frame frame{static_cast<std::uint8_t>(body[0]), static_cast<std::uint8_t>(body[1]),
-                    std::string(body.substr(4))};
+        WireFrame frame{static_cast<std::uint8_t>(body[0]), static_cast<std::uint8_t>(body[1]),
+                        std::string(body.substr(4))};
         bytes_.erase(0, whole);
         return frame;
       }

@@ -10,7 +10,7 @@
 namespace keypose::armature {
 
 /// What follows a frame's sync bytes, without its CRC.
-struct Frame {
+struct WireFrame {
   std::uint8_t kind = 0, seq = 0;
   std::string payload;
 };
@@ -19,14 +19,14 @@ struct Frame {
 std::uint16_t WireCrc(std::string_view bytes);
 
 /// The bytes of a frame. @pre frame.payload.size() < 65536
-std::string EncodeFrame(const Frame& frame);
+std::string EncodeFrame(const WireFrame& frame);
 
 /// Finds frames in bytes that may be damaged or begin anywhere.
-class FrameReader {
+class WireFrameReader {
  public:
   void Push(std::string_view bytes) { bytes_ += bytes; }
   /// The next whole frame; nothing until more bytes have come. Bytes of no frame are passed over.
-  std::optional<Frame> Next();
+  std::optional<WireFrame> Next();
   /// Frames whose CRC was wrong, so far.
   int damaged() const { return damaged_; }
   void Clear() { bytes_.clear(); }
