@@ -19,8 +19,8 @@
 #include "core/stage/stage.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
-#include "views/shot/filmed_view.h"
 #include "views/shot/shot.h"
+#include "views/shot/view_for_pictures.h"
 
 namespace keypose::capture {
 namespace {
@@ -314,7 +314,7 @@ std::vector<Camera> LensesFor(StageContext& stage, const std::vector<View>& lens
                        " in --lenses; give it pictures of the board too, by the same name");
     View lens = lenses[match[c]];
     lens.name = names[c];
-    const FilmedView view =
+    const AdjustedView view =
         ViewForPictures(lens, Image8(cameras[c].width, cameras[c].height, 1), {}, "calibrate");
     if (!view.note.empty()) stage.Note(view.note);
     fitting.push_back(view.view.camera);

@@ -18,8 +18,8 @@
 #include "core/values/figure_strokes.h"
 #include "core/values/percent.h"
 #include "core/values/size_of.h"
-#include "views/shot/filmed_view.h"
 #include "views/shot/shot_views.h"
+#include "views/shot/view_for_pictures.h"
 
 namespace keypose::capture {
 namespace {
@@ -171,7 +171,7 @@ std::vector<View> ViewsOf(StageContext& stage, const std::filesystem::path& cali
   std::vector<View> views = MatchedViews(rig, names, "silhouettes");
   for (std::size_t c = 0; c < views.size(); ++c) {
     const Image8 picture = FrameReader(cameras[c].pictures).Read(0, 3);
-    const FilmedView filmed = ViewForPictures(views[c], picture, rig.up, "silhouettes");
+    const AdjustedView filmed = ViewForPictures(views[c], picture, rig.up, "silhouettes");
     if (!filmed.note.empty()) stage.Note(filmed.note);
     const Image8 small = WorkingImage(picture, working_px);
     views[c] = filmed.view;

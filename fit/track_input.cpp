@@ -10,8 +10,8 @@
 #include "core/values/name_list.h"
 #include "core/values/size_of.h"
 #include "fit/tracking/camera_turns.h"
-#include "views/shot/filmed_view.h"
 #include "views/shot/shot_views.h"
+#include "views/shot/view_for_pictures.h"
 
 namespace keypose::fit {
 namespace {
@@ -82,7 +82,7 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
   }
   offsets_.assign(shot_.cameras.size(), 0);
   for (int c = 0; c < SizeOf(views_); ++c) {
-    const FilmedView filmed = ViewForPictures(views_[c], Shown(c), calibrated_up_, "track");
+    const AdjustedView filmed = ViewForPictures(views_[c], Shown(c), calibrated_up_, "track");
     if (!filmed.note.empty()) stage.Note(filmed.note);
     views_[c] = filmed.view;
   }

@@ -9,8 +9,8 @@
 #include "core/values/errors.h"
 #include "core/values/name_list.h"
 #include "core/values/size_of.h"
-#include "views/shot/filmed_view.h"
 #include "views/shot/shot_views.h"
+#include "views/shot/view_for_pictures.h"
 
 namespace keypose {
 namespace {
@@ -137,7 +137,7 @@ void SyncedFilms::CheckSizes(StageContext& stage) {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const int first = std::clamp(films_[v].offset, 0, films_[v].files.frames() - 1);
     const Image8 picture = films_[v].pictures->Read(first, 3);
-    const FilmedView filmed = ViewForPictures(views_[v], picture, up_, request_.stage);
+    const AdjustedView filmed = ViewForPictures(views_[v], picture, up_, request_.stage);
     if (!filmed.note.empty()) stage.Note(filmed.note);
     views_[v] = filmed.view;
     if (!films_[v].masks) continue;

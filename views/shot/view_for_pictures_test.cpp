@@ -1,5 +1,5 @@
 // Films that an encoder scaled, cut, framed or turned, against the pixels where points must lie.
-#include "views/shot/filmed_view.h"
+#include "views/shot/view_for_pictures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,13 +46,13 @@ double Apart(const View& film, const View& calibrated,
 }
 
 TEST(ViewForPictures, SameSizeIsTheSameViewAndNothingIsSaid) {
-  const FilmedView film = ViewForPictures(Calibrated(), Framed(1088, 1920, 0, 0), {}, "track");
+  const AdjustedView film = ViewForPictures(Calibrated(), Framed(1088, 1920, 0, 0), {}, "track");
   EXPECT_EQ(film.note, "");
   EXPECT_EQ(Apart(film.view, Calibrated(), [](const Vector2d& p) { return p; }), 0);
 }
 
 TEST(ViewForPictures, HalfTheSizeIsScaledAndSaid) {
-  const FilmedView film = ViewForPictures(Calibrated(), Framed(544, 960, 0, 0), {}, "track");
+  const AdjustedView film = ViewForPictures(Calibrated(), Framed(544, 960, 0, 0), {}, "track");
   EXPECT_LT(Apart(film.view, Calibrated(), [](const Vector2d& p) { return Vector2d(p / 2); }),
             1e-9);
   EXPECT_THAT(film.note, HasSubstr("the film of camera cam1 has 544 x 960 pixels"));
@@ -60,7 +60,7 @@ TEST(ViewForPictures, HalfTheSizeIsScaledAndSaid) {
 }
 
 TEST(ViewForPictures, BlackBordersSayThatThePictureWasScaledBetweenThem) {
-  const FilmedView film = ViewForPictures(Calibrated(), Framed(1080, 1920, 7, 0), {}, "track");
+  const AdjustedView film = ViewForPictures(Calibrated(), Framed(1080, 1920, 7, 0), {}, "track");
   const auto moved = [](const Vector2d& p) {
     return Vector2d(p.x() * 1080 / 1088, p.y() * 1906 / 1920 + 7);
   };
@@ -75,14 +75,14 @@ TEST(ViewForPictures, BlackBordersSayThatThePictureWasScaledBetweenThem) {
 
 TEST(ViewForPictures, WithoutBordersWhatIsMissingIsTakenAtTheRightAndAtTheBottom) {
   const auto same = [](const Vector2d& p) { return p; };
-  const FilmedView film = ViewForPictures(Calibrated(), Framed(1080, 1920, 0, 0), {}, "track");
+  const AdjustedView film = ViewForPictures(Calibrated(), Framed(1080, 1920, 0, 0), {}, "track");
   EXPECT_LT(Apart(film.view, Calibrated(), same), 1e-9);
   EXPECT_EQ(film.view.camera.width, 1080);
   EXPECT_THAT(film.note, HasSubstr("8 pixels at the right taken as cut off"));
-  const FilmedView both = ViewForPictures(Calibrated(), Framed(1080, 1912, 0, 0), {}, "track");
+  const AdjustedView both = ViewForPictures(Calibrated(), Framed(1080, 1912, 0, 0), {}, "track");
   EXPECT_LT(Apart(both.view, Calibrated(), same), 1e-9);
   EXPECT_THAT(both.note, HasSubstr("8 pixels at the right and 8 pixels at the bottom"));
-  const FilmedView half = ViewForPictures(Calibrated(), Framed(540, 960, 0, 0), {}, "track");
+  const AdjustedView half = ViewForPictures(Calibrated(), Framed(540, 960, 0, 0), {}, "track");
   EXPECT_LT(Apart(half.view, Calibrated(), [](const Vector2d& p) { return Vector2d(p / 2); }),
             1e-9);
   EXPECT_THAT(half.note, HasSubstr("scaled by 0.5, 4 pixels at the right"));
@@ -108,11 +108,11 @@ TEST(ViewForPictures, TurnedFilmsAreTurnedTheWayThatBringsUpToTheTop) {
       EXPECT_LT(Apart(hung, upright, clockwise), 1e-9);
     else
       EXPECT_LT(Apart(hung, upright, anticlockwise), 1e-9);
-    const FilmedView film = ViewForPictures(hung, Framed(1088, 1920, 0, 0), up, "track");
+    const AdjustedView film = ViewForPictures(hung, Framed(1088, 1920, 0, 0), up, "track");
     EXPECT_LT(Apart(film.view, upright, [](const Vector2d& p) { return p; }), 1e-9);
     EXPECT_THAT(film.note, HasSubstr(quarters == 1 ? "turned anticlockwise" : "turned clockwise"));
     // turned and scaled between borders as well
-    const FilmedView framed = ViewForPictures(hung, Framed(1080, 1920, 7, 0), up, "track");
+    const AdjustedView framed = ViewForPictures(hung, Framed(1080, 1920, 7, 0), up, "track");
     EXPECT_THAT(framed.note, HasSubstr("borders of 7 and 7"));
     EXPECT_THAT(framed.note, HasSubstr("after a quarter turn"));
     EXPECT_THROW(ViewForPictures(hung, Framed(1088, 1920, 0, 0), {}, "track"), InputError);
@@ -133,7 +133,7 @@ TEST(ViewForPictures, OtherShapesAreRefusedWithBothSizesAndTheCure) {
 TEST(ViewForPictures, ACalibrationWithoutSizeTakesTheFilms) {
   View view = Calibrated();
   view.camera.width = view.camera.height = 0;
-  const FilmedView film = ViewForPictures(view, Framed(1000, 700, 0, 0), {}, "track");
+  const AdjustedView film = ViewForPictures(view, Framed(1000, 700, 0, 0), {}, "track");
   EXPECT_EQ(film.view.camera.width, 1000);
   EXPECT_EQ(film.view.camera.cx, view.camera.cx);
 }

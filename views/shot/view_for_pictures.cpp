@@ -1,4 +1,4 @@
-#include "views/shot/filmed_view.h"
+#include "views/shot/view_for_pictures.h"
 
 #include <fmt/format.h>
 
@@ -169,10 +169,10 @@ View TurnedClockwise(const View& view) {
   return turned;
 }
 
-FilmedView ViewForPictures(const View& calibrated, const Image8& picture,
-                           const std::optional<Eigen::Vector3d>& up, const std::string& stage) {
+AdjustedView ViewForPictures(const View& calibrated, const Image8& picture,
+                             const std::optional<Eigen::Vector3d>& up, const std::string& stage) {
   const Size film{picture.width, picture.height};
-  FilmedView filmed{calibrated, {}};
+  AdjustedView filmed{calibrated, {}};
   if (calibrated.camera.width == 0 || calibrated.camera.height == 0) {
     filmed.view.camera.width = film.width, filmed.view.camera.height = film.height;
     return filmed;

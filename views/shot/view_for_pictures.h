@@ -11,7 +11,7 @@
 namespace keypose {
 
 /// A view for a film's pictures, and what was assumed for it.
-struct FilmedView {
+struct AdjustedView {
   View view;
   std::string note;  ///< one sentence for the user; empty: the pictures have the calibrated size
 };
@@ -33,8 +33,8 @@ struct FilmedView {
 /// @param up          the world's up; empty: not known, turned films are refused
 /// @param stage       its name, for messages
 /// @throws InputError  nothing fits; names both sizes and the cure
-FilmedView ViewForPictures(const View& calibrated, const Image8& picture,
-                           const std::optional<Eigen::Vector3d>& up, const std::string& stage);
+AdjustedView ViewForPictures(const View& calibrated, const Image8& picture,
+                             const std::optional<Eigen::Vector3d>& up, const std::string& stage);
 
 /// The view after the picture was turned clockwise by a quarter.
 View TurnedClockwise(const View& view);
