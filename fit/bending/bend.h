@@ -38,7 +38,7 @@ struct BendResult {
 /// limbs find far places; then outlines join (from the silhouette to the mask and back, which
 /// prevents shrinking). Limbs that the photographs still contradict are then looked for in other
 /// turns. At last grey values of patches around every vertex. The shape is as rigid as
-/// possible throughout, so what no view shows follows its neighbours rigidly. PickConstraints pull
+/// possible throughout, so what no view shows follows its neighbours rigidly. Picks pull
 /// strongly in the far rounds, and weakly beside grey values. A mark that is still far off after
 /// the far rounds is refused, and these begin again without it.
 ///

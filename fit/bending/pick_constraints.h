@@ -35,7 +35,7 @@ class PickConstraints {
  public:
   /// @param rest   V x 3
   /// @param cells  V: which cell of a coarse level each vertex is in
-  /// PickConstraints, rest and later positions in one frame.
+  /// Picks, rest and later positions in one frame.
   PickConstraints(BendPicks marks, const PointsX3& rest, const std::vector<int>& cells);
 
   /// Pulls of the view's marks towards their rays.

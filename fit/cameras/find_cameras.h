@@ -42,7 +42,7 @@ std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures* fe
                                      const std::vector<std::vector<FeatureMatch>>& picks,
                                      Progress* progress = nullptr);
 
-/// PickConstraints cameras as not found that few matches agree with, if three or more are sure.
+/// Marks cameras as not found that few matches agree with, if three or more are sure.
 /// They may be those of another part of the figure, which bent away.
 /// @return whether there were such cameras
 bool KeepSureCameras(std::vector<FoundCamera>& cameras);
