@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/percent.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "register/intrinsic/dense_map.h"
@@ -52,12 +52,6 @@ int HeaviestCorner(const SurfacePoint& point) {
   Eigen::Index k = 0;
   point.weights.maxCoeff(&k);
   return point.vertices[k];
-}
-
-std::string Percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
-  return text;
 }
 
 bool HasColors(const Mesh& mesh) { return mesh.colors.rows() == mesh.points.rows(); }
@@ -296,7 +290,7 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target,
   suggestion.explanation = "limb ends: " + std::to_string(search.source.tips.size()) +
                            " on the source, " + std::to_string(search.target.tips.size()) +
                            " on the target, " + std::to_string(search.best.source_tips.size()) +
-                           " matched; " + Percent(suggestion.orientation) +
+                           " matched; " + PercentHalfEven(suggestion.orientation) +
                            " of the surface keeps its orientation";
   return suggestion;
 }
