@@ -7,11 +7,11 @@
 #include <map>
 
 #include "core/numbers/cholesky.h"
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/union_find.h"
 
@@ -97,15 +97,6 @@ double HalfCotangent(const Vector3d& a, const Vector3d& b) {
   return std::clamp(0.5 * dot / area, kLeastCotangent, kMostCotangent);
 }
 
-VectorXd VertexAreas(const Mesh& mesh) {
-  VectorXd areas = VectorXd::Zero(mesh.vertex_count());
-  const VectorXd faces = FaceAreas(mesh.points, mesh.faces);
-  for (Eigen::Index f = 0; f < faces.size(); ++f)
-    for (int k = 0; k < 3; ++k) areas[mesh.faces(f, k)] += faces[f] / 3;
-  // A vertex without a face has only its own bone.
-  return areas.cwiseMax(1e-9 * areas.mean());
-}
-
 /// The lower triangle of L + diag(heat).
 Eigen::SparseMatrix<double> SystemOf(const Mesh& mesh, const VectorXd& heat) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -145,7 +136,9 @@ BoneHeat HeatWeights(const Mesh& mesh, const std::vector<SkinBone>& bones, Progr
   BoneHeat result;
   for (const Source& source : sources) result.seeing += source.sees;
   result.blind_parts = WarmBlindParts(mesh, sources);
-  const VectorXd areas = VertexAreas(mesh);
+  VectorXd areas = VertexAreas(mesh.points, mesh.faces);
+  // A vertex without a face has only its own bone.
+  areas = areas.cwiseMax(1e-9 * areas.mean());
   VectorXd heat(mesh.vertex_count());
   MatrixXd weights = MatrixXd::Zero(mesh.vertex_count(), SizeOf(bones));
   for (int v = 0; v < mesh.vertex_count(); ++v) {

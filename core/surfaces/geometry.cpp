@@ -115,6 +115,14 @@ Eigen::VectorXd FaceAreas(const PointsX3& points, const FacesX3& faces) {
   return areas;
 }
 
+Eigen::VectorXd VertexAreas(const PointsX3& points, const FacesX3& faces) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
+  const Eigen::VectorXd of_faces = FaceAreas(points, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += of_faces[f] / 3;
+  return areas;
+}
+
 double SurfaceArea(const PointsX3& points, const FacesX3& faces) {
   return FaceAreas(points, faces).sum();
 }

@@ -17,6 +17,8 @@ double SurfaceArea(const PointsX3& points, const FacesX3& faces);
 double SignedVolume(const PointsX3& points, const FacesX3& faces);
 /// @return F
 Eigen::VectorXd FaceAreas(const PointsX3& points, const FacesX3& faces);
+/// @return V; a third of the area of each vertex's faces
+Eigen::VectorXd VertexAreas(const PointsX3& points, const FacesX3& faces);
 /// @return F x 3, unit; zero for faces without area
 PointsX3 FaceNormals(const PointsX3& points, const FacesX3& faces);
 /// @return V x 3, unit, weighted by area; zero for vertices without a face

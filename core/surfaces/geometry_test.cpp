@@ -27,6 +27,15 @@ TEST(Geometry, FacesAreTheSameOnlyWithEqualNumbersAndOrder) {
   EXPECT_FALSE(SameFaces(box.faces, swapped));
 }
 
+TEST(Geometry, VerticesHaveAThirdOfTheirFacesAreas) {
+  PointsX3 points(5, 3);
+  points << 0, 0, 0, 3, 0, 0, 3, 2, 0, 0, 2, 0, 7, 7, 7;
+  FacesX3 faces(2, 3);
+  faces << 0, 1, 2, 0, 2, 3;  // each has the area 3
+  const Eigen::VectorXd areas = VertexAreas(points, faces);
+  EXPECT_EQ(areas, (Eigen::VectorXd(5) << 2, 1, 2, 1, 0).finished());
+}
+
 TEST(Geometry, VolumeOfAFarAwayMeshKeepsItsDigits) {
   Mesh box = MakeBox(1, 1, 1);
   box.points.rowwise() += Eigen::RowVector3d(1e6, -1e6, 1e6);

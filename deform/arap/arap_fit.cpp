@@ -6,8 +6,8 @@
 #include <iterator>
 #include <optional>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "deform/solvers/block_jacobi.h"
 #include "deform/solvers/sparse_pattern.h"
@@ -64,10 +64,7 @@ ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::Vector
                  double smoothing, bool factor)
     : rest_(rest), smoothing_(smoothing), factored_(factor) {
   const std::size_t n = rest.rows();
-  areas_ = Eigen::VectorXd::Zero(rest.rows());
-  const Eigen::VectorXd face_areas = FaceAreas(rest, faces);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) areas_[faces(f, k)] += face_areas[f] / 3;
+  areas_ = VertexAreas(rest, faces);
   pieces_ = RigidPieces(faces, stiffness, areas_);
   stiffness_ = RigidPieces::Held(stiffness);
   BuildEdges(faces, stiffness_);

@@ -18,14 +18,6 @@ struct LimbTuning {
 };
 constexpr int kSamples = 40;  // from which mean distances are taken
 
-Eigen::VectorXd VertexAreas(const PointsX3& points, const FacesX3& faces) {
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
-  const Eigen::VectorXd of_faces = FaceAreas(points, faces);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += of_faces[f] / 3;
-  return areas;
-}
-
 /// The vertices around a peak, in falling order of the field, down to `least` or to the area.
 std::vector<int> Above(const std::vector<std::vector<int>>& neighbors, const Eigen::VectorXd& field,
                        const Eigen::VectorXd& areas, int peak, double least, double most_area) {
