@@ -20,12 +20,15 @@
 #include "capture/room/standing_figure.h"
 #include "capture/room/told_by_depths.h"
 #include "capture/salience/salience_network.h"
-#include "core/values/errors.h"
-#include "core/values/figure_strokes.h"
 #include "core/io/pictures/image_io.h"
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
+#include "core/numbers/statistics.h"
+#include "core/pictures/mask_overlap.h"
 #include "core/stage/failure_picture.h"
+#include "core/values/errors.h"
+#include "core/values/figure_strokes.h"
+#include "core/values/percent.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture {
 namespace {
@@ -61,12 +64,7 @@ Eigen::Vector3d MiddleOf(const FigureSet& figures, const std::vector<Image8>& ma
     for (int k = 0; k < 3; ++k) at[k].push_back(point.position[k]);
   }
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    if (at[k].empty()) continue;
-    const auto half = at[k].begin() + static_cast<std::ptrdiff_t>(at[k].size() / 2);
-    std::nth_element(at[k].begin(), half, at[k].end());
-    middle[k] = *half;
-  }
+  for (int k = 0; k < 3; ++k) middle[k] = UpperMedian(std::move(at[k]));
   return middle;
 }
 
@@ -150,15 +148,6 @@ ToldFigure Ask(StageContext& stage, const FigureSet& figures,
   return told;
 }
 
-double Overlap(const Image8& a, const Image8& b) {
-  double both = 0, either = 0;
-  for (std::size_t p = 0; p < a.data.size(); ++p) {
-    both += a.data[p] > 127 && b.data[p] > 127;
-    either += a.data[p] > 127 || b.data[p] > 127;
-  }
-  return either > 0 ? both / either : 0;
-}
-
 /// Writes a sheet of what was taken for the figure, for a person who reads why it is refused.
 /// @return a sentence with its path
 std::string Shown(StageContext& stage, const FigureSet& figures, const std::vector<Image8>& masks) {
@@ -177,9 +166,8 @@ double Overlap(const ToldFigure& told, const std::vector<Image8>& masks) {
   std::vector<double> overlaps;
   for (const int v : told.fitting)
     overlaps.push_back(
-        Overlap(told.views[static_cast<std::size_t>(v)].mask, masks[static_cast<std::size_t>(v)]));
-  std::sort(overlaps.begin(), overlaps.end());
-  return overlaps.empty() ? 0 : overlaps[overlaps.size() / 2];
+        MaskIoU(told.views[static_cast<std::size_t>(v)].mask, masks[static_cast<std::size_t>(v)]));
+  return UpperMedian(std::move(overlaps));
 }
 
 /// What is known before it is said what the figure is.
@@ -371,7 +359,7 @@ FoundFigure FindFigure(StageContext& stage, const FigureSet& figures, SpaceOptio
 void RequireClearFigure(StageContext& stage, const FigureSet& figures, const SpaceOptions& space,
                         const FoundFigure& found, const std::vector<Image8>& masks) {
   const double left = Mean(LeftByOthers(figures.views, masks, space));
-  const std::string percent = std::to_string(static_cast<int>(std::lround(100 * left))) + " %";
+  const std::string percent = PercentHalfUp(left);
   WarnOfUnheeded(stage, figures, masks);
   const std::string advice = Advice(figures.set.images[figures.index[0]].name);
   stage.Report("figure_unclear", left < kHardly);
@@ -380,9 +368,8 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
   stage.Report("goes_on_beside", attachment.share);
   if (attachment.attached && figures.strokes.empty() && !found.stands)
     throw InputError(
-        "masks: the figure does not stand free: " +
-        std::to_string(static_cast<int>(std::lround(100 * attachment.share))) +
-        " % of what is seen just beside its outlines is as near as the figure itself, as around a "
+        "masks: the figure does not stand free: " + PercentHalfUp(attachment.share) +
+        " of what is seen just beside its outlines is as near as the figure itself, as around a "
         "relief on a wall or a carving on a trunk, which have no shape of their own; photograph a "
         "figure that stands free, or " +
         advice + Shown(stage, figures, masks));
@@ -390,9 +377,8 @@ void RequireClearFigure(StageContext& stage, const FigureSet& figures, const Spa
   stage.Report("goes_on_beyond", beyond);
   if (beyond > kMostBeyond && figures.strokes.empty())
     throw InputError(
-        "masks: the figure does not stand free: in " +
-        std::to_string(static_cast<int>(std::lround(100 * beyond))) +
-        " % of the photographs what could be the figure goes on beyond three sides of the picture, "
+        "masks: the figure does not stand free: in " + PercentHalfUp(beyond) +
+        " of the photographs what could be the figure goes on beyond three sides of the picture, "
         "as a trunk in a wood does, or a room; photograph a figure that stands free, or " +
         advice + Shown(stage, figures, masks));
   if (left < kNotAtAll)

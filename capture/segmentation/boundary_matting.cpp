@@ -31,13 +31,6 @@ struct BoundaryMattingTuning {
   KEYPOSE_TUNED(double, kLeastRatio, 4);  // squared contrast over the variances of both sides
 };
 
-std::array<float, 256> LinearLight() {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = static_cast<float>(LinearFromSrgb(static_cast<double>(i) / 255));
-  return table;
-}
-
 /// Weighted mean and variance of colours.
 struct Colors {
   double weight = 0, squares = 0;
@@ -96,7 +89,6 @@ class Boundary {
 
  private:
   Eigen::Vector3d Color(int x, int y) const {
-    static const std::array<float, 256> kLinear = LinearLight();
     const cv::Vec3b& rgb = image_.at<cv::Vec3b>(y, x);
     return {kLinear[rgb[0]], kLinear[rgb[1]], kLinear[rgb[2]]};
   }

@@ -41,15 +41,6 @@ Vector3d LightAt(const Character& character, const PointsX3& gains, const RaySce
 
 }  // namespace
 
-PixelRays::PixelRays(const Camera& camera)
-    : stride_(camera.width + 1), corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
-  ParallelFor(camera.height + 1, [&](std::int64_t y) {
-    for (int x = 0; x < stride_; ++x)
-      corners_[y * stride_ + x] =
-          camera.Unproject(Eigen::Vector2d(x, static_cast<double>(y))).head<2>();
-  });
-}
-
 ImageF RenderLayer(const Character& character, const PointsX3& points, const RayScene& scene,
                    const PointsX3& gains, const View& view, const PixelRays& rays, int along,
                    const Ground* table, const RayScene* props) {

@@ -4,11 +4,12 @@
 #include <memory>
 #include <vector>
 
+#include "core/pictures/pixel_rays.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {
@@ -19,24 +20,6 @@ struct Character {
   UvsX2 uvs;         ///< in [0,1], v up
   FacesX3 uv_faces;  ///< F x 3
   ImageF texture;    ///< RGB, linear light
-};
-
-/// Points with z = 1 in the camera's frame for places in pixels. Between the pixels' corners the
-/// lens' distortion is interpolated, exact to 1e-5 px.
-class PixelRays {
- public:
-  explicit PixelRays(const Camera& camera);
-  /// @param sx, sy  place inside the pixel, in [0,1]
-  Eigen::Vector3d At(int x, int y, double sx, double sy) const {
-    const Eigen::Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
-    const Eigen::Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) +
-                              sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
-    return {p[0], p[1], 1};
-  }
-
- private:
-  int stride_;
-  std::vector<Eigen::Vector2d> corners_;
 };
 
 /// RGBA in linear light, premultiplied: alpha is the share of the pixel that the character covers.

@@ -1,7 +1,6 @@
 #include "composite/layer/linear_light.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/numbers/parallel.h"
@@ -9,15 +8,6 @@
 
 namespace keypose::composite {
 namespace {
-
-const std::array<float, 256>& LinearTable() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> t{};
-    for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
-    return t;
-  }();
-  return table;
-}
 
 template <class Change>
 void ForAll(std::size_t count, const Change& change) {
@@ -49,19 +39,17 @@ ImageF BlurredAlong(const ImageF& image, const std::vector<float>& kernel, bool 
 
 ImageF LinearOf(const Image8& srgb) {
   ImageF linear(srgb.width, srgb.height, srgb.channels);
-  const auto& table = LinearTable();
-  ForAll(srgb.data.size(), [&](std::int64_t i) { linear.data[i] = table[srgb.data[i]]; });
+  ForAll(srgb.data.size(), [&](std::int64_t i) { linear.data[i] = kLinear[srgb.data[i]]; });
   return linear;
 }
 
 ImageF LinearOfLevels(const ImageF& levels) {
   ImageF linear(levels.width, levels.height, levels.channels);
-  const auto& table = LinearTable();
   ForAll(levels.data.size(), [&](std::int64_t i) {
     const double level = std::clamp(static_cast<double>(levels.data[i]), 0.0, 255.0);
     const auto whole = static_cast<std::size_t>(level);
     linear.data[i] = static_cast<double>(whole) == level
-                         ? table[whole]
+                         ? kLinear[whole]
                          : static_cast<float>(LinearFromSrgb(level / 255));
   });
   return linear;

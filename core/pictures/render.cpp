@@ -9,12 +9,12 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/scan_conversion.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {
@@ -23,17 +23,8 @@ using Rgb8 = Eigen::Matrix<std::uint8_t, 3, 1>;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-const std::array<double, 256>& LinearTable() {
-  static const std::array<double, 256> table = [] {
-    std::array<double, 256> t;
-    for (int i = 0; i < 256; ++i) t[i] = LinearFromSrgb(i / 255.0);
-    return t;
-  }();
-  return table;
-}
-
 Vector3d ToLinear(const std::uint8_t* rgb) {
-  return {LinearTable()[rgb[0]], LinearTable()[rgb[1]], LinearTable()[rgb[2]]};
+  return {kLinearDouble[rgb[0]], kLinearDouble[rgb[1]], kLinearDouble[rgb[2]]};
 }
 
 /// Linear light of values between bytes, 16 steps each. Linear in between: 3e-8 off at most, and

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "views/atlas/linear_light.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::motion {
 namespace {

@@ -1,10 +1,10 @@
 #include "motion/video3d/level_field.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "core/numbers/statistics.h"
+#include "core/pictures/srgb.h"
 #include "core/surfaces/geometry.h"
-#include "views/atlas/linear_light.h"
 
 namespace keypose::motion {
 namespace {
@@ -22,10 +22,7 @@ Vector3f MedianRow(const LevelFactors& rows, const std::vector<int>& used) {
   for (int c = 0; c < 3; ++c) {
     std::vector<float> values;
     for (const int v : used) values.push_back(rows(v, c));
-    if (values.empty()) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[c] = *middle;
+    median[c] = UpperMedian(std::move(values));
   }
   return median;
 }

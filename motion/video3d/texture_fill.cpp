@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
-#include "views/atlas/linear_light.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::motion {
 namespace {

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
-#include "views/atlas/linear_light.h"
 
 namespace keypose::motion {
 namespace {

@@ -81,13 +81,4 @@ Image8 NoisyMask(const Image8& mask, double noise_px, std::uint64_t seed) {
   return noisy;
 }
 
-double MaskIoU(const Image8& a, const Image8& b) {
-  std::int64_t both = 0, either = 0;
-  for (std::size_t i = 0; i < a.data.size(); ++i) {
-    const bool in_a = a.data[i] > 127, in_b = b.data[i] > 127;
-    both += in_a && in_b, either += in_a || in_b;
-  }
-  return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
-}
-
 }  // namespace keypose::synth

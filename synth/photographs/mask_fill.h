@@ -16,7 +16,4 @@ Image8 FillMask(const PointsX3& points, const FacesX3& faces, const View& view);
 /// length of about six pixels along it.
 Image8 NoisyMask(const Image8& mask, double noise_px, std::uint64_t seed);
 
-/// Pixels in both over pixels in either; 1 for two empty masks.
-double MaskIoU(const Image8& a, const Image8& b);
-
 }  // namespace keypose::synth

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/numbers/parallel.h"
+#include "core/pictures/pixel_rays.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
@@ -16,9 +17,8 @@
 #include "synth/photographs/board_picture.h"
 #include "synth/photographs/enlarged.h"
 #include "synth/photographs/light.h"
-#include "synth/photographs/ray_table.h"
+#include "synth/photographs/ring_views.h"
 #include "synth/photographs/sensor.h"
-#include "synth/photographs/turntable.h"
 #include "synth/worlds/hand.h"
 #include "synth/worlds/posed_clay.h"
 
@@ -94,7 +94,7 @@ struct Photographer::Impl {
   PhotographerOptions options;
   PosedClay clay;
   std::vector<RingView> views;
-  RayTable rays;
+  PixelRays rays;
   ImageF backdrop;
   LightField light;
   std::optional<LightField> fallen_light;  // after the lamp fell
@@ -211,7 +211,7 @@ class Exposure {
   const PhotographerOptions& options_;
   const PosedClay& clay_;
   const View& view_;
-  const RayTable& rays_;
+  const PixelRays& rays_;
   const ImageF& backdrop_;
   const TableLight& table_;
   const BoardPicture* board_;

@@ -5,22 +5,13 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/values/size_of.h"
 
 namespace keypose::synth {
 namespace {
 
 using Eigen::Vector3d;
-
-const std::array<float, 256>& LinearOfByte() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> values{};
-    for (int i = 0; i < 256; ++i) values[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
-    return values;
-  }();
-  return table;
-}
 
 /// sRGB bytes of linear light in 1/4095.
 const std::array<std::uint8_t, 4096>& ByteOfLinear() {
@@ -35,7 +26,6 @@ const std::array<std::uint8_t, 4096>& ByteOfLinear() {
 
 /// Half the size; light is averaged, not bytes.
 Image8 Halved(const Image8& image) {
-  const auto& linear = LinearOfByte();
   const auto& bytes = ByteOfLinear();
   Image8 half(std::max(1, image.width / 2), std::max(1, image.height / 2), 3);
   ParallelFor(
@@ -46,8 +36,8 @@ Image8 Halved(const Image8& image) {
           const int x0 = 2 * x, x1 = std::min(x0 + 1, image.width - 1), y0 = 2 * y,
                     y1 = std::min(y0 + 1, image.height - 1);
           for (int c = 0; c < 3; ++c) {
-            const float sum = linear[image.at(x0, y0)[c]] + linear[image.at(x1, y0)[c]] +
-                              linear[image.at(x0, y1)[c]] + linear[image.at(x1, y1)[c]];
+            const float sum = kLinear[image.at(x0, y0)[c]] + kLinear[image.at(x1, y0)[c]] +
+                              kLinear[image.at(x0, y1)[c]] + kLinear[image.at(x1, y1)[c]];
             half.at(x, y)[c] = bytes[static_cast<int>(sum / 4 * 4095 + 0.5f)];
           }
         }
@@ -75,7 +65,6 @@ Print::Print(Image8 picture, double width_m, bool repeats)
 }
 
 Vector3d Print::AtLevel(const Image8& level, double x, double y) const {
-  const auto& linear = LinearOfByte();
   const double px = x / width_m_ * level.width - 0.5, py = y / height_m_ * level.height - 0.5;
   const double fx = std::floor(px), fy = std::floor(py);
   const int x0 = Wrapped(static_cast<int>(fx), level.width, repeats_),
@@ -87,8 +76,8 @@ Vector3d Print::AtLevel(const Image8& level, double x, double y) const {
                      *d = level.at(x1, y1);
   Vector3d sum;
   for (int k = 0; k < 3; ++k)
-    sum[k] = (1 - v) * ((1 - u) * linear[a[k]] + u * linear[b[k]]) +
-             v * ((1 - u) * linear[c[k]] + u * linear[d[k]]);
+    sum[k] = (1 - v) * ((1 - u) * kLinear[a[k]] + u * kLinear[b[k]]) +
+             v * ((1 - u) * kLinear[c[k]] + u * kLinear[d[k]]);
   return sum;
 }
 

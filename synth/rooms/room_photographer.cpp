@@ -8,13 +8,13 @@
 #include <map>
 #include <utility>
 
-#include "core/pictures/fit_view.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/fit_view.h"
+#include "core/pictures/pixel_rays.h"
 #include "core/values/size_of.h"
-#include "synth/worlds/hand.h"
 #include "synth/photographs/light.h"
-#include "synth/photographs/ray_table.h"
 #include "synth/photographs/sensor.h"
+#include "synth/worlds/hand.h"
 
 namespace keypose::synth {
 namespace {
@@ -33,7 +33,7 @@ struct StillLayer {
 
 /// The eye and its rays in one frame.
 struct Eye {
-  Eye(const View& view, const RayTable& the_rays)
+  Eye(const View& view, const PixelRays& the_rays)
       : rays(the_rays),
         world_from_camera(view.camera_from_world.Inverse()),
         turn(world_from_camera.rotation.toRotationMatrix()),
@@ -41,7 +41,7 @@ struct Eye {
   Vector3d Ray(int x, int y, double sx, double sy) const { return turn * rays.At(x, y, sx, sy); }
   const Vector3d& place() const { return world_from_camera.translation; }
 
-  const RayTable& rays;
+  const PixelRays& rays;
   Rigid3 world_from_camera;
   Eigen::Matrix3d turn;
   double pixel_angle;  // of a pixel, at z = 1
@@ -69,7 +69,7 @@ void Put(ImageF& image, int x, int y, const Vector3d& light) {
 }
 
 StillLayer SeeStill(const RoomSet& set, const RoomPlan& plan, const View& view,
-                    const RayTable& rays) {
+                    const PixelRays& rays) {
   const Eye eye(view, rays);
   const int width = view.camera.width, height = view.camera.height;
   StillLayer layer{ImageF(width, height, 3), Image8(width, height, 1)};
@@ -111,7 +111,7 @@ StillLayer SeeStill(const RoomSet& set, const RoomPlan& plan, const View& view,
 /// One photograph in the making: what moves with the figure, over what stands still.
 class RoomExposure {
  public:
-  RoomExposure(const RoomSet& set, const RoomPlan& plan, const Stand& stand, const RayTable& rays,
+  RoomExposure(const RoomSet& set, const RoomPlan& plan, const Stand& stand, const PixelRays& rays,
                StillLayer still)
       : set_(set),
         plan_(plan),
@@ -294,7 +294,7 @@ struct RoomPhotographer::Impl {
         stands(PlaceStands(plan, set.figure().surface.points)) {
     for (const Stand& stand : stands) {
       const auto key = KeyOf(stand);
-      if (!rays.count(key)) rays.emplace(key, RayTable(stand.view.camera));
+      if (!rays.count(key)) rays.emplace(key, PixelRays(stand.view.camera));
       if (stand.tripod >= 0 && !tripods.count(stand.tripod))
         tripods.emplace(stand.tripod, SeeStill(set, plan, stand.view, rays.at(key)));
     }
@@ -306,7 +306,7 @@ struct RoomPhotographer::Impl {
   RoomPlan plan;
   RoomSet set;
   std::vector<Stand> stands;
-  std::map<std::pair<int, int>, RayTable> rays;  // by lens and width
+  std::map<std::pair<int, int>, PixelRays> rays;  // by lens and width
   std::map<int, StillLayer> tripods;
 };
 
@@ -327,7 +327,7 @@ bool RoomPhotographer::HasHand(int i) const {
 
 RoomPhotograph RoomPhotographer::Take(int i) const {
   const Stand& stand = impl_->stands[i];
-  const RayTable& rays = impl_->rays.at(Impl::KeyOf(stand));
+  const PixelRays& rays = impl_->rays.at(Impl::KeyOf(stand));
   StillLayer still = stand.tripod >= 0 ? impl_->tripods.at(stand.tripod)
                                        : SeeStill(impl_->set, impl_->plan, stand.view, rays);
   ImageF light;

@@ -7,13 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/mask_overlap.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/mask_fill.h"
 #include "synth/worlds/performer.h"
@@ -105,7 +106,7 @@ std::vector<double> FrameIoUs(const MotionScoreCommand& command, const std::vect
       const fs::path mask =
           command.performance / "truth" / "masks" / view.name / fmt::format("{:03}.png", f);
       sums[f] +=
-          MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view)) / SizeOf(views);
+          MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view), 1) / SizeOf(views);
     }
   });
   return sums;

@@ -12,6 +12,7 @@
 #include "core/io/project/rig_calibration.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/statistics.h"
+#include "core/pictures/mask_overlap.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -60,7 +61,7 @@ void ScoreOutlines(const SurfaceScoreCommand& command, const std::vector<fs::pat
     const Mesh mesh = ReadMesh(frames[f]);
     const fs::path mask =
         command.performance / "truth" / "masks" / view.name / fmt::format("{:03}.png", f);
-    ious[f] = MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view));
+    ious[f] = MaskIoU(ReadImage(mask, 1), FillMask(mesh.points, mesh.faces, view), 1);
   });
   score->iou_held_out = MeanOf(ious);
   score->iou_held_out_least = *std::min_element(ious.begin(), ious.end());

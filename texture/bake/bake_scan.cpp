@@ -5,12 +5,12 @@
 #include <limits>
 #include <optional>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "views/atlas/atlas.h"
-#include "views/atlas/linear_light.h"
 
 namespace keypose::texture {
 namespace {

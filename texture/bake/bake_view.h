@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "core/pictures/render.h"
+#include "core/pictures/srgb.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
 #include "core/values/size_of.h"
-#include "views/atlas/linear_light.h"
 
 namespace keypose::texture {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
-#include "views/atlas/linear_light.h"
 
 namespace keypose {
 namespace {

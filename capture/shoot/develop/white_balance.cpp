@@ -7,17 +7,11 @@
 
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
-#include "core/values/errors.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {
-
-std::array<double, 256> LinearTable() {
-  std::array<double, 256> table{};
-  for (int i = 0; i < 256; ++i) table[i] = LinearFromSrgb(i / 255.0);
-  return table;
-}
 
 std::string Text(const PixelBox& box) {
   return std::to_string(box.x) + "," + std::to_string(box.y) + "," + std::to_string(box.width) +
@@ -69,14 +63,13 @@ cv::Rect LargestRectangle(const cv::Mat& even) {
 
 WhiteGains GainsFromCard(const Image8& image, const PixelBox& box) {
   RequireInside(image, box);
-  static const std::array<double, 256> linear = LinearTable();
   std::array<double, 3> sum{};
   double burnt = 0;
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) {
       const std::uint8_t* pixel = image.at(x, y);
       burnt += *std::max_element(pixel, pixel + 3) >= 253;
-      for (int c = 0; c < 3; ++c) sum[c] += linear[pixel[c]];
+      for (int c = 0; c < 3; ++c) sum[c] += kLinearDouble[pixel[c]];
     }
   const double count = static_cast<double>(box.width) * box.height;
   const double brightest = *std::max_element(sum.begin(), sum.end()) / count;

@@ -1,12 +1,15 @@
-#include "views/atlas/linear_light.h"
+#include "core/pictures/srgb.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "core/pictures/srgb.h"
 
 namespace keypose {
 namespace {
+
+std::array<double, 256> LinearTable() {
+  std::array<double, 256> t;
+  for (int i = 0; i < 256; ++i) t[i] = LinearFromSrgb(i / 255.0);
+  return t;
+}
 
 /// Indexed by the square root: fine for dark values, where sRGB is steep.
 std::array<std::uint8_t, 4096> SrgbTable() {
@@ -21,9 +24,10 @@ const std::array<std::uint8_t, 4096> kSrgb = SrgbTable();
 
 }  // namespace
 
+const std::array<double, 256> kLinearDouble = LinearTable();
 const std::array<float, 256> kLinear = [] {
   std::array<float, 256> t;
-  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
+  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(kLinearDouble[i]);
   return t;
 }();
 

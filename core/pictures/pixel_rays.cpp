@@ -1,10 +1,12 @@
-#include "synth/photographs/ray_table.h"
+#include "core/pictures/pixel_rays.h"
+
+#include <cstdint>
 
 #include "core/numbers/parallel.h"
 
-namespace keypose::synth {
+namespace keypose {
 
-RayTable::RayTable(const Camera& camera)
+PixelRays::PixelRays(const Camera& camera)
     : stride_(camera.width + 1), corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
   const auto row = [&](std::int64_t y) {
     for (int x = 0; x < stride_; ++x)
@@ -14,4 +16,4 @@ RayTable::RayTable(const Camera& camera)
   ParallelFor(camera.height + 1, row, 16);
 }
 
-}  // namespace keypose::synth
+}  // namespace keypose

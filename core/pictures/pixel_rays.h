@@ -2,17 +2,20 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "core/values/camera.h"
 
-namespace keypose::synth {
+namespace keypose {
 
-/// Points with z = 1 in the camera's frame, at the pixels' corners. Inside a pixel, bilinear
-/// interpolation of the distortion is exact to 1e-6 px.
-class RayTable {
+/// Points with z = 1 in the camera's frame for places in pixels. The distortion is undone at the
+/// pixels' corners and bilinear between them: 4e-4 px off for a strong lens at 640 pixels' width,
+/// less for finer pixels.
+class PixelRays {
  public:
-  explicit RayTable(const Camera& camera);
+  explicit PixelRays(const Camera& camera);
+  /// @param x, y    pixel of the camera
   /// @param sx, sy  place inside the pixel, in [0,1]
   Eigen::Vector3d At(int x, int y, double sx, double sy) const {
     const Eigen::Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
@@ -26,4 +29,4 @@ class RayTable {
   std::vector<Eigen::Vector2d> corners_;
 };
 
-}  // namespace keypose::synth
+}  // namespace keypose
