@@ -98,7 +98,7 @@ std::pair<std::string, std::string> Split(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-std::unique_ptr<Camera> MakeCamera(const Flags& flags, SimulatedSet* simulated) {
+std::unique_ptr<CameraDevice> MakeCamera(const Flags& flags, SimulatedSet* simulated) {
   const auto [kind, path] = Split(flags.camera);
   if (kind == "gphoto2" && path.empty()) return MakeGphoto2Camera();
   if (kind == "folder" && !path.empty()) return MakeFolderCamera(fs::absolute(path));
@@ -107,7 +107,7 @@ std::unique_ptr<Camera> MakeCamera(const Flags& flags, SimulatedSet* simulated) 
                                flags.camera));
 }
 
-std::unique_ptr<Turntable> MakeTurntable(Flags& flags, SimulatedSet* simulated) {
+std::unique_ptr<TurntableDevice> MakeTurntable(Flags& flags, SimulatedSet* simulated) {
   const auto [kind, path] = Split(flags.turntable);
   flags.session.turntable_name = kind;
   flags.grbl.axis = flags.axis.front();
@@ -152,8 +152,8 @@ int Shoot(Flags& flags) {
                              ? flags.session.project / ".keypose" / "shoot" / "simulated"
                              : fs::absolute(flags.world);
   SimulatedSet simulated(world, flags.faults);
-  const std::unique_ptr<Camera> camera = MakeCamera(flags, &simulated);
-  const std::unique_ptr<Turntable> turntable = MakeTurntable(flags, &simulated);
+  const std::unique_ptr<CameraDevice> camera = MakeCamera(flags, &simulated);
+  const std::unique_ptr<TurntableDevice> turntable = MakeTurntable(flags, &simulated);
   const std::unique_ptr<Conversation> talk = flags.commands
                                                  ? MakeJsonLines(STDIN_FILENO, STDOUT_FILENO)
                                                  : MakeTerminal(STDIN_FILENO, STDOUT_FILENO);

@@ -1,4 +1,4 @@
-// CameraExposures and white balance of several cameras, levelled by what they show of the same
+// Exposure and white balance of several cameras, levelled by what they show of the same
 // surface.
 #pragma once
 

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "core/values/errors.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -18,7 +18,7 @@ struct Seen {
   double since = 0;  ///< when it was first seen with this size
 };
 
-class FolderCamera final : public Camera {
+class FolderCamera final : public CameraDevice {
  public:
   FolderCamera(const fs::path& folder, const FolderTimes& times) : folder_(folder), times_(times) {}
 
@@ -112,7 +112,7 @@ class FolderCamera final : public Camera {
 
 }  // namespace
 
-std::unique_ptr<Camera> MakeFolderCamera(const fs::path& folder, const FolderTimes& times) {
+std::unique_ptr<CameraDevice> MakeFolderCamera(const fs::path& folder, const FolderTimes& times) {
   return std::make_unique<FolderCamera>(folder, times);
 }
 

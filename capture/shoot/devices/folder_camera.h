@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "capture/shoot/devices/camera.h"
+#include "capture/shoot/devices/camera_device.h"
 
 namespace keypose::capture::shoot {
 
@@ -15,7 +15,7 @@ struct FolderTimes {
 
 /// Each file that is new since Connect, oldest first. Files of one stem (IMG_1.CR2, IMG_1.JPG) are
 /// one photograph. They are copied, never moved.
-std::unique_ptr<Camera> MakeFolderCamera(const std::filesystem::path& folder,
-                                         const FolderTimes& times = {});
+std::unique_ptr<CameraDevice> MakeFolderCamera(const std::filesystem::path& folder,
+                                               const FolderTimes& times = {});
 
 }  // namespace keypose::capture::shoot

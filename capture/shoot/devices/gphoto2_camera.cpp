@@ -7,8 +7,8 @@
 #include <deque>
 #include <fstream>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -40,7 +40,7 @@ std::string PlainName(std::string name) {
 
 std::string StemOf(const std::string& name) { return fs::path(name).stem().string(); }
 
-class Gphoto2Camera final : public Camera {
+class Gphoto2Camera final : public CameraDevice {
  public:
   void Connect(Patience& patience) override {
     patience.Wait(0);
@@ -233,6 +233,6 @@ class Gphoto2Camera final : public Camera {
 
 }  // namespace
 
-std::unique_ptr<Camera> MakeGphoto2Camera() { return std::make_unique<Gphoto2Camera>(); }
+std::unique_ptr<CameraDevice> MakeGphoto2Camera() { return std::make_unique<Gphoto2Camera>(); }
 
 }  // namespace keypose::capture::shoot

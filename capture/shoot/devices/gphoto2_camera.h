@@ -4,13 +4,13 @@
 #include <memory>
 #include <string>
 
-#include "capture/shoot/devices/camera.h"
+#include "capture/shoot/devices/camera_device.h"
 #include "capture/shoot/devices/device_fault.h"
 
 namespace keypose::capture::shoot {
 
 /// The first camera that is found. Settings stay as they are on the camera.
-std::unique_ptr<Camera> MakeGphoto2Camera();
+std::unique_ptr<CameraDevice> MakeGphoto2Camera();
 
 /// What an error of libgphoto2 means for the person, by its number (GP_ERROR_...).
 /// @param doing  what was tried, such as "release the shutter"

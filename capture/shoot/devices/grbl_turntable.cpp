@@ -22,7 +22,7 @@ bool ValueOf(const std::string& list, char axis, double* value) {
   return end != word.c_str() && std::isfinite(*value);
 }
 
-class GrblTurntable final : public Turntable {
+class GrblTurntable final : public TurntableDevice {
  public:
   GrblTurntable(const std::filesystem::path& device, const GrblOptions& options,
                 const GrblTimes& times)
@@ -219,8 +219,9 @@ bool ParseGrblStatus(const std::string& line, char axis, GrblStatus* status) {
   return status->has_machine_position || status->has_work_position;
 }
 
-std::unique_ptr<Turntable> MakeGrblTurntable(const std::filesystem::path& device,
-                                             const GrblOptions& options, const GrblTimes& times) {
+std::unique_ptr<TurntableDevice> MakeGrblTurntable(const std::filesystem::path& device,
+                                                   const GrblOptions& options,
+                                                   const GrblTimes& times) {
   return std::make_unique<GrblTurntable>(device, options, times);
 }
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/turntable_device.h"
 
 namespace keypose::capture::shoot {
 
@@ -40,8 +40,8 @@ struct GrblStatus {
 /// @return whether the line is a status report with a state
 bool ParseGrblStatus(const std::string& line, char axis, GrblStatus* status);
 
-std::unique_ptr<Turntable> MakeGrblTurntable(const std::filesystem::path& device,
-                                             const GrblOptions& options,
-                                             const GrblTimes& times = {});
+std::unique_ptr<TurntableDevice> MakeGrblTurntable(const std::filesystem::path& device,
+                                                   const GrblOptions& options,
+                                                   const GrblTimes& times = {});
 
 }  // namespace keypose::capture::shoot

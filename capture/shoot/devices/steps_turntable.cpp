@@ -11,7 +11,7 @@ namespace {
 
 using Values = std::map<std::string, std::int64_t>;
 
-class StepsTurntable final : public Turntable {
+class StepsTurntable final : public TurntableDevice {
  public:
   StepsTurntable(const std::filesystem::path& device, const StepsTimes& times)
       : device_(device), times_(times) {}
@@ -166,8 +166,8 @@ class StepsTurntable final : public Turntable {
 
 }  // namespace
 
-std::unique_ptr<Turntable> MakeStepsTurntable(const std::filesystem::path& device,
-                                              const StepsTimes& times) {
+std::unique_ptr<TurntableDevice> MakeStepsTurntable(const std::filesystem::path& device,
+                                                    const StepsTimes& times) {
   return std::make_unique<StepsTurntable>(device, times);
 }
 

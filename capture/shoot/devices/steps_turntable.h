@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/turntable_device.h"
 
 namespace keypose::capture::shoot {
 
@@ -19,7 +19,7 @@ struct StepsTimes {
   double wake_up_s = 2;  ///< for a microcontroller that opening the port resets
 };
 
-std::unique_ptr<Turntable> MakeStepsTurntable(const std::filesystem::path& device,
-                                              const StepsTimes& times = {});
+std::unique_ptr<TurntableDevice> MakeStepsTurntable(const std::filesystem::path& device,
+                                                    const StepsTimes& times = {});
 
 }  // namespace keypose::capture::shoot

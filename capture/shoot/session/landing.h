@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/shoot/devices/camera.h"
+#include "capture/shoot/devices/camera_device.h"
 #include "capture/shoot/record/shot_plan.h"
 #include "capture/shoot/record/side_file.h"
 

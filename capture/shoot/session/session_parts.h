@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
-#include "capture/shoot/devices/camera.h"
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/camera_device.h"
+#include "capture/shoot/devices/turntable_device.h"
 #include "capture/shoot/record/shot_plan.h"
 #include "capture/shoot/record/side_file.h"
-#include "capture/shoot/session/clock.h"
 #include "capture/shoot/session/conversation.h"
+#include "capture/shoot/session/wall_clock.h"
 
 namespace keypose::capture::shoot {
 
@@ -37,10 +37,10 @@ struct SessionOptions {
 
 /// What a session works with. All must outlive it.
 struct SessionParts {
-  Camera& camera;
-  Turntable* turntable = nullptr;  ///< null: turned by hand
+  CameraDevice& camera;
+  TurntableDevice* turntable = nullptr;  ///< null: turned by hand
   Conversation& talk;
-  const Clock& clock;
+  const WallClock& clock;
   /// the person has done what `ask` asked for; for simulated worlds
   std::function<void(const std::string& ask, const Shot& shot, double angle_deg)> done_by_hand;
   /// a pose begins; for simulated worlds

@@ -73,7 +73,7 @@ void WritePicture(const fs::path& file, int shade) {
 }
 
 /// Takes plain grey pictures.
-class GreyCamera : public Camera {
+class GreyCamera : public CameraDevice {
  public:
   void Connect(Patience&) override {}
   std::string Name() const override { return "grey"; }
@@ -93,7 +93,7 @@ class GreyCamera : public Camera {
   std::function<void()> fail;
 };
 
-struct FixedClock final : Clock {
+struct FixedClock final : WallClock {
   std::int64_t Now() const override { return 1714744999; }
 };
 
@@ -107,7 +107,7 @@ class SessionTest : public ::testing::Test, public TestingFolder {
     options_.turntable_name = "none";
     options_.retry_s = 0.01;
   }
-  bool Run(Camera& camera, Conversation& talk) {
+  bool Run(CameraDevice& camera, Conversation& talk) {
     return RunSession(options_, {camera, nullptr, talk, clock_, {}, {}});
   }
   json SideFileJson(const std::string& pose = "rest") const {

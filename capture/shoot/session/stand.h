@@ -10,7 +10,7 @@ namespace keypose::capture::shoot {
 struct Stand {
   double table_deg = 0;              ///< in [0, 360)
   std::optional<double> turning_to;  ///< set while the table turns
-  std::string memory;                ///< Turntable::Memory() while it turns
+  std::string memory;                ///< TurntableDevice::Memory() while it turns
   std::string pose;                  ///< that is set up; "" for none yet
   int ring = 0, flip = 0;            ///< ring 0: not known
 };

@@ -19,7 +19,7 @@ struct GrblBench : TurntableBench {
   explicit GrblBench(const std::string& planned = "")
       : TurntableBench(MakeGrblFirmware(), planned),
         table(MakeGrblTurntable(folder / "port", {}, FastGrbl())) {}
-  std::unique_ptr<Turntable> table;
+  std::unique_ptr<TurntableDevice> table;
 };
 
 TEST(GrblStatus, IsReadFromReportsOfBothKinds) {

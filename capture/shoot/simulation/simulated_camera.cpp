@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "capture/shoot/devices/turntable.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
+#include "capture/shoot/devices/turntable_device.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

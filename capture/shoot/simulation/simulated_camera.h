@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "capture/shoot/devices/camera.h"
+#include "capture/shoot/devices/camera_device.h"
 #include "capture/shoot/simulation/fault_plan.h"
 #include "capture/shoot/simulation/simulated_world.h"
 
@@ -19,7 +19,7 @@ struct DrawnPose {
 };
 
 /// A camera whose drawn poses are told by SetPose.
-class SimulatedCamera : public Camera {
+class SimulatedCamera : public CameraDevice {
  public:
   /// What it photographs from here on.
   virtual void SetPose(const DrawnPose& pose) = 0;

@@ -68,14 +68,14 @@ SimulatedWorld& SimulatedSet::World() {
   return *world_;
 }
 
-std::unique_ptr<Camera> SimulatedSet::MakeCamera(const std::string& drawn) {
+std::unique_ptr<CameraDevice> SimulatedSet::MakeCamera(const std::string& drawn) {
   drawn_ = drawn.empty() ? fs::path() : fs::absolute(drawn);
   auto camera = MakeSimulatedCamera(World(), faults_);
   camera_ = camera.get();
   return camera;
 }
 
-std::unique_ptr<Turntable> SimulatedSet::MakeTurntable(const std::string& protocol) {
+std::unique_ptr<TurntableDevice> SimulatedSet::MakeTurntable(const std::string& protocol) {
   constexpr int kStepsATurn = 3200;
   const bool grbl = protocol == "grbl";
   const fs::path port = folder_ / "port";

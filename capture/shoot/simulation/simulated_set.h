@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/turntable_device.h"
 #include "capture/shoot/simulation/firmware.h"
 #include "capture/shoot/simulation/simulated_camera.h"
 
@@ -30,9 +30,9 @@ class SimulatedSet {
 
   /// @param drawn  a folder that `keypose synth photos` has made with the plan's rings and angles;
   /// "": drawn when a pose begins
-  std::unique_ptr<Camera> MakeCamera(const std::string& drawn);
+  std::unique_ptr<CameraDevice> MakeCamera(const std::string& drawn);
   /// @param protocol  grbl or steps; "" is steps
-  std::unique_ptr<Turntable> MakeTurntable(const std::string& protocol);
+  std::unique_ptr<TurntableDevice> MakeTurntable(const std::string& protocol);
 
   /// Nothing happens without a simulated camera.
   /// @throws ToolError  the photographs cannot be drawn

@@ -21,7 +21,7 @@ struct Bench : TurntableBench {
   explicit Bench(const std::string& planned = "")
       : TurntableBench(MakeStepsFirmware(kSteps), planned),
         table(MakeStepsTurntable(folder / "port", Fast())) {}
-  std::unique_ptr<Turntable> table;
+  std::unique_ptr<TurntableDevice> table;
 };
 
 TEST(NearestTurn, TakesTheShorterWayAndForwardsForHalfATurn) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/turntable_device.h"
 #include "capture/shoot/simulation/firmware.h"
 #include "core/testing/folder.h"
 

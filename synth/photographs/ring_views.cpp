@@ -1,13 +1,13 @@
-#include "synth/photographs/turntable.h"
+#include "synth/photographs/ring_views.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 

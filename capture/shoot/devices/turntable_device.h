@@ -8,9 +8,9 @@
 namespace keypose::capture::shoot {
 
 /// Angles are in degrees; those that differ by whole turns are the same place.
-class Turntable {
+class TurntableDevice {
  public:
-  virtual ~Turntable() = default;
+  virtual ~TurntableDevice() = default;
 
   /// Opens the device, or opens it again after a fault.
   /// @param angle_deg  where the table stands, as known from before

@@ -1,4 +1,4 @@
-#include "capture/shoot/devices/turntable.h"
+#include "capture/shoot/devices/turntable_device.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "capture/shoot/session/clock.h"
+#include "capture/shoot/session/wall_clock.h"
 
 #include <chrono>
 

@@ -5,14 +5,14 @@
 
 namespace keypose::capture::shoot {
 
-class Clock {
+class WallClock {
  public:
-  virtual ~Clock() = default;
+  virtual ~WallClock() = default;
   /// Seconds since 1970.
   virtual std::int64_t Now() const = 0;
 };
 
-class SystemClock final : public Clock {
+class SystemClock final : public WallClock {
  public:
   std::int64_t Now() const override;
 };

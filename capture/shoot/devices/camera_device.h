@@ -18,9 +18,9 @@ struct Exposure {
   std::optional<std::int64_t> time;
 };
 
-class Camera {
+class CameraDevice {
  public:
-  virtual ~Camera() = default;
+  virtual ~CameraDevice() = default;
 
   /// Finds the camera, or finds it again after a fault.
   /// @throws DeviceFault  there is none, or another program holds it
