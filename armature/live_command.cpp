@@ -21,7 +21,7 @@
 #include "armature/live/posed_puppet.h"
 #include "armature/live/puppet_files.h"
 #include "armature/puppet.h"
-#include "armature/recording/session.h"
+#include "armature/recording/recording_session.h"
 #include "armature/recording/still_joints.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
@@ -41,7 +41,7 @@ struct LiveFlags {
   PuppetFlags puppet;
   PuppetPaths paths;
   PuppetChoices choices;
-  SessionOptions session_options;
+  RecordingOptions session_options;
   std::string session, pictures, plate, shot, set, texture, page, simulated = "walk";
   double rate = 200, seconds = 0, picture_rate = 6, page_rate = 30;
   int onion = 1;
@@ -161,7 +161,7 @@ class LiveSession {
     if (posed_for_ == session_->at()) return;
     posed_for_ = session_->at();
     reader_.simulated()->BeginFrame(posed_for_);
-    const SessionOptions& film = flags_.session_options;
+    const RecordingOptions& film = flags_.session_options;
     reader_.simulated()->MoveTo(ExampleMotion(parts_.armature, posed_for_ * film.step / film.fps));
   }
 

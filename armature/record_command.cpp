@@ -11,7 +11,7 @@
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "armature/recording/session.h"
+#include "armature/recording/recording_session.h"
 #include "armature/recording/still_joints.h"
 #include "core/values/errors.h"
 
@@ -23,7 +23,7 @@ using nlohmann::json;
 struct RecordFlags {
   PuppetFlags puppet;
   std::string session;
-  SessionOptions options;
+  RecordingOptions options;
   int frames = 0;
   bool json = false;
 };

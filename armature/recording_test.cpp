@@ -4,7 +4,7 @@
 #include "armature/example/theropod.h"
 #include "armature/recording/curves.h"
 #include "armature/recording/flipbook.h"
-#include "armature/recording/session.h"
+#include "armature/recording/recording_session.h"
 #include "armature/recording/still_joints.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"

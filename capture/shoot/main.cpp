@@ -13,7 +13,7 @@
 #include "capture/shoot/devices/gphoto2_camera.h"
 #include "capture/shoot/devices/grbl_turntable.h"
 #include "capture/shoot/devices/steps_turntable.h"
-#include "capture/shoot/session/session.h"
+#include "capture/shoot/session/shooting_session.h"
 #include "capture/shoot/session/white_card.h"
 #include "capture/shoot/simulation/simulated_set.h"
 #include "capture/shoot/talk/json_lines.h"
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 struct Flags {
   std::string folder = ".", camera = "gphoto2", turntable = "none", white_balance, axis = "X";
   std::string faults, world;
-  SessionOptions session;
+  ShootingOptions session;
   GrblOptions grbl;
   bool commands = false;
 };
@@ -122,7 +122,7 @@ std::unique_ptr<TurntableDevice> MakeTurntable(Flags& flags, SimulatedSet* simul
 
 /// Flags that need more than their own check.
 void Settle(CLI::App& app, Flags& flags) {
-  SessionOptions& session = flags.session;
+  ShootingOptions& session = flags.session;
   if (const auto problems = session.plan.Problems(); !problems.empty())
     throw UsageError(problems.front());
   for (const char* flag : {"--rings", "--angles", "--flips", "--focus-stack"})
@@ -158,7 +158,7 @@ int Shoot(Flags& flags) {
                                                  ? MakeJsonLines(STDIN_FILENO, STDOUT_FILENO)
                                                  : MakeTerminal(STDIN_FILENO, STDOUT_FILENO);
   const SystemClock clock;
-  const SessionParts parts{
+  const ShootingParts parts{
       *camera,
       turntable.get(),
       *talk,
@@ -169,7 +169,7 @@ int Shoot(Flags& flags) {
       [&](const std::string& pose, const ShotPlan& plan) {
         simulated.PoseBegins(pose, {plan.rings_deg, plan.angles, plan.flips > 0});
       }};
-  RunSession(flags.session, parts);
+  RunShootingSession(flags.session, parts);
   return static_cast<int>(ExitCode::kOk);
 }
 

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 
 namespace fs = std::filesystem;
 
-Helper::Helper(const SessionOptions& options, const SessionParts& parts, Announcer& announcer,
+Helper::Helper(const ShootingOptions& options, const ShootingParts& parts, Announcer& announcer,
                Wishes& wishes, const fs::path& stand_file)
     : stand(ReadStand(stand_file)),
       options_(options),

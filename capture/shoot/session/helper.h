@@ -7,7 +7,7 @@
 #include <string>
 
 #include "capture/shoot/session/announcer.h"
-#include "capture/shoot/session/session_parts.h"
+#include "capture/shoot/session/shooting_parts.h"
 #include "capture/shoot/session/stand.h"
 #include "capture/shoot/session/wishes.h"
 
@@ -16,7 +16,7 @@ namespace keypose::capture::shoot {
 class Helper {
  public:
   /// All must outlive this.
-  Helper(const SessionOptions& options, const SessionParts& parts, Announcer& announcer,
+  Helper(const ShootingOptions& options, const ShootingParts& parts, Announcer& announcer,
          Wishes& wishes, const std::filesystem::path& stand_file);
 
   /// The pose at work; before all else.
@@ -52,8 +52,8 @@ class Helper {
   void Through(const Attempt& attempt, const Attempt& connect, const char* device, bool connected);
   bool OwnRelease();
 
-  const SessionOptions& options_;
-  const SessionParts& parts_;
+  const ShootingOptions& options_;
+  const ShootingParts& parts_;
   Announcer& announcer_;
   Wishes& wishes_;
   std::filesystem::path stand_file_;

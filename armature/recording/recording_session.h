@@ -10,7 +10,7 @@
 
 namespace keypose::armature {
 
-struct SessionOptions {
+struct RecordingOptions {
   double fps = 24;
   int step = 1;  ///< frames of the film that a recorded frame is held
 };
@@ -29,7 +29,7 @@ class RecordingSession {
   /// @throws InputError   it was begun with another armature, frame rate or step, or its journal is
   /// damaged before its last line (names the line)
   RecordingSession(const Armature& armature, const std::filesystem::path& folder,
-                   const SessionOptions& options);
+                   const RecordingOptions& options);
   RecordingSession(const RecordingSession&) = delete;
   RecordingSession& operator=(const RecordingSession&) = delete;
 
@@ -65,7 +65,7 @@ class RecordingSession {
 
   const Armature& armature_;
   std::filesystem::path folder_;
-  SessionOptions options_;
+  RecordingOptions options_;
   std::vector<std::vector<double>> frames_;
   int at_ = 0;
   bool was_cut_off_ = false;

@@ -1,4 +1,4 @@
-#include "capture/shoot/session/session.h"
+#include "capture/shoot/session/shooting_session.h"
 
 #include <gphoto2/gphoto2-port-result.h>
 #include <gphoto2/gphoto2-result.h>
@@ -108,13 +108,13 @@ class SessionTest : public ::testing::Test, public TestingFolder {
     options_.retry_s = 0.01;
   }
   bool Run(CameraDevice& camera, Conversation& talk) {
-    return RunSession(options_, {camera, nullptr, talk, clock_, {}, {}});
+    return RunShootingSession(options_, {camera, nullptr, talk, clock_, {}, {}});
   }
   json SideFileJson(const std::string& pose = "rest") const {
     return json::parse(ReadFile(project_ / "photos" / pose / "shoot.json"));
   }
   const fs::path project_ = path();
-  SessionOptions options_;
+  ShootingOptions options_;
   FixedClock clock_;
 };
 

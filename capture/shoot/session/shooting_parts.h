@@ -15,7 +15,7 @@
 
 namespace keypose::capture::shoot {
 
-struct SessionOptions {
+struct ShootingOptions {
   std::filesystem::path project;  ///< absolute; made if it is not there
   std::string pose;
   ShotPlan plan;
@@ -36,7 +36,7 @@ struct SessionOptions {
 };
 
 /// What a session works with. All must outlive it.
-struct SessionParts {
+struct ShootingParts {
   CameraDevice& camera;
   TurntableDevice* turntable = nullptr;  ///< null: turned by hand
   Conversation& talk;

@@ -1,7 +1,7 @@
 // A shooting session: one pose after the other, photograph after photograph, through faults.
 #pragma once
 
-#include "capture/shoot/session/session_parts.h"
+#include "capture/shoot/session/shooting_parts.h"
 
 namespace keypose::capture::shoot {
 
@@ -10,6 +10,6 @@ namespace keypose::capture::shoot {
 /// @throws Cancelled     Ctrl-C
 /// @throws UsageError, InputError, DiskError, LockedError
 /// @throws ToolError     a device cannot be opened at the start, and nobody is there to wait for
-bool RunSession(const SessionOptions& options, const SessionParts& parts);
+bool RunShootingSession(const ShootingOptions& options, const ShootingParts& parts);
 
 }  // namespace keypose::capture::shoot

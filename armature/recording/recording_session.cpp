@@ -1,4 +1,4 @@
-#include "armature/recording/session.h"
+#include "armature/recording/recording_session.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "armature/recording/flipbook.h"
-#include "core/values/errors.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 
@@ -23,7 +23,7 @@ using nlohmann::json;
 
 namespace {
 
-json Header(const Armature& armature, const SessionOptions& options) {
+json Header(const Armature& armature, const RecordingOptions& options) {
   json joints = json::array();
   for (const int n : armature.joints)
     joints.push_back(armature.nodes[static_cast<std::size_t>(n)].name);
@@ -33,7 +33,7 @@ json Header(const Armature& armature, const SessionOptions& options) {
 }  // namespace
 
 RecordingSession::RecordingSession(const Armature& armature, const fs::path& folder,
-                                   const SessionOptions& options)
+                                   const RecordingOptions& options)
     : armature_(armature), folder_(folder), options_(options) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -1,4 +1,4 @@
-#include "capture/shoot/session/session.h"
+#include "capture/shoot/session/shooting_session.h"
 
 #include <fmt/format.h>
 
@@ -60,9 +60,9 @@ std::optional<SideFile> NewestOther(const fs::path& photos, const std::string& p
   }
 }
 
-class Session {
+class ShootingSession {
  public:
-  Session(const SessionOptions& options, const SessionParts& parts)
+  ShootingSession(const ShootingOptions& options, const ShootingParts& parts)
       : options_(options),
         parts_(parts),
         lock_(StateFolder()),
@@ -368,8 +368,8 @@ class Session {
         "before, and start again");
   }
 
-  SessionOptions options_;
-  SessionParts parts_;
+  ShootingOptions options_;
+  ShootingParts parts_;
   ShootLock lock_;
   Announcer announcer_;
   Wishes wishes_;
@@ -381,8 +381,8 @@ class Session {
 
 }  // namespace
 
-bool RunSession(const SessionOptions& options, const SessionParts& parts) {
-  return Session(options, parts).Run();
+bool RunShootingSession(const ShootingOptions& options, const ShootingParts& parts) {
+  return ShootingSession(options, parts).Run();
 }
 
 }  // namespace keypose::capture::shoot
