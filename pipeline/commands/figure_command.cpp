@@ -8,19 +8,19 @@
 #include <map>
 #include <optional>
 
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/raw_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
+#include "core/values/file_names.h"
 #include "core/values/size_of.h"
-#include "pipeline/graph/figure_setting.h"
-#include "pipeline/graph/pipeline_edit.h"
 #include "pipeline/cache/project_lock.h"
 #include "pipeline/disk/project_paths.h"
-#include "pipeline/graph/references.h"
+#include "pipeline/graph/figure_setting.h"
+#include "pipeline/graph/pipeline_edit.h"
+#include "pipeline/graph/sources.h"
 #include "pipeline/run/opened_project.h"
 #include "pipeline/text/text.h"
 
@@ -29,30 +29,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool IsPerformance(const Session& session) {
-  return session.graph().kind == ProjectKind::kPerformance;
+bool IsPerformance(const OpenedProject& opened) {
+  return opened.graph().kind == ProjectKind::kPerformance;
 }
 
 /// Where the pose's photographs, or the shot's films, lie.
-fs::path SourcesOf(const Session& session, const std::string& pose) {
-  const PoseRule& rule = *session.file().FindPose(pose);
-  return session.project() / OnDisk(RealDisk(), session.project(),
-                                    IsPerformance(session) ? VideoOf(rule) : PhotographsOf(rule));
+fs::path SourcesOf(const OpenedProject& opened, const std::string& pose) {
+  const PoseRule& rule = *opened.file().FindPose(pose);
+  return opened.project() / OnDisk(RealDisk(), opened.project(),
+                                   IsPerformance(opened) ? VideoOf(rule) : PhotographsOf(rule));
 }
 
 /// The pose or shot that is meant.
-std::string PoseMeant(const Session& session, const FigureOptions& options) {
-  const bool shots = IsPerformance(session);
+std::string PoseMeant(const OpenedProject& opened, const FigureOptions& options) {
+  const bool shots = IsPerformance(opened);
   const char* const kind = shots ? "shot" : "pose";
   const std::string &given = shots ? options.shot : options.pose,
                     &other = shots ? options.pose : options.shot;
   if (!other.empty())
     throw UsageError(fmt::format("this project has {0}s; say --{0} NAME, with one of {1}", kind,
-                                 fmt::join(session.graph().poses, ", ")));
+                                 fmt::join(opened.graph().poses, ", ")));
   if (!given.empty()) return Composed(given);
-  if (session.graph().poses.size() == 1) return session.graph().poses.front();
+  if (opened.graph().poses.size() == 1) return opened.graph().poses.front();
   throw UsageError(fmt::format("say which {0}: --{0} NAME, with one of {1}", kind,
-                               fmt::join(session.graph().poses, ", ")));
+                               fmt::join(opened.graph().poses, ", ")));
 }
 
 /// Checks what is typed against the photographs of a pose.
@@ -145,7 +145,7 @@ class Films {
 };
 
 /// The strokes that the flags say, checked against the pictures that there are.
-std::vector<FigureStroke> SaidNow(const Session& session, const std::string& pose,
+std::vector<FigureStroke> SaidNow(const OpenedProject& opened, const std::string& pose,
                                   const FigureOptions& options) {
   std::vector<FigureStroke> strokes;
   const auto add = [&](const std::vector<std::string>& texts, bool figure) {
@@ -157,11 +157,11 @@ std::vector<FigureStroke> SaidNow(const Session& session, const std::string& pos
   add(options.at, true);
   add(options.not_at, false);
   if (strokes.empty()) return strokes;
-  const fs::path folder = SourcesOf(session, pose);
+  const fs::path folder = SourcesOf(opened, pose);
   const auto check = [&](const auto& pictures) {
     for (FigureStroke& stroke : strokes) stroke = pictures.Checked(std::move(stroke));
   };
-  if (IsPerformance(session))
+  if (IsPerformance(opened))
     check(Films(folder));
   else
     check(Photographs(folder));
@@ -172,11 +172,11 @@ std::vector<FigureStroke> SaidNow(const Session& session, const std::string& pos
 bool Write(const fs::path& project, const FigureOptions& options) {
   const fs::path file = project / "pipeline.yaml";
   const std::string revision = RevisionOf(file), text = ReadFile(file);
-  const Session session(project, {});
-  const std::string pose = PoseMeant(session, options);
-  const Step& step = FigureStep(session.graph(), pose);
+  const OpenedProject opened(project, {});
+  const std::string pose = PoseMeant(opened, options);
+  const Step& step = FigureStep(opened.graph(), pose);
   const auto before = options.clear ? std::vector<FigureStroke>() : FigureStrokesOf(step);
-  const auto strokes = WithStrokes(before, SaidNow(session, pose, options));
+  const auto strokes = WithStrokes(before, SaidNow(opened, pose, options));
   RequireNoContradiction(strokes);
   const std::string edited =
       WithFigure(ParsePipelineFile(text, "pipeline.yaml"), text, step, strokes);
@@ -221,9 +221,9 @@ fs::path PictureOf(const Step& step) {
   return {};
 }
 
-void PrintNext(const Session& session, const Step& step, const StepPlan& planned,
+void PrintNext(const OpenedProject& opened, const Step& step, const StepPlan& planned,
                const std::string& folder) {
-  const int after = SizeOf(StepsThatFollow(session.graph(), step));
+  const int after = SizeOf(StepsThatFollow(opened.graph(), step));
   const std::string followers =
       after > 0 ? fmt::format(", and the {} that follow{} if its result changes", after,
                               after == 1 ? "s" : "")
@@ -250,16 +250,16 @@ void PrintNext(const Session& session, const Step& step, const StepPlan& planned
 ExitCode FigureCommand(const FigureOptions& options) {
   const fs::path project = FindProject(options.folder);
   const bool changed = options.changes() && WriteInTurn(project, options);
-  Session session(project, {});
-  const Step& step = FigureStep(session.graph(), PoseMeant(session, options));
-  PrintStrokes(step, IsPerformance(session));
+  OpenedProject opened(project, {});
+  const Step& step = FigureStep(opened.graph(), PoseMeant(opened, options));
+  PrintStrokes(step, IsPerformance(opened));
   if (!options.changes()) return ExitCode::kOk;
   if (!changed) fmt::print("this was said already; pipeline.yaml stays as it is\n");
-  const Plan plan(session.graph(), session.workshop(), {});
-  session.workshop().hasher.Save();
-  const auto index = static_cast<int>(&step - session.graph().steps.data());
-  PrintNext(session, step, plan[index], options.folder);
-  if (const std::string holder = LockHolder(session.state()); changed && !holder.empty())
+  const Plan plan(opened.graph(), opened.workshop(), {});
+  opened.workshop().hasher.Save();
+  const auto index = static_cast<int>(&step - opened.graph().steps.data());
+  PrintNext(opened, step, plan[index], options.folder);
+  if (const std::string holder = LockHolder(opened.state()); changed && !holder.empty())
     fmt::print("the project is in use by {}; what runs now does not see this yet\n", holder);
   return ExitCode::kOk;
 }

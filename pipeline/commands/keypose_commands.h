@@ -77,8 +77,8 @@ std::string Explanation(const Plan& plan, int step);
 /// @throws UsageError  no step matches
 std::string ExplanationWithCauses(const Plan& plan, const std::string& step);
 
-class Session;
+class OpenedProject;
 /// The log of a step's last end: of its failure, if it failed. Empty if there is none.
-std::filesystem::path StepLog(Session& session, const std::string& step_id);
+std::filesystem::path StepLog(OpenedProject& opened, const std::string& step_id);
 
 }  // namespace keypose::pipeline

@@ -30,42 +30,41 @@ bool IsAmong(const std::string& name, const std::set<std::string>& kept) {
 
 /// Of .keypose only the history, and results that are up to date, as paths below the project. What
 /// describes this machine (hashes by inode, the lock, unfinished work) stays here.
-std::set<std::string> KeptState(Session& session, bool with_cache) {
+std::set<std::string> KeptState(OpenedProject& opened, bool with_cache) {
   if (!with_cache) return {};
   std::set<std::string> kept = {".keypose/steps/", ".keypose/runs/", ".keypose/out.json"};
-  const Plan plan(session.graph(), session.workshop(), {});
-  session.workshop().hasher.Save();
+  const Plan plan(opened.graph(), opened.workshop(), {});
+  opened.workshop().hasher.Save();
   for (int i = 0; i < plan.size(); ++i) {
     if (plan[i].artifact)
       kept.insert(
-          session.store().FolderOf(plan[i].fingerprint).lexically_relative(session.project()) / "");
+          opened.store().FolderOf(plan[i].fingerprint).lexically_relative(opened.project()) / "");
   }
   return kept;
 }
 
-Packed FilesOf(Session& session, bool with_cache, const fs::path& archive) {
-  const std::set<std::string> kept = KeptState(session, with_cache);
+Packed FilesOf(OpenedProject& opened, bool with_cache, const fs::path& archive) {
+  const std::set<std::string> kept = KeptState(opened, with_cache);
   Packed packed;
-  for (const std::string& name : session.disk().FilesBelow(session.project())) {
+  for (const std::string& name : opened.disk().FilesBelow(opened.project())) {
     if (name.starts_with(".keypose/") && !IsAmong(name, kept)) continue;
-    const fs::path file = session.project() / name;
+    const fs::path file = opened.project() / name;
     if (file == archive) continue;
     packed.names.push_back(name);
-    if (const auto stat = session.disk().Stat(file)) packed.bytes += stat->size;
+    if (const auto stat = opened.disk().Stat(file)) packed.bytes += stat->size;
   }
   return packed;
 }
 
 /// What the project reads and the archive cannot hold, because it lies elsewhere.
-std::set<std::string> PathsOutside(const Session& session) {
+std::set<std::string> PathsOutside(const OpenedProject& opened) {
   std::set<std::string> outside;
-  for (const Step& step : session.graph().steps)
+  for (const Step& step : opened.graph().steps)
     for (const PortFlows& port : step.inputs)
       for (const Flow& flow : port.flows) {
         if (flow.kind != Flow::Kind::kSource) continue;
-        const fs::path relative = (session.project() / flow.path)
-                                      .lexically_normal()
-                                      .lexically_relative(session.project());
+        const fs::path relative =
+            (opened.project() / flow.path).lexically_normal().lexically_relative(opened.project());
         if (relative.empty() || *relative.begin() == "..")
           outside.insert(fmt::format("{}: {}", flow.where.Text(), flow.path.string()));
       }
@@ -76,20 +75,20 @@ std::set<std::string> PathsOutside(const Session& session) {
 
 ExitCode PackCommand(const std::string& folder, const std::string& output, bool with_cache) {
   const fs::path project = fs::canonical(FindProject(folder));
-  Session session(project, {});
-  const ProjectLock lock(session.state(), "keypose pack");
+  OpenedProject opened(project, {});
+  const ProjectLock lock(opened.state(), "keypose pack");
   const std::string name = project.filename().string();
   const fs::path archive =
       fs::absolute(output.empty() ? fs::path(name + ".zip") : fs::path(output)).lexically_normal();
   ZipWriter zip(archive);
-  const Packed packed = FilesOf(session, with_cache, archive);
+  const Packed packed = FilesOf(opened, with_cache, archive);
   fmt::print("packing {} files, {}\n", packed.names.size(), SizeText(packed.bytes));
   std::fflush(stdout);
   for (const std::string& file : packed.names) zip.Add(project / file, name + "/" + file);
   const std::uint64_t bytes = zip.Finish();
   fmt::print("{}: {}. Unpacked anywhere, it is the folder {}/; `keypose run -C {}` goes on there\n",
              archive.string(), SizeText(bytes), name, name);
-  for (const std::string& outside : PathsOutside(session))
+  for (const std::string& outside : PathsOutside(opened))
     fmt::print("not packed, because it lies outside of the project: {}\n", outside);
   return ExitCode::kOk;
 }

@@ -22,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Session Open(const std::string& folder, const std::vector<std::string>& set = {}) {
+OpenedProject Open(const std::string& folder, const std::vector<std::string>& set = {}) {
   std::vector<Override> overrides;
   for (const std::string& text : set) overrides.push_back(ParseOverride(text));
-  return Session(FindProject(folder), overrides);
+  return OpenedProject(FindProject(folder), overrides);
 }
 
 /// The first few of many names.
@@ -63,18 +63,18 @@ std::string Bullets(const std::vector<std::string>& lines) {
 }  // namespace
 
 ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set) {
-  Session session = Open(folder, set);
-  const Plan plan(session.graph(), session.workshop(), {});
-  session.workshop().hasher.Save();
+  OpenedProject opened = Open(folder, set);
+  const Plan plan(opened.graph(), opened.workshop(), {});
+  opened.workshop().hasher.Save();
   std::size_t width = 0;
-  for (const Step& step : session.graph().steps) width = std::max(width, WidthOf(step.id));
+  for (const Step& step : opened.graph().steps) width = std::max(width, WidthOf(step.id));
   for (int i = 0; i < plan.size(); ++i) {
-    const std::string& id = session.graph().steps[i].id;
+    const std::string& id = opened.graph().steps[i].id;
     std::string line = id + std::string(width - WidthOf(id), ' ') + "  " + StatusText(plan, i);
     line.erase(line.find_last_not_of(' ') + 1);
     fmt::print("{}\n", line);
   }
-  const Ending ending = EndingOf(plan, session.disk(), session.out());
+  const Ending ending = EndingOf(plan, opened.disk(), opened.out());
   if (!ending.verdicts.empty()) fmt::print("\n{}", VerdictsText(ending, TerminalColumns()));
   if (!ending.warnings.empty())
     fmt::print("\n{} of the steps that are up to date; `keypose run` shows them at its end\n",
@@ -131,29 +131,29 @@ std::string ExplanationWithCauses(const Plan& plan, const std::string& step) {
 
 ExitCode ExplainCommand(const std::string& folder, const std::string& step,
                         const std::vector<std::string>& set) {
-  Session session = Open(folder, set);
-  const Plan plan(session.graph(), session.workshop(), {});
-  session.workshop().hasher.Save();
+  OpenedProject opened = Open(folder, set);
+  const Plan plan(opened.graph(), opened.workshop(), {});
+  opened.workshop().hasher.Save();
   fmt::print("{}", ExplanationWithCauses(plan, step));
   return ExitCode::kOk;
 }
 
-fs::path StepLog(Session& session, const std::string& id) {
-  const auto last = session.records().Last(id);
+fs::path StepLog(OpenedProject& opened, const std::string& id) {
+  const auto last = opened.records().Last(id);
   if (!last) return {};
-  const fs::path failed = session.state() / "failed" / FolderName(id) / "log.txt";
+  const fs::path failed = opened.state() / "failed" / FolderName(id) / "log.txt";
   if (last->failed && fs::exists(failed)) return failed;
   if (last->fingerprint.empty()) return {};
-  const fs::path good = session.store().FolderOf(last->fingerprint) / "log.txt";
+  const fs::path good = opened.store().FolderOf(last->fingerprint) / "log.txt";
   return fs::exists(good) ? good : fs::path();
 }
 
 ExitCode LogCommand(const std::string& folder, const std::string& step) {
-  Session session = Open(folder);
-  for (const int i : session.graph().Find(step)) {
-    const std::string& id = session.graph().steps[i].id;
-    const auto last = session.records().Last(id);
-    const fs::path log = StepLog(session, id);
+  OpenedProject opened = Open(folder);
+  for (const int i : opened.graph().Find(step)) {
+    const std::string& id = opened.graph().steps[i].id;
+    const auto last = opened.records().Last(id);
+    const fs::path log = StepLog(opened, id);
     if (!last) {
       fmt::print("--- {} has never run\n", id);
     } else if (log.empty()) {
@@ -167,21 +167,21 @@ ExitCode LogCommand(const std::string& folder, const std::string& step) {
           TimeText(last->when), log.string(),
           cut ? fmt::format("... (its last {}; the whole log is in the file)\n", SizeText(kShown))
               : "",
-          session.disk().ReadEnd(log, kShown));
+          opened.disk().ReadEnd(log, kShown));
     }
   }
   return ExitCode::kOk;
 }
 
 ExitCode GraphCommand(const std::string& folder, bool dot) {
-  Session session = Open(folder);
+  OpenedProject opened = Open(folder);
   if (dot) fmt::print("digraph keypose {{\n  rankdir=LR;\n  node [shape=box];\n");
-  for (const Step& step : session.graph().steps) {
+  for (const Step& step : opened.graph().steps) {
     if (!dot) fmt::print("{} ({} {})\n", step.id, step.info->stage, step.info->version);
     if (dot) fmt::print("  \"{}\";\n", step.id);
     for (const PortFlows& port : step.inputs) {
       for (const Flow& flow : port.flows) {
-        const std::string from = flow.step >= 0 ? session.graph().steps[flow.step].id : flow.origin;
+        const std::string from = flow.step >= 0 ? opened.graph().steps[flow.step].id : flow.origin;
         if (dot) fmt::print("  \"{}\" -> \"{}\" [label=\"{}\"];\n", from, step.id, port.port);
         if (!dot) fmt::print("  {:<10} <- {}\n", port.port, flow.origin);
       }
@@ -199,15 +199,15 @@ ExitCode GraphCommand(const std::string& folder, bool dot) {
 namespace {
 
 /// Removes what the project keeps of old runs, and of steps that it no longer has.
-void DropOldRecords(Session& session, const std::set<std::string>& steps, int runs) {
-  session.records().DropOldRuns(runs);
-  session.records().ForgetStepsOutside(steps);
+void DropOldRecords(OpenedProject& opened, const std::set<std::string>& steps, int runs) {
+  opened.records().DropOldRuns(runs);
+  opened.records().ForgetStepsOutside(steps);
   std::set<std::string> failed;
   for (const std::string& step : steps) failed.insert(FolderName(step));
-  for (const std::string& name : session.disk().Children(session.state() / "failed"))
-    if (!failed.contains(name)) session.disk().Remove(session.state() / "failed" / name);
-  session.disk().Remove(session.state() / "tmp");
-  session.disk().Remove(session.state() / "writing");
+  for (const std::string& name : opened.disk().Children(opened.state() / "failed"))
+    if (!failed.contains(name)) opened.disk().Remove(opened.state() / "failed" / name);
+  opened.disk().Remove(opened.state() / "tmp");
+  opened.disk().Remove(opened.state() / "writing");
 }
 
 }  // namespace
@@ -215,50 +215,50 @@ void DropOldRecords(Session& session, const std::set<std::string>& steps, int ru
 ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
   const fs::path project = FindProject(folder);
   const ProjectLock lock(project / ".keypose", "keypose gc");
-  Session session(project, {});
+  OpenedProject opened(project, {});
   std::set<std::string> steps;
-  for (const Step& step : session.graph().steps) steps.insert(step.id);
-  std::set<std::string> keep = session.records().Mentioned(keep_runs, steps);
-  const Plan plan(session.graph(), session.workshop(), {});
+  for (const Step& step : opened.graph().steps) steps.insert(step.id);
+  std::set<std::string> keep = opened.records().Mentioned(keep_runs, steps);
+  const Plan plan(opened.graph(), opened.workshop(), {});
   for (int i = 0; i < plan.size(); ++i) {
     if (plan[i].artifact) keep.insert(plan[i].fingerprint);
   }
   std::uint64_t freed = 0;
   int count = 0;
-  for (const std::string& fingerprint : session.store().All()) {
+  for (const std::string& fingerprint : opened.store().All()) {
     if (keep.contains(fingerprint)) continue;
-    freed += session.store().SizeOf(fingerprint);
+    freed += opened.store().SizeOf(fingerprint);
     ++count;
-    if (!dry_run) session.store().Remove(fingerprint);
+    if (!dry_run) opened.store().Remove(fingerprint);
   }
-  if (!dry_run) DropOldRecords(session, steps, std::max(keep_runs, 100));
+  if (!dry_run) DropOldRecords(opened, steps, std::max(keep_runs, 100));
   fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count,
              count == 1 ? "" : "s", SizeText(freed),
-             session.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
+             opened.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
   return ExitCode::kOk;
 }
 
 ExitCode VerifyCommand(const std::string& folder) {
   const fs::path project = FindProject(folder);
   const ProjectLock lock(project / ".keypose", "keypose verify");
-  Session session(project, {});
+  OpenedProject opened(project, {});
   std::map<std::string, std::string> step_of;
-  for (const Step& step : session.graph().steps)
-    if (const auto last = session.records().Last(step.id)) step_of[last->fingerprint] = step.id;
-  const std::vector<std::string> all = session.store().All();
+  for (const Step& step : opened.graph().steps)
+    if (const auto last = opened.records().Last(step.id)) step_of[last->fingerprint] = step.id;
+  const std::vector<std::string> all = opened.store().All();
   std::uint64_t bytes = 0;
   int damaged = 0;
   for (const std::string& fingerprint : all) {
-    bytes += session.store().SizeOf(fingerprint);
-    const std::string damage = session.store().Verify(fingerprint);
+    bytes += opened.store().SizeOf(fingerprint);
+    const std::string damage = opened.store().Verify(fingerprint);
     if (damage.empty()) continue;
     ++damaged;
     const std::string& step = step_of[fingerprint];
-    fmt::print("damaged: {} in {}{}\n", damage, session.store().FolderOf(fingerprint).string(),
+    fmt::print("damaged: {} in {}{}\n", damage, opened.store().FolderOf(fingerprint).string(),
                step.empty() ? "" : ", made by " + step);
-    session.store().Remove(fingerprint);
+    opened.store().Remove(fingerprint);
   }
-  ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
+  ResultsFolder results(opened.disk(), opened.out(), opened.state() / "out.json");
   const std::vector<std::string> notes = results.Verify();
   for (const std::string& note : notes) fmt::print("{}\n", note);
   results.Save();
@@ -280,11 +280,11 @@ namespace {
 /// Why the report in out/ is not what a run would make now; empty if it is.
 std::string WhyReportIsOlder(const std::string& folder) {
   try {
-    Session session = Open(folder);
-    const Plan plan(session.graph(), session.workshop(), {});
-    session.workshop().hasher.Save();
+    OpenedProject opened = Open(folder);
+    const Plan plan(opened.graph(), opened.workshop(), {});
+    opened.workshop().hasher.Save();
     for (int i = 0; i < plan.size(); ++i) {
-      const Step& step = session.graph().steps[i];
+      const Step& step = opened.graph().steps[i];
       const bool makes_it =
           std::any_of(step.results.begin(), step.results.end(), [](const NamedResult& result) {
             return result.path == "report" || result.path == fs::path("report") / "index.html";

@@ -74,26 +74,26 @@ std::string OwnHostName() {
 /// Plans and runs. If an input changes during the run, it ends with `again`.
 RunResult RunOnce(const std::filesystem::path& project, const std::vector<Override>& overrides,
                   const RunOptions& options, ProjectLock* lock) {
-  Session session(project, overrides, true);
-  if (lock) session.processes().KeepOpen(lock->fd());
-  if (lock) session.disk().Remove(session.state() / "writing");
-  Plan plan(session.graph(), session.workshop(), options.selection);
-  RequireRunnable(plan, session.file(), session.processes());
+  OpenedProject opened(project, overrides, true);
+  if (lock) opened.processes().KeepOpen(lock->fd());
+  if (lock) opened.disk().Remove(opened.state() / "writing");
+  Plan plan(opened.graph(), opened.workshop(), options.selection);
+  RequireRunnable(plan, opened.file(), opened.processes());
   if (options.dry_run) {
     PrintPlan(plan);
     return {};
   }
-  ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
-  const auto display = MakeDisplay(KindOf(options.progress), session.clock());
+  ResultsFolder results(opened.disk(), opened.out(), opened.state() / "out.json");
+  const auto display = MakeDisplay(KindOf(options.progress), opened.clock());
   const Limits limits{options.cores > 0 ? options.cores : MachineCores(), MemoryAvailable()};
-  Builder builder(plan, session.workshop(), session.processes(), session.clock(), results, *display,
+  Builder builder(plan, opened.workshop(), opened.processes(), opened.clock(), results, *display,
                   limits);
   RunRecord record;
-  record.name = RunName(session.clock().Now());
+  record.name = RunName(opened.clock().Now());
   record.command = options.command_line;
   record.host = OwnHostName();
   const RunResult result = builder.Run(std::move(record));
-  session.disk().Remove(session.state() / "writing");
+  opened.disk().Remove(opened.state() / "writing");
   return result;
 }
 

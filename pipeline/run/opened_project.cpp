@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "core/values/errors.h"
-#include "pipeline/graph/pipeline_overlay.h"
 #include "pipeline/disk/project_paths.h"
+#include "pipeline/graph/pipeline_overlay.h"
 
 namespace keypose::pipeline {
 
@@ -73,8 +73,8 @@ fs::path FindProject(const std::string& folder) {
                   start.string()));
 }
 
-Session::Session(const fs::path& project, const std::vector<Override>& overrides,
-                 bool catch_signals)
+OpenedProject::OpenedProject(const fs::path& project, const std::vector<Override>& overrides,
+                             bool catch_signals)
     : project_(project),
       disk_(project / ".keypose" / "writing"),
       processes_(catch_signals),

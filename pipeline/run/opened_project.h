@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "pipeline/cache/artifact_store.h"
-#include "pipeline/graph/build_graph.h"
+#include "pipeline/cache/records.h"
 #include "pipeline/disk/clock.h"
-#include "pipeline/graph/graph.h"
-#include "pipeline/run/plan.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/disk/real_process.h"
-#include "pipeline/cache/records.h"
+#include "pipeline/graph/build_graph.h"
+#include "pipeline/graph/graph.h"
+#include "pipeline/run/plan.h"
 
 namespace keypose::pipeline {
 
@@ -31,13 +31,13 @@ std::filesystem::path DefaultPipelineFile(ProjectKind kind);
 /// the project
 std::filesystem::path FindProject(const std::string& folder);
 
-class Session {
+class OpenedProject {
  public:
   /// Reads pipeline.yaml, merges it over the default pipeline, and builds the graph.
   /// @throws as ParsePipelineFile and BuildGraph
   /// @param catch_signals  true for commands that run steps; see RealProcessRunner
-  Session(const std::filesystem::path& project, const std::vector<Override>& overrides,
-          bool catch_signals = false);
+  OpenedProject(const std::filesystem::path& project, const std::vector<Override>& overrides,
+                bool catch_signals = false);
 
   const std::filesystem::path& project() const { return project_; }
   std::filesystem::path state() const { return project_ / ".keypose"; }

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "pipeline/graph/pipeline_edit.h"
-#include "pipeline/run/plan.h"
 #include "pipeline/run/opened_project.h"
+#include "pipeline/run/plan.h"
 
 namespace keypose::studio {
 
@@ -21,13 +21,14 @@ std::string NameOf(MeshKind kind);
 class Snapshot {
  public:
   /// @param project  the folder with pipeline.yaml
-  /// @throws Error  as Session and Plan: what is wrong with pipeline.yaml or the project's files
+  /// @throws Error  as OpenedProject and Plan: what is wrong with pipeline.yaml or the project's
+  /// files
   explicit Snapshot(const std::filesystem::path& project);
 
   const pipeline::Graph& graph() const { return session_.graph(); }
   const pipeline::Plan& plan() const { return *plan_; }
   const pipeline::PipelineFile& file() const { return file_; }
-  pipeline::Session& session() { return session_; }
+  pipeline::OpenedProject& session() { return session_; }
   const std::filesystem::path& project() const { return session_.project(); }
 
   bool HasPose(const std::string& pose) const;
@@ -58,7 +59,7 @@ class Snapshot {
   std::filesystem::path PhotoFolder(const std::string& pose) const;
 
  private:
-  pipeline::Session session_;
+  pipeline::OpenedProject session_;
   pipeline::PipelineFile file_;
   std::unique_ptr<pipeline::Plan> plan_;
 };
