@@ -22,7 +22,7 @@ namespace {
 constexpr std::string_view kEnding = ".failed.jpg";
 
 fs::path FailureFolder(Snapshot& snapshot, const std::string& id) {
-  return snapshot.session().state() / "failed" / pipeline::FolderName(id);
+  return snapshot.opened_project().state() / "failed" / pipeline::FolderName(id);
 }
 
 /// Their names.
@@ -30,10 +30,10 @@ std::vector<std::string> FailurePicturesOf(Snapshot& snapshot, const Step& step)
   const auto& last = snapshot.plan()[static_cast<int>(&step - snapshot.graph().steps.data())].last;
   const fs::path folder = FailureFolder(snapshot, step.id);
   if (!last || !last->failed || !fs::is_directory(folder)) return {};
-  std::vector<std::string> pictures = snapshot.session().disk().Children(folder);
+  std::vector<std::string> pictures = snapshot.opened_project().disk().Children(folder);
   std::erase_if(pictures, [&](const std::string& name) {
     return !name.ends_with(kEnding) || !IsValidUtf8(name) ||
-           snapshot.session().disk().LeadsOutside(folder / name, folder);
+           snapshot.opened_project().disk().LeadsOutside(folder / name, folder);
   });
   std::sort(pictures.begin(), pictures.end());
   return pictures;
@@ -44,7 +44,8 @@ std::vector<std::string> FailurePicturesOf(Snapshot& snapshot, const Step& step)
 json FailurePicturesJson(Snapshot& snapshot, const Step& step) {
   json pictures = json::array();
   for (const std::string& name : FailurePicturesOf(snapshot, step)) {
-    const auto stat = snapshot.session().disk().Stat(FailureFolder(snapshot, step.id) / name);
+    const auto stat =
+        snapshot.opened_project().disk().Stat(FailureFolder(snapshot, step.id) / name);
     pictures.push_back({{"step", step.id},
                         {"picture", name},
                         {"version", std::to_string(stat ? stat->mtime_ns : 0)}});

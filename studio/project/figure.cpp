@@ -5,10 +5,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/figure_strokes.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "pipeline/graph/figure_setting.h"
 #include "studio/project/changes.h"
 #include "studio/project/failure_pictures.h"
@@ -81,7 +81,8 @@ json RefusedOf(Snapshot& snapshot, const std::string& pose) {
 /// The picture of all masks among what is published of a step.
 std::string SheetOf(Snapshot& snapshot, const Step& step) {
   for (const pipeline::NamedResult& result : step.results)
-    if (LowerExtension(result.path) == ".jpg" && fs::exists(snapshot.session().out() / result.path))
+    if (LowerExtension(result.path) == ".jpg" &&
+        fs::exists(snapshot.opened_project().out() / result.path))
       return result.path.generic_string();
   return "";
 }

@@ -65,7 +65,7 @@ fs::path Originals::FileOf(const std::string& name) const {
 
 std::string Originals::HashOf(const std::string& name) const {
   const fs::path file = FileOf(name);
-  return file.empty() ? "" : snapshot_.session().workshop().hasher.OfFile(file);
+  return file.empty() ? "" : snapshot_.opened_project().workshop().hasher.OfFile(file);
 }
 
 bool Originals::WasShotAgain(const std::string& name) const {

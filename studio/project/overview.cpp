@@ -177,8 +177,8 @@ json NoStepsJson(bool running, const std::string& locked_by) {
 json StepsJson(Snapshot& snapshot, bool running, const std::string& locked_by) {
   json all = NoStepsJson(running, locked_by);
   for (int i = 0; i < snapshot.plan().size(); ++i) all["steps"].push_back(StepJson(snapshot, i));
-  const pipeline::Ending ending =
-      pipeline::EndingOf(snapshot.plan(), snapshot.session().disk(), snapshot.session().out());
+  const pipeline::Ending ending = pipeline::EndingOf(
+      snapshot.plan(), snapshot.opened_project().disk(), snapshot.opened_project().out());
   for (const auto& warning : ending.warnings)
     all["warnings"].push_back(
         {{"steps", warning.steps}, {"poses", warning.poses}, {"text", warning.text}});
@@ -218,17 +218,18 @@ std::string LogText(Snapshot& snapshot, const std::string& step) {
   const std::vector<int> found = snapshot.graph().Find(step);
   const std::string& id = snapshot.graph().steps[found.front()].id;
   // A step at work writes its log where the runner makes its results.
-  fs::path log = snapshot.session().state() / "tmp" / pipeline::FolderName(id) / "made" / "log.txt";
-  if (!fs::is_regular_file(log)) log = pipeline::StepLog(snapshot.session(), id);
-  return log.empty() ? "" : WithoutOddBytes(snapshot.session().disk().ReadEnd(log, kMost));
+  fs::path log =
+      snapshot.opened_project().state() / "tmp" / pipeline::FolderName(id) / "made" / "log.txt";
+  if (!fs::is_regular_file(log)) log = pipeline::StepLog(snapshot.opened_project(), id);
+  return log.empty() ? "" : WithoutOddBytes(snapshot.opened_project().disk().ReadEnd(log, kMost));
 }
 
 json ResultsJson(Snapshot& snapshot) {
-  const fs::path out = snapshot.session().out();
+  const fs::path out = snapshot.opened_project().out();
   json results = json::array();
   std::error_code ignored;
-  for (const fs::path file : snapshot.session().disk().FilesBelow(out)) {
-    if (snapshot.session().disk().LeadsOutside(out / file, out)) continue;
+  for (const fs::path file : snapshot.opened_project().disk().FilesBelow(out)) {
+    if (snapshot.opened_project().disk().LeadsOutside(out / file, out)) continue;
     results.push_back({{"path", file.generic_string()},
                        {"label", LabelOf(snapshot, file)},
                        {"bytes", fs::file_size(out / file, ignored)}});

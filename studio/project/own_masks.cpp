@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
 #include "core/numbers/sha256.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
@@ -32,9 +32,10 @@ bool IsMaskFor(const fs::path& mask, const fs::path& photograph) {
 /// The folder that pipeline.yaml names; empty if it names none.
 fs::path NamedFolder(Snapshot& snapshot, const std::string& pose) {
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  if (rule == nullptr || !rule->masks) return {};
+  const pipeline::Setting* masks = rule ? rule->Given("masks") : nullptr;
+  if (masks == nullptr) return {};
   return snapshot.project() / pipeline::OnDisk(pipeline::RealDisk(), snapshot.project(),
-                                               pipeline::WithHome(rule->masks->text));
+                                               pipeline::WithHome(masks->text));
 }
 
 /// The pose's folder of masks. The first mask makes one, and names it in pipeline.yaml.
@@ -133,7 +134,7 @@ bool OwnMasks::IsOfAnother(const std::string& name) const {
   if (mask.empty() || !notes_.contains(mask.filename().string())) return false;
   const std::string photograph = originals_.HashOf(name);
   if (photograph.empty()) return false;
-  const std::string hash = snapshot_.session().workshop().hasher.OfFile(mask);
+  const std::string hash = snapshot_.opened_project().workshop().hasher.OfFile(mask);
   return keypose::IsOfAnother(notes_, mask.filename().string(), {hash, photograph});
 }
 

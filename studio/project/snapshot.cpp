@@ -4,6 +4,7 @@
 
 #include "core/io/text/files.h"
 #include "pipeline/disk/project_paths.h"
+#include "pipeline/graph/sources.h"
 
 namespace keypose::studio {
 
@@ -42,11 +43,11 @@ std::optional<MeshKind> MeshKindNamed(const std::string& name) {
 std::string NameOf(MeshKind kind) { return RowOf(kind).name; }
 
 Snapshot::Snapshot(const fs::path& project)
-    : session_(project, {}),
+    : opened_project_(project, {}),
       file_(pipeline::ParsePipelineFile(ReadFile(project / "pipeline.yaml"), "pipeline.yaml")),
-      plan_(std::make_unique<pipeline::Plan>(session_.graph(), session_.workshop(),
+      plan_(std::make_unique<pipeline::Plan>(opened_project_.graph(), opened_project_.workshop(),
                                              pipeline::Selection{})) {
-  session_.workshop().hasher.Save();
+  opened_project_.workshop().hasher.Save();
 }
 
 bool Snapshot::HasPose(const std::string& pose) const {
@@ -72,7 +73,7 @@ std::optional<pipeline::Artifact> Snapshot::Result(const std::string& rule,
   const auto& planned = plan()[static_cast<int>(step - graph().steps.data())];
   if (planned.artifact) return planned.artifact;
   if (!planned.last || planned.last->fingerprint.empty()) return std::nullopt;
-  return session_.store().Find(planned.last->fingerprint);
+  return opened_project_.store().Find(planned.last->fingerprint);
 }
 
 std::optional<fs::path> Snapshot::ResultPath(const std::string& rule, const std::string& pose,
@@ -114,8 +115,7 @@ std::optional<fs::path> Snapshot::PickedMesh(const std::string& pose) {
 
 fs::path Snapshot::PhotoFolder(const std::string& pose) const {
   const pipeline::PoseRule* rule = file_.FindPose(pose);
-  const fs::path written =
-      rule && rule->photos ? pipeline::WithHome(rule->photos->text) : "photos/" + pose;
+  const fs::path written = rule ? pipeline::PhotographsOf(*rule) : "photos/" + pose;
   return project() / pipeline::OnDisk(pipeline::RealDisk(), project(), written);
 }
 

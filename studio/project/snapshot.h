@@ -25,11 +25,11 @@ class Snapshot {
   /// files
   explicit Snapshot(const std::filesystem::path& project);
 
-  const pipeline::Graph& graph() const { return session_.graph(); }
+  const pipeline::Graph& graph() const { return opened_project_.graph(); }
   const pipeline::Plan& plan() const { return *plan_; }
   const pipeline::PipelineFile& file() const { return file_; }
-  pipeline::OpenedProject& session() { return session_; }
-  const std::filesystem::path& project() const { return session_.project(); }
+  pipeline::OpenedProject& opened_project() { return opened_project_; }
+  const std::filesystem::path& project() const { return opened_project_.project(); }
 
   bool HasPose(const std::string& pose) const;
   bool IsTemplate(const std::string& pose) const { return pose == graph().template_pose; }
@@ -59,7 +59,7 @@ class Snapshot {
   std::filesystem::path PhotoFolder(const std::string& pose) const;
 
  private:
-  pipeline::OpenedProject session_;
+  pipeline::OpenedProject opened_project_;
   pipeline::PipelineFile file_;
   std::unique_ptr<pipeline::Plan> plan_;
 };
