@@ -12,35 +12,35 @@ namespace keypose::capture::shoot {
 namespace fs = std::filesystem;
 
 Helper::Helper(const ShootingOptions& options, const ShootingParts& parts, Announcer& announcer,
-               Wishes& wishes, const fs::path& stand_file)
-    : stand(ReadStand(stand_file)),
+               UserRequests& requests, const fs::path& state_file)
+    : setup_state(ReadSetupState(state_file)),
       options_(options),
       parts_(parts),
       announcer_(announcer),
-      wishes_(wishes),
-      stand_file_(stand_file) {}
+      requests_(requests),
+      state_file_(state_file) {}
 
 void Helper::Ask(const std::string& ask, const std::string& words, const std::string& what_to_do,
                  std::optional<double> angle_deg) {
-  announcer_.State("asking", *book_, wishes_.target);
+  announcer_.State("asking", *book_, requests_.target);
   announcer_.Asked(ask, words, what_to_do, angle_deg ? &*angle_deg : nullptr);
-  wishes_.done = options_.answers_itself;
-  while (!wishes_.done) {
-    if (wishes_.over()) throw EndAsked{};
+  requests_.done = options_.answers_itself;
+  while (!requests_.done) {
+    if (requests_.over()) throw EndAsked{};
     if (ask == "turn" && OwnRelease()) break;
     LiveFrame();
-    wishes_.Wait(0.05);
+    requests_.Wait(0.05);
   }
-  if (parts_.done_by_hand) parts_.done_by_hand(ask, wishes_.target, angle_deg.value_or(0));
+  if (parts_.done_by_hand) parts_.done_by_hand(ask, requests_.target, angle_deg.value_or(0));
 }
 
 /// A photograph by the camera's own button answers the request to turn the table.
 bool Helper::OwnRelease() {
   try {
-    const Wishes::Hold hold(wishes_);  // what has arrived is not lost
+    const UserRequests::Hold hold(requests_);  // what has arrived is not lost
     const fs::path into = book_->folder() / ".incoming" / "own";
     fs::create_directories(into);
-    own_release_ = parts_.camera.Arrived(into, wishes_);
+    own_release_ = parts_.camera.Arrived(into, requests_);
   } catch (const DeviceFault&) {
     return false;  // told when the camera is needed
   }
@@ -48,8 +48,8 @@ bool Helper::OwnRelease() {
 }
 
 void Helper::ConnectAll() {
-  wishes_.target = book_->Next().shot;
-  Start([&] { parts_.camera.Connect(wishes_); }, "camera");
+  requests_.target = book_->Next().shot;
+  Start([&] { parts_.camera.Connect(requests_); }, "camera");
   if (parts_.turntable) Start([&] { ConnectTable(); }, "turntable");
 }
 
@@ -65,10 +65,11 @@ void Helper::Start(const Attempt& connect, const char* device) {
 
 void Helper::ConnectTable() {
   try {
-    parts_.turntable->Connect(stand.table_deg, stand.turning_to.has_value(), stand.memory, wishes_);
+    parts_.turntable->Connect(setup_state.table_deg, setup_state.turning_to.has_value(),
+                              setup_state.memory, requests_);
   } catch (const PositionLost& lost) {
     announcer_.Fault(lost);
-    SetTableByHand(stand.turning_to.value_or(stand.table_deg));
+    SetTableByHand(setup_state.turning_to.value_or(setup_state.table_deg));
   }
 }
 
@@ -81,10 +82,10 @@ void Helper::SetTableByHand(double angle_deg) {
 }
 
 void Helper::TableIsAt(double angle_deg) {
-  if (parts_.turntable) parts_.turntable->Declare(angle_deg, wishes_);
-  stand.table_deg = WithinTurn(angle_deg);
-  stand.turning_to.reset();
-  SaveStand();
+  if (parts_.turntable) parts_.turntable->Declare(angle_deg, requests_);
+  setup_state.table_deg = WithinTurn(angle_deg);
+  setup_state.turning_to.reset();
+  SaveSetupState();
 }
 
 void Helper::WithTable(const Attempt& attempt) {
@@ -94,7 +95,7 @@ void Helper::WithTable(const Attempt& attempt) {
 
 void Helper::WithCamera(const Attempt& attempt) {
   Through(
-      attempt, [&] { parts_.camera.Connect(wishes_); }, "camera", true);
+      attempt, [&] { parts_.camera.Connect(requests_); }, "camera", true);
 }
 
 void Helper::Through(const Attempt& attempt, const Attempt& connect, const char* device,
@@ -116,15 +117,15 @@ void Helper::Through(const Attempt& attempt, const Attempt& connect, const char*
       if (fault.needs_hand)
         Ask(device, fault.what_to_do, "");
       else
-        wishes_.Wait(options_.retry_s);
+        requests_.Wait(options_.retry_s);
     }
   }
 }
 
 void Helper::LiveFrame() {
   constexpr double kBetween_s = 0.2;
-  const double now = wishes_.Now();
-  if (!wishes_.live || options_.live_file.empty() || now - last_live_ < kBetween_s) return;
+  const double now = requests_.Now();
+  if (!requests_.live || options_.live_file.empty() || now - last_live_ < kBetween_s) return;
   last_live_ = now;
   try {
     const auto frame = parts_.camera.Preview();

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "capture/shoot/session/announcer.h"
+#include "capture/shoot/session/setup_state.h"
 #include "capture/shoot/session/shooting_parts.h"
-#include "capture/shoot/session/stand.h"
-#include "capture/shoot/session/wishes.h"
+#include "capture/shoot/session/user_requests.h"
 
 namespace keypose::capture::shoot {
 
@@ -17,7 +17,7 @@ class Helper {
  public:
   /// All must outlive this.
   Helper(const ShootingOptions& options, const ShootingParts& parts, Announcer& announcer,
-         Wishes& wishes, const std::filesystem::path& stand_file);
+         UserRequests& requests, const std::filesystem::path& state_file);
 
   /// The pose at work; before all else.
   void SetBook(ShotBook* book) { book_ = book; }
@@ -39,11 +39,11 @@ class Helper {
 
   /// The table stands there, as the person says.
   void TableIsAt(double angle_deg);
-  void SaveStand() const { WriteStand(stand_file_, stand); }
+  void SaveSetupState() const { WriteSetupState(state_file_, setup_state); }
   /// A frame of the live view, if it is on and time for one.
   void LiveFrame();
 
-  Stand stand;
+  SetupState setup_state;
 
  private:
   void ConnectTable();
@@ -55,8 +55,8 @@ class Helper {
   const ShootingOptions& options_;
   const ShootingParts& parts_;
   Announcer& announcer_;
-  Wishes& wishes_;
-  std::filesystem::path stand_file_;
+  UserRequests& requests_;
+  std::filesystem::path state_file_;
   ShotBook* book_ = nullptr;
   std::optional<Exposure> own_release_;
   double last_live_ = -1;

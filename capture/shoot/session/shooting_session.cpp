@@ -13,7 +13,7 @@
 #include "capture/shoot/session/project.h"
 #include "capture/shoot/session/shot_book.h"
 #include "capture/shoot/session/shot_checks.h"
-#include "capture/shoot/session/wishes.h"
+#include "capture/shoot/session/user_requests.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
@@ -67,10 +67,10 @@ class ShootingSession {
         parts_(parts),
         lock_(StateFolder()),
         announcer_(parts.talk, options.project),
-        wishes_(parts.talk, announcer_),
-        helper_(options_, parts_, announcer_, wishes_, StateFolder() / "stand.json") {
-    wishes_.paused = !options.begins_at_once;
-    wishes_.live = options.live;
+        requests_(parts.talk, announcer_),
+        helper_(options_, parts_, announcer_, requests_, StateFolder() / "stand.json") {
+    requests_.paused = !options.begins_at_once;
+    requests_.live = options.live;
   }
 
   bool Run() {
@@ -87,7 +87,7 @@ class ShootingSession {
     } catch (const EndAsked&) {
     }
     book_->Save();
-    announcer_.State("ended", *book_, wishes_.target);
+    announcer_.State("ended", *book_, requests_.target);
     announcer_.Ended(*book_);
     return book_->Complete();
   }
@@ -115,22 +115,22 @@ class ShootingSession {
     if (options_.again.empty()) return;
     Command again;
     again.photograph = options_.again;
-    wishes_.target = book_->Next().shot;
-    if (const std::string refusal = wishes_.WantAgain(again); !refusal.empty())
+    requests_.target = book_->Next().shot;
+    if (const std::string refusal = requests_.WantAgain(again); !refusal.empty())
       throw UsageError("--again " + options_.again + ": " + refusal);
   }
 
   void Step() {
-    wishes_.Wait(0);
-    if (!wishes_.next_pose.empty()) return BeginNextPose();
-    if (wishes_.table_is_at_deg)
-      return helper_.TableIsAt(*std::exchange(wishes_.table_is_at_deg, std::nullopt));
-    if (wishes_.paused) return Idle("paused");
-    if (!wishes_.again.empty()) {
-      const Shot shot = wishes_.again.front();
+    requests_.Wait(0);
+    if (!requests_.next_pose.empty()) return BeginNextPose();
+    if (requests_.table_is_at_deg)
+      return helper_.TableIsAt(*std::exchange(requests_.table_is_at_deg, std::nullopt));
+    if (requests_.paused) return Idle("paused");
+    if (!requests_.again.empty()) {
+      const Shot shot = requests_.again.front();
       Shoot(shot);
-      const auto done = std::find(wishes_.again.begin(), wishes_.again.end(), shot);
-      if (done != wishes_.again.end()) wishes_.again.erase(done);
+      const auto done = std::find(requests_.again.begin(), requests_.again.end(), shot);
+      if (done != requests_.again.end()) requests_.again.erase(done);
       return;
     }
     const NextThing next = book_->Next();
@@ -142,10 +142,10 @@ class ShootingSession {
   }
 
   void Idle(const char* state) {
-    announcer_.State(state, *book_, wishes_.target);
-    if (wishes_.over()) throw EndAsked{};
+    announcer_.State(state, *book_, requests_.target);
+    if (requests_.over()) throw EndAsked{};
     helper_.LiveFrame();
-    wishes_.Wait(0.1);
+    requests_.Wait(0.1);
   }
 
   // ---- poses
@@ -155,9 +155,9 @@ class ShootingSession {
     const std::optional<SideFile> other = NewestOther(options_.project / "photos", pose);
     book_.reset();  // its folder is tidied up first
     book_ = std::make_unique<ShotBook>(folder, pose, plan, plan_given);
-    wishes_.SetBook(book_.get());
+    requests_.SetBook(book_.get());
     helper_.SetBook(book_.get());
-    wishes_.again.clear();
+    requests_.again.clear();
     told_done_ = false;
     onion_ = other ? options_.project / "photos" / other->pose : fs::path();
     SideFile& side = book_->side();
@@ -169,30 +169,30 @@ class ShootingSession {
       side.white = other->white;
     book_->Save();
     if (parts_.pose_begins) parts_.pose_begins(pose, side.plan);
-    wishes_.target = book_->Next().shot;
+    requests_.target = book_->Next().shot;
     announcer_.PoseOpened(*book_, onion_);
   }
 
   void BeginNextPose() {
-    const std::string pose = std::exchange(wishes_.next_pose, "");
+    const std::string pose = std::exchange(requests_.next_pose, "");
     const ShotPlan plan = book_->side().plan;
     OpenPose(pose, plan, false);
-    wishes_.paused = false;
+    requests_.paused = false;
   }
 
   // ---- one photograph
 
   void Shoot(const Shot& shot) {
     told_done_ = false;
-    wishes_.target = shot;
+    requests_.target = shot;
     while (true) {
       try {
         SetUp(shot);
         Turn(shot);
         const std::vector<Exposure> exposures = TakeAll();
-        const Wishes::Hold hold(wishes_);  // what was exposed lands before anything else
+        const UserRequests::Hold hold(requests_);  // what was exposed lands before anything else
         const bool again = book_->Has(shot);
-        Land(shot, exposures);
+        Add(shot, exposures);
         const std::vector<Shot> changed = book_->Enter(shot);
         book_->Save();
         announcer_.Landed(*book_, shot, again, changed);
@@ -206,18 +206,19 @@ class ShootingSession {
 
   /// Camera height and figure as this photograph needs them.
   void SetUp(const Shot& shot) {
-    Stand& stand = helper_.stand;
-    const bool other_pose = stand.pose != book_->side().pose;
-    if (stand.flip != shot.flip || (other_pose && shot.flip > 0))
+    SetupState& setup_state = helper_.setup_state;
+    const bool other_pose = setup_state.pose != book_->side().pose;
+    if (setup_state.flip != shot.flip || (other_pose && shot.flip > 0))
       helper_.Ask("flip",
                   shot.flip == 0   ? "stand the figure upright"
                   : shot.flip == 1 ? "lay the figure on its side, in the middle of the table"
                                    : "turn the figure onto a side that was not below yet",
                   "leave the camera where it is");
-    if (stand.ring != shot.ring || other_pose) AskForHeight(shot, other_pose);
-    if (stand.flip == shot.flip && stand.ring == shot.ring && !other_pose) return;
-    stand.flip = shot.flip, stand.ring = shot.ring, stand.pose = book_->side().pose;
-    helper_.SaveStand();
+    if (setup_state.ring != shot.ring || other_pose) AskForHeight(shot, other_pose);
+    if (setup_state.flip == shot.flip && setup_state.ring == shot.ring && !other_pose) return;
+    setup_state.flip = shot.flip, setup_state.ring = shot.ring,
+    setup_state.pose = book_->side().pose;
+    helper_.SaveSetupState();
   }
 
   void AskForHeight(const Shot& shot, bool other_pose) {
@@ -226,10 +227,10 @@ class ShootingSession {
         other_pose ? fmt::format("put the figure in its pose '{}' in the middle of the table, and ",
                                  book_->side().pose)
                    : "";
-    const std::string mark =
-        parts_.turntable || !other_pose
-            ? ""
-            : fmt::format("; the table's mark at {} degrees", DegreesText(helper_.stand.table_deg));
+    const std::string mark = parts_.turntable || !other_pose
+                                 ? ""
+                                 : fmt::format("; the table's mark at {} degrees",
+                                               DegreesText(helper_.setup_state.table_deg));
     helper_.Ask("camera-height",
                 fmt::format("{}set the camera to {} degrees above the table{}", first,
                             DegreesText(TiltOf(plan, shot)), mark),
@@ -238,38 +239,38 @@ class ShootingSession {
   }
 
   void Turn(const Shot& shot) {
-    Stand& stand = helper_.stand;
+    SetupState& setup_state = helper_.setup_state;
     const double angle_deg = AngleOf(book_->side().plan, shot);
     if (!parts_.turntable) {
-      if (stand.table_deg != angle_deg)
+      if (setup_state.table_deg != angle_deg)
         helper_.Ask("turn", fmt::format("turn the table to {} degrees", DegreesText(angle_deg)),
                     parts_.camera.OnlyArrives() ? "then release the camera" : "", angle_deg);
     } else {
       announcer_.State("turning", *book_, shot);
-      stand.turning_to = angle_deg;
-      stand.memory = parts_.turntable->Memory();
-      helper_.SaveStand();
+      setup_state.turning_to = angle_deg;
+      setup_state.memory = parts_.turntable->Memory();
+      helper_.SaveSetupState();
       helper_.WithTable([&] {
-        const Wishes::Hold hold(wishes_);
-        parts_.turntable->TurnTo(angle_deg, wishes_);
+        const UserRequests::Hold hold(requests_);
+        parts_.turntable->TurnTo(angle_deg, requests_);
       });
     }
-    stand.table_deg = angle_deg;
-    stand.turning_to.reset();
-    helper_.SaveStand();
+    setup_state.table_deg = angle_deg;
+    setup_state.turning_to.reset();
+    helper_.SaveSetupState();
     if (!parts_.turntable) return;
     announcer_.State("settling", *book_, shot);
-    wishes_.Wait(options_.settle_s);
+    requests_.Wait(options_.settle_s);
   }
 
   std::vector<Exposure> TakeAll() {
     const int count = book_->side().plan.focus_stack;
     const auto own = helper_.TakeOwnRelease();  // lies in the incoming folder
     if (own && FaultOf(*own).empty() && count == 1) return {*own};
-    const fs::path incoming = book_->landing().Incoming();
+    const fs::path incoming = book_->store().Incoming();
     std::vector<Exposure> exposures;
     for (int i = 0; i < count; ++i) {
-      if (count > 1 && !parts_.camera.Focus(i, count, wishes_))
+      if (count > 1 && !parts_.camera.Focus(i, count, requests_))
         helper_.Ask(
             "camera",
             fmt::format("set the focus for photograph {} of {}, from near to far", i + 1, count),
@@ -283,9 +284,9 @@ class ShootingSession {
   Exposure TakeWhole(const fs::path& into) {
     constexpr int kByItself = 3;
     for (int attempt = 0;; ++attempt) {
-      announcer_.State("shooting", *book_, wishes_.target);
+      announcer_.State("shooting", *book_, requests_.target);
       const Exposure exposure = Take(into, attempt > 0);
-      announcer_.State("checking", *book_, wishes_.target);
+      announcer_.State("checking", *book_, requests_.target);
       const std::string fault = FaultOf(exposure);
       if (fault.empty()) return exposure;
       const bool by_hand = attempt + 1 >= kByItself;
@@ -303,17 +304,17 @@ class ShootingSession {
       fs::remove_all(into);
       fs::create_directories(into);
       // Somebody else's release is waited for, and that wait may be given up. Our own is fetched.
-      const Wishes::Hold hold(wishes_, !parts_.camera.OnlyArrives());
-      exposure = parts_.camera.Take(into, fetch_again, wishes_);
+      const UserRequests::Hold hold(requests_, !parts_.camera.OnlyArrives());
+      exposure = parts_.camera.Take(into, fetch_again, requests_);
     });
     return exposure;
   }
 
-  void Land(const Shot& shot, const std::vector<Exposure>& exposures) {
+  void Add(const Shot& shot, const std::vector<Exposure>& exposures) {
     const std::string name = book_->Name(shot);
     const std::int64_t time = exposures.front().time.value_or(parts_.clock.Now());
     if (shot.index == 0) book_->ForgetRing(shot);
-    if (exposures.size() == 1) return book_->landing().Land(name, exposures.front(), time);
+    if (exposures.size() == 1) return book_->store().Add(name, exposures.front(), time);
     std::vector<Image8> images;
     for (const Exposure& exposure : exposures)
       images.push_back(ReadPhotograph(PictureOf(exposure)));
@@ -324,7 +325,7 @@ class ShootingSession {
     exif.model = info.camera_model;
     const fs::path merged = book_->folder() / ".incoming" / "merged.jpg";
     WriteImage(merged, MergeFocusStack(images), 97, &exif);
-    book_->landing().LandStack(name, exposures, merged, time);
+    book_->store().AddStack(name, exposures, merged, time);
   }
 
   // ---- a ring's end
@@ -333,21 +334,21 @@ class ShootingSession {
   void CheckRing(const Shot& first) {
     std::optional<double> moved_px;
     const bool possible = book_->Has(first) && book_->side().photographs.at(first).readable;
-    if (possible && !wishes_.skip_check) {
-      wishes_.target = first;
-      wishes_.checking = true;
+    if (possible && !requests_.skip_check) {
+      requests_.target = first;
+      requests_.checking = true;
       try {
         moved_px = MovedSince(first);
       } catch (const Rethink&) {
-        wishes_.checking = false;
-        if (!wishes_.skip_check) throw;
+        requests_.checking = false;
+        if (!requests_.skip_check) throw;
       } catch (...) {
-        wishes_.checking = false;
+        requests_.checking = false;
         throw;
       }
-      wishes_.checking = false;
+      requests_.checking = false;
     }
-    wishes_.skip_check = false;
+    requests_.skip_check = false;
     book_->CheckRing(first, moved_px);
     book_->Save();
     announcer_.RingChecked(*book_, first);
@@ -358,7 +359,7 @@ class ShootingSession {
     Turn(first);
     const auto own = helper_.TakeOwnRelease();
     const Exposure last =
-        own && FaultOf(*own).empty() ? *own : TakeWhole(book_->landing().Incoming() / "f1");
+        own && FaultOf(*own).empty() ? *own : TakeWhole(book_->store().Incoming() / "f1");
     const fs::path file = book_->folder() / book_->side().photographs.at(first).file;
     const Image8 before = ReadPhotograph(file), after = ReadPhotograph(PictureOf(last));
     if (before.width == after.width && before.height == after.height)
@@ -372,7 +373,7 @@ class ShootingSession {
   ShootingParts parts_;
   ShootLock lock_;
   Announcer announcer_;
-  Wishes wishes_;
+  UserRequests requests_;
   Helper helper_;
   std::unique_ptr<ShotBook> book_;
   fs::path onion_;  // the folder of the pose that was shot before

@@ -32,7 +32,7 @@ bool Extends(const ShotPlan& plan, const ShotPlan& old) {
 
 ShotBook::ShotBook(const fs::path& folder, const std::string& pose, const ShotPlan& plan,
                    bool plan_given)
-    : landing_(folder) {
+    : store_(folder) {
   side_.pose = pose;
   side_.plan = plan;
   SideFile old;
@@ -41,7 +41,7 @@ ShotBook::ShotBook(const fs::path& folder, const std::string& pose, const ShotPl
     TakeOver(old, plan, plan_given);
   }
   for (const Shot& shot : AllShots(side_.plan)) {
-    const fs::path file = landing_.FileOf(Name(shot));
+    const fs::path file = store_.FileOf(Name(shot));
     if (file.empty()) continue;
     resumed_ = true;
     const auto known = old.photographs.find(shot);
@@ -83,7 +83,7 @@ NextThing ShotBook::Next() const {
 
 PhotographEntry ShotBook::Measure(const Shot& shot) const {
   const std::string name = Name(shot);
-  const fs::path file = landing_.FileOf(name), raw = landing_.RawOf(name);
+  const fs::path file = store_.FileOf(name), raw = store_.RawOf(name);
   PhotographEntry entry;
   entry.shot = shot;
   entry.file = file.filename().string();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "capture/shoot/record/side_file.h"
-#include "capture/shoot/session/landing.h"
+#include "capture/shoot/session/photograph_store.h"
 
 namespace keypose::capture::shoot {
 
@@ -31,9 +31,9 @@ class ShotBook {
 
   SideFile& side() { return side_; }
   const SideFile& side() const { return side_; }
-  Landing& landing() { return landing_; }
+  PhotographStore& store() { return store_; }
   bool resumed() const { return resumed_; }
-  const std::filesystem::path& folder() const { return landing_.folder(); }
+  const std::filesystem::path& folder() const { return store_.folder(); }
 
   NextThing Next() const;
   bool Has(const Shot& shot) const { return side_.photographs.contains(shot); }
@@ -59,7 +59,7 @@ class ShotBook {
   PhotographEntry Measure(const Shot& shot) const;
   std::filesystem::path SidePath() const { return folder() / "shoot.json"; }
 
-  Landing landing_;
+  PhotographStore store_;
   SideFile side_;
   bool resumed_ = false;
 };

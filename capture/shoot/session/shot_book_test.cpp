@@ -22,7 +22,7 @@ class Book : public ::testing::Test, public TestingFolder {
   /// A file in the incoming folder, as a camera gives it.
   Exposure Incoming(ShotBook& book, const std::vector<std::string>& names, int shade) const {
     Exposure exposure;
-    const fs::path into = book.landing().Incoming();
+    const fs::path into = book.store().Incoming();
     for (const std::string& name : names) {
       exposure.files.push_back(into / name);
       WriteImage(into / "picture.jpg", Image8(64, 48, 3, static_cast<std::uint8_t>(shade)));
@@ -31,8 +31,7 @@ class Book : public ::testing::Test, public TestingFolder {
     return exposure;
   }
   void Shoot(ShotBook& book, const Shot& shot, int shade = 100) const {
-    book.landing().Land(book.Name(shot), Incoming(book, {"DSC1.JPG"}, shade),
-                        978307200 + shot.index);
+    book.store().Add(book.Name(shot), Incoming(book, {"DSC1.JPG"}, shade), 978307200 + shot.index);
     book.Enter(shot);
     book.Save();
   }
@@ -80,7 +79,7 @@ TEST_F(Book, TakesUpWhatLandedWithoutAnEntryAndDropsWhatIsGone) {
   {
     ShotBook book = Open(kPlan);
     for (int i = 0; i < 2; ++i) Shoot(book, {0, 1, i});
-    book.landing().Land("r1_a240", Incoming(book, {"DSC2.JPG"}, 90), 978307200);
+    book.store().Add("r1_a240", Incoming(book, {"DSC2.JPG"}, 90), 978307200);
   }
   fs::remove(folder_ / "photos/r1_a120.jpg");
   ShotBook book = Open(kPlan);
@@ -94,7 +93,7 @@ TEST_F(Book, MeasuresAFileAnewThatWasReplacedBeforeItsEntryWasWritten) {
   {
     ShotBook book = Open(kPlan);
     Shoot(book, {0, 1, 0}, 100);
-    book.landing().Land("r1_a000", Incoming(book, {"DSC2.JPG"}, 200), 978307999);
+    book.store().Add("r1_a000", Incoming(book, {"DSC2.JPG"}, 200), 978307999);
   }
   EXPECT_NEAR(Open(kPlan).side().photographs.at({0, 1, 0}).exposure, 200, 1);
 }
@@ -131,22 +130,21 @@ TEST_F(Book, NamesAFileThatCannotBeRead) {
 
 TEST_F(Book, LandsARawAndJpegPairUnderOneNameAndReplacesBoth) {
   ShotBook book = Open(kPlan);
-  book.landing().Land("r1_a000", Incoming(book, {"A.JPEG", "A.CR2"}, 80), 978307200);
-  EXPECT_EQ(book.landing().FileOf("r1_a000").filename(), "r1_a000.jpg");
-  EXPECT_EQ(book.landing().RawOf("r1_a000").filename(), "r1_a000.cr2");
+  book.store().Add("r1_a000", Incoming(book, {"A.JPEG", "A.CR2"}, 80), 978307200);
+  EXPECT_EQ(book.store().FileOf("r1_a000").filename(), "r1_a000.jpg");
+  EXPECT_EQ(book.store().RawOf("r1_a000").filename(), "r1_a000.cr2");
   book.Enter({0, 1, 0});
   EXPECT_EQ(book.side().photographs.at({0, 1, 0}).raw, "r1_a000.cr2");
   Shoot(book, {0, 1, 0});
   EXPECT_EQ(Files(), (Names{".incoming", "r1_a000.jpg", "shoot.json"}));
-  EXPECT_THROW(book.landing().Land("r1_a120", Incoming(book, {"A.jpg", "B.JPG"}, 80), 0),
-               InputError);
+  EXPECT_THROW(book.store().Add("r1_a120", Incoming(book, {"A.jpg", "B.JPG"}, 80), 0), InputError);
 }
 
 TEST_F(Book, KeepsAStacksPhotographsBesideTheMergedOne) {
   ShotBook book = Open(kPlan);
   const Exposure all = Incoming(book, {"F1.JPG", "F2.JPG", "merged.jpg"}, 80);
-  book.landing().LandStack("r1_a000", {{{all.files[0]}, {}}, {{all.files[1]}, {}}}, all.files[2],
-                           978307200);
+  book.store().AddStack("r1_a000", {{{all.files[0]}, {}}, {{all.files[1]}, {}}}, all.files[2],
+                        978307200);
   EXPECT_EQ(Files(), (Names{".incoming", "r1_a000.jpg", "stacks"}));
   EXPECT_TRUE(fs::exists(folder_ / "photos/stacks/r1_a000_f2.jpg"));
 }

@@ -1,4 +1,4 @@
-#include "capture/shoot/session/wishes.h"
+#include "capture/shoot/session/user_requests.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace keypose::capture::shoot {
 
-void Wishes::Wait(double seconds) {
+void UserRequests::Wait(double seconds) {
   const double until = Now() + seconds;
   do {
     const auto command = talk_.Hear(std::clamp(until - Now(), 0.0, 0.05));
@@ -24,7 +24,7 @@ void Wishes::Wait(double seconds) {
   } while (Now() < until);
 }
 
-void Wishes::Handle(const Command& command) {
+void UserRequests::Handle(const Command& command) {
   std::string refusal;
   switch (command.kind) {
     case Command::Kind::kGoOn:
@@ -61,7 +61,7 @@ void Wishes::Handle(const Command& command) {
   announcer_.Answer(command, refusal);
 }
 
-std::string Wishes::WantAgain(const Command& command) {
+std::string UserRequests::WantAgain(const Command& command) {
   const ShotPlan& plan = book_->side().plan;
   std::optional<Shot> shot = ShotNamed(plan, command.photograph);
   std::optional<double> angle_deg = command.angle_deg;
@@ -79,7 +79,7 @@ std::string Wishes::WantAgain(const Command& command) {
   return "";
 }
 
-std::string Wishes::Skip(const Command& command) {
+std::string UserRequests::Skip(const Command& command) {
   Shot shot = target;
   if (!command.photograph.empty()) {
     const auto named = ShotNamed(book_->side().plan, command.photograph);

@@ -1,4 +1,4 @@
-#include "capture/shoot/session/landing.h"
+#include "capture/shoot/session/photograph_store.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,10 +10,10 @@
 #include <cstring>
 #include <set>
 
+#include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -60,18 +60,18 @@ void MakeFolder(const fs::path& folder) {
 
 }  // namespace
 
-Landing::Landing(const fs::path& folder) : folder_(folder) {
+PhotographStore::PhotographStore(const fs::path& folder) : folder_(folder) {
   MakeFolder(folder_);
   std::error_code ignored;
   fs::remove_all(folder_ / ".incoming", ignored);
 }
 
-Landing::~Landing() {
+PhotographStore::~PhotographStore() {
   std::error_code ignored;
   fs::remove_all(folder_ / ".incoming", ignored);
 }
 
-fs::path Landing::Incoming() const {
+fs::path PhotographStore::Incoming() const {
   const fs::path incoming = folder_ / ".incoming";
   std::error_code ignored;
   fs::remove_all(incoming, ignored);
@@ -79,7 +79,7 @@ fs::path Landing::Incoming() const {
   return incoming;
 }
 
-std::vector<fs::path> Landing::AllOf(const std::string& name) const {
+std::vector<fs::path> PhotographStore::AllOf(const std::string& name) const {
   std::vector<fs::path> files;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
@@ -90,7 +90,7 @@ std::vector<fs::path> Landing::AllOf(const std::string& name) const {
   return files;
 }
 
-fs::path Landing::FileOf(const std::string& name) const {
+fs::path PhotographStore::FileOf(const std::string& name) const {
   fs::path raw;
   for (const fs::path& file : AllOf(name)) {
     if (!IsRawName(file)) return file;
@@ -99,13 +99,13 @@ fs::path Landing::FileOf(const std::string& name) const {
   return raw;
 }
 
-fs::path Landing::RawOf(const std::string& name) const {
+fs::path PhotographStore::RawOf(const std::string& name) const {
   for (const fs::path& file : AllOf(name))
     if (IsRawName(file)) return file;
   return {};
 }
 
-void Landing::Land(const std::string& name, const Exposure& exposure, std::int64_t time) {
+void PhotographStore::Add(const std::string& name, const Exposure& exposure, std::int64_t time) {
   // RAW first: a JPEG that is there means that the whole pair is.
   std::vector<fs::path> files = exposure.files;
   std::stable_partition(files.begin(), files.end(),
@@ -126,8 +126,8 @@ void Landing::Land(const std::string& name, const Exposure& exposure, std::int64
     if (!landed.contains(file)) fs::remove(file);
 }
 
-void Landing::LandStack(const std::string& name, const std::vector<Exposure>& exposures,
-                        const fs::path& merged, std::int64_t time) {
+void PhotographStore::AddStack(const std::string& name, const std::vector<Exposure>& exposures,
+                               const fs::path& merged, std::int64_t time) {
   const fs::path stacks = folder_ / "stacks";
   MakeFolder(stacks);
   for (std::size_t i = 0; i < exposures.size(); ++i)
@@ -137,7 +137,7 @@ void Landing::LandStack(const std::string& name, const std::vector<Exposure>& ex
       Rename(file, stacks / fmt::format("{}_f{}{}", name, i + 1, PlainExtension(file)));
     }
   Sync(stacks);
-  Land(name, {{merged}, time}, time);
+  Add(name, {{merged}, time}, time);
 }
 
 void WriteDurably(const fs::path& file, const std::string& text) {

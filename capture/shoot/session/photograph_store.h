@@ -13,25 +13,25 @@
 namespace keypose::capture::shoot {
 
 /// The folder of a pose's photographs.
-class Landing {
+class PhotographStore {
  public:
   /// Makes the folder, and removes what an interrupted session left in `.incoming`.
   /// @throws DiskError
-  explicit Landing(const std::filesystem::path& folder);
+  explicit PhotographStore(const std::filesystem::path& folder);
   /// Removes `.incoming`.
-  ~Landing();
-  Landing(const Landing&) = delete;
-  Landing& operator=(const Landing&) = delete;
+  ~PhotographStore();
+  PhotographStore(const PhotographStore&) = delete;
+  PhotographStore& operator=(const PhotographStore&) = delete;
 
   /// An empty folder for the camera's files.
   std::filesystem::path Incoming() const;
   /// Gives the files of one exposure their names, NAME.jpg, NAME.cr2, each once it is on the disk.
   /// Other files of this name are removed: the photograph replaces them.
   /// @throws InputError  two of them have one extension @throws DiskError
-  void Land(const std::string& name, const Exposure& exposure, std::int64_t time);
+  void Add(const std::string& name, const Exposure& exposure, std::int64_t time);
   /// Keeps the photographs of a focus stack in stacks/, and the merged one as NAME.jpg.
-  void LandStack(const std::string& name, const std::vector<Exposure>& exposures,
-                 const std::filesystem::path& merged, std::int64_t time);
+  void AddStack(const std::string& name, const std::vector<Exposure>& exposures,
+                const std::filesystem::path& merged, std::int64_t time);
 
   /// The photograph's file, or its RAW file if that is the only one; empty if it is not there.
   std::filesystem::path FileOf(const std::string& name) const;

@@ -1,4 +1,4 @@
-// How table, camera and figure stand: what a session must remember beside the photographs.
+// How table, camera and figure are set up: what a session must remember beside the photographs.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace keypose::capture::shoot {
 
-struct Stand {
+struct SetupState {
   double table_deg = 0;              ///< in [0, 360)
   std::optional<double> turning_to;  ///< set while the table turns
   std::string memory;                ///< TurntableDevice::Memory() while it turns
@@ -16,8 +16,8 @@ struct Stand {
 };
 
 /// Nothing known if there is no such file, or it is damaged: then all is asked anew.
-Stand ReadStand(const std::filesystem::path& file);
+SetupState ReadSetupState(const std::filesystem::path& file);
 /// @throws DiskError
-void WriteStand(const std::filesystem::path& file, const Stand& stand);
+void WriteSetupState(const std::filesystem::path& file, const SetupState& setup_state);
 
 }  // namespace keypose::capture::shoot

@@ -17,10 +17,10 @@ struct Rethink {};
 /// Thrown out of a wait: the person ends the session.
 struct EndAsked {};
 
-class Wishes final : public Patience {
+class UserRequests final : public Patience {
  public:
   /// Both must outlive this.
-  Wishes(Conversation& talk, Announcer& announcer) : talk_(talk), announcer_(announcer) {}
+  UserRequests(Conversation& talk, Announcer& announcer) : talk_(talk), announcer_(announcer) {}
 
   /// The pose at work; before the first wait.
   void SetBook(ShotBook* book) { book_ = book; }
@@ -32,15 +32,15 @@ class Wishes final : public Patience {
   /// While one lives, a wait is not given up: what was begun is brought to its end.
   class Hold {
    public:
-    explicit Hold(Wishes& wishes, bool really = true) : wishes_(wishes), by_(really) {
-      wishes_.holds_ += by_;
+    explicit Hold(UserRequests& requests, bool really = true) : requests_(requests), by_(really) {
+      requests_.holds_ += by_;
     }
-    ~Hold() { wishes_.holds_ -= by_; }
+    ~Hold() { requests_.holds_ -= by_; }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
 
    private:
-    Wishes& wishes_;
+    UserRequests& requests_;
     int by_;
   };
 
