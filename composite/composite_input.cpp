@@ -7,13 +7,13 @@
 #include <set>
 
 #include "composite/layer/linear_light.h"
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 
@@ -327,9 +327,9 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
     for (const FilmPicture& picture : input.film) numbers.push_back(picture.frame);
   input.plan = PlanFilm(input.shot, numbers, input.times);
   if (!input.shot.still)
-    input.passing = std::make_unique<PassingPlates>(stage.Input("plate"), input.plan, numbers,
-                                                    input.shot.camera, stage.progress());
-  if (input.passing) WarnOfShallowPlate(stage, input, input.passing->first());
+    input.moving_plates = std::make_unique<MovingPlates>(stage.Input("plate"), input.plan, numbers,
+                                                         input.shot.camera, stage.progress());
+  if (input.moving_plates) WarnOfShallowPlate(stage, input, input.moving_plates->first());
   stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
                          input.plan.between, input.plan.held));
   return input;
@@ -338,8 +338,10 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
 Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   Film film;
   film.given_plate = input.given_plate, film.holdout = input.holdout, film.set = input.set;
-  if (input.passing)
-    film.plate_at = [plates = input.passing.get()](int animation) { return plates->At(animation); };
+  if (input.moving_plates)
+    film.plate_at = [plates = input.moving_plates.get()](int animation) {
+      return plates->At(animation);
+    };
   film.read = [&input](int i) { return ReadLevels(input.film[i].path); };
   if (input.kind.keyed) film.alpha = [&input](int i) { return AlphaOf(input.film[i].path); };
   for (int i = 0; i < SizeOf(input.film); ++i) {

@@ -8,7 +8,7 @@
 
 #include "composite/composing/film_lessons.h"
 #include "composite/film/film_files.h"
-#include "composite/passing_plates.h"
+#include "composite/moving_plates.h"
 #include "core/io/project/shot_io.h"
 #include "core/stage/stage.h"
 
@@ -36,7 +36,7 @@ struct CompositeInput {
   ImageF given_plate;  ///< stored levels of 255
   Image8 holdout;
   std::shared_ptr<const SetGeometry> set;
-  std::unique_ptr<PassingPlates> passing;  ///< of a moving camera
+  std::unique_ptr<MovingPlates> moving_plates;  ///< of a moving camera
 };
 
 /// @param fps  of the animation where its folder does not say

@@ -8,13 +8,13 @@
 
 #include "composite/blender/blender_scene.h"
 #include "composite/layer/linear_light.h"
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "core/values/size_of.h"
 #include "views/film/mp4.h"
 
@@ -144,7 +144,7 @@ class ShotWriter {
       Write(folder_ / "layers" / (Number(n) + ".png"), StraightOf(composed.layer));
     }
     if (!geometry_.still())
-      Write(folder_ / "plates" / (Number(n) + ".png"), composed.passing.picture);
+      Write(folder_ / "plates" / (Number(n) + ".png"), composed.moving_plate.picture);
     Show(n, Shown(composed.picture, composed.alpha));
   }
 

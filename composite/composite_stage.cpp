@@ -103,8 +103,8 @@ void ReportLessons(StageContext& stage, const FilmLessons& lessons) {
 
 /// Of a moving camera.
 void ReportPlates(StageContext& stage, const CompositeInput& input) {
-  if (!input.passing) return;
-  const PassingPlates& plates = *input.passing;
+  if (!input.moving_plates) return;
+  const MovingPlates& plates = *input.moving_plates;
   stage.Report("plates_made", plates.made);
   stage.Report("plates_doubtful", plates.doubtful);
   if (plates.made > 0)

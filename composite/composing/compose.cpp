@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "composite/layer/linear_light.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {
@@ -47,9 +47,9 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
   const View view = geometry.ViewAt(time);
   const PixelRays rays(view.camera);
   ComposedPicture composed;
-  if (film.plate_at) composed.passing = film.plate_at(static_cast<int>(std::lround(time)));
-  const CleanPlate passing = film.plate_at ? PlateOf(composed.passing) : CleanPlate();
-  const CleanPlate& plate = film.plate_at ? passing : lessons.plate;
+  if (film.plate_at) composed.moving_plate = film.plate_at(static_cast<int>(std::lround(time)));
+  const CleanPlate moving_plate = film.plate_at ? PlateOf(composed.moving_plate) : CleanPlate();
+  const CleanPlate& plate = film.plate_at ? moving_plate : lessons.plate;
   composed.layer = LayerOver(geometry, looks, lessons, time, options, rays, film.props());
   ImageF kept;
   const ShadowStrength& strength = lessons.shadow.strength;

@@ -17,7 +17,7 @@ struct ComposedPicture {
   ImageF alpha;     ///< 1 channel, 0 to 1: of the picture, where the film was keyed; else empty
   ImageF layer;     ///< RGBA, linear, premultiplied: the character and its shadow (black) alone
   ImageF coverage;  ///< 1 channel: of the character, after props
-  PassingPlate passing;  ///< of a moving camera: the plate that was used
+  MovingPlate moving_plate;  ///< of a moving camera: the plate that was used
 };
 
 /// @param time      in frames of the animation

@@ -33,7 +33,7 @@ constexpr double kCompareBlur = 0.0025;  // of the picture's width
 struct Looked {
   const FilmedPicture* picture = nullptr;
   View view;
-  ImageF passing;  // the plate of a moving camera
+  ImageF moving_plate;  // the plate of a moving camera
   Image8 stored;
   ImageF light;  // divided by its exposure
   PointsX3 points;
@@ -118,7 +118,7 @@ class Lesson {
   bool has_plate() const { return moves() || !given_.empty(); }
   /// The set in the exposure of the plate.
   const ImageF& SetOf(const Looked& look) const {
-    return moves() ? look.passing : lessons_.plate.light;
+    return moves() ? look.moving_plate : lessons_.plate.light;
   }
 
   void LookAtFrames() {
@@ -134,7 +134,7 @@ class Lesson {
       look.stored = Rounded(levels);
       look.light = LinearOfLevels(levels);
       look.view = geometry_.ViewAt(picture->animation);
-      if (moves()) look.passing = LinearOfLevels(film_.plate_at(picture->animation).picture);
+      if (moves()) look.moving_plate = LinearOfLevels(film_.plate_at(picture->animation).picture);
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
       look.layer = RenderLayer(
@@ -210,7 +210,7 @@ class Lesson {
     const Vector3d& eye = world_from_camera.translation;
     const double height = (eye - table_.origin).dot(table_.up);
     std::vector<std::pair<Vector3d, double>> all;
-    const ImageF& brighter = other ? other->light : moves() ? look.passing : given_;
+    const ImageF& brighter = other ? other->light : moves() ? look.moving_plate : given_;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
         if (*look.away.at(x, y) > 127 || (other && *other->away.at(x, y) > 127)) continue;
@@ -322,7 +322,8 @@ class Lesson {
   void LearnGrain() {
     ReportProgress(progress_, 0.85, "grain");
     for (std::size_t i = 0; moves() && i < looked_.size() && !lessons_.grain; ++i)
-      lessons_.grain = MeasureGrain(looked_[i].stored, SrgbOf(looked_[i].passing), looked_[i].away);
+      lessons_.grain =
+          MeasureGrain(looked_[i].stored, SrgbOf(looked_[i].moving_plate), looked_[i].away);
     for (std::size_t i = 0; !moves() && i + 1 < looked_.size() && !lessons_.grain; ++i) {
       Image8 away = looked_[i].away;
       for (std::size_t k = 0; k < away.data.size(); ++k)

@@ -31,10 +31,10 @@ Character Looks::At(int frame) const {
   return character;
 }
 
-CleanPlate PlateOf(const PassingPlate& passing) {
-  const ImageF& picture = passing.picture;
-  return {LinearOfLevels(picture), ImageF(picture.width, picture.height, 1, passing.grain_lacking),
-          0, 0, 0};
+CleanPlate PlateOf(const MovingPlate& moving_plate) {
+  const ImageF& picture = moving_plate.picture;
+  return {LinearOfLevels(picture),
+          ImageF(picture.width, picture.height, 1, moving_plate.grain_lacking), 0, 0, 0};
 }
 
 ImageF ShadowPicture(const RayScene& figure, const Ground& table, const ShadowStrength& strength,

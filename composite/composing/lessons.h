@@ -42,7 +42,7 @@ struct FilmedPicture {
 };
 
 /// The set as a camera sees it that is at one place for one picture only.
-struct PassingPlate {
+struct MovingPlate {
   ImageF picture;           ///< RGB, stored levels of 255
   float grain_lacking = 0;  ///< as CleanPlate's, of all pixels
   double doubtful = 0;      ///< PlateBetweenTwo's, where it was made from its neighbours
@@ -55,7 +55,7 @@ struct Film {
   std::function<ImageF(int film)> alpha;
   ImageF given_plate;  ///< RGB, stored levels of 255; empty: none
   /// Of a moving camera: the plate of a frame of the animation, of the camera's size. Else none.
-  std::function<PassingPlate(int animation)> plate_at;
+  std::function<MovingPlate(int animation)> plate_at;
   /// Props and furniture before and around the character, besides its table; may be null.
   std::shared_ptr<const SetGeometry> set;
   const RayScene* props() const { return set ? &set->scene : nullptr; }
@@ -76,7 +76,7 @@ struct FilmLessons {
   std::vector<std::string> notes;  ///< what could not be learnt, for the user
 };
 
-CleanPlate PlateOf(const PassingPlate& passing);
+CleanPlate PlateOf(const MovingPlate& moving_plate);
 
 /// The share of light that the figure's shadow leaves at each pixel, where the table or the set is:
 /// 1 channel.

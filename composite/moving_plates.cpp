@@ -1,4 +1,4 @@
-#include "composite/passing_plates.h"
+#include "composite/moving_plates.h"
 
 #include <fmt/format.h>
 
@@ -6,17 +6,17 @@
 #include <cmath>
 
 #include "composite/plate/plate_between.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::composite {
 
 namespace fs = std::filesystem;
 
-PassingPlates::PassingPlates(const fs::path& plates, const FilmPlan& plan,
-                             const std::vector<int>& film_frames, const Camera& camera,
-                             Progress* progress)
+MovingPlates::MovingPlates(const fs::path& plates, const FilmPlan& plan,
+                           const std::vector<int>& film_frames, const Camera& camera,
+                           Progress* progress)
     : files_(plates), start_(plan.start), per_frame_(plan.per_frame), camera_(camera) {
   const std::vector<FilmPicture>& pictures = files_.pictures();
   if (pictures.size() < 2)
@@ -36,14 +36,14 @@ PassingPlates::PassingPlates(const fs::path& plates, const FilmPlan& plan,
           PrintableName(plates), frame, pictures.back().frame, film_frames.back(), per_frame_));
 }
 
-const fs::path* PassingPlates::Find(int picture) const {
+const fs::path* MovingPlates::Find(int picture) const {
   if (picture % step_) return nullptr;
   const auto found = std::find_if(files_.pictures().begin(), files_.pictures().end(),
                                   [&](const FilmPicture& p) { return p.frame == picture / step_; });
   return found == files_.pictures().end() ? nullptr : &found->path;
 }
 
-ImageF PassingPlates::Read(const fs::path& path) const {
+ImageF MovingPlates::Read(const fs::path& path) const {
   ImageF picture = ReadLevels(path);
   if (picture.width != camera_.width || picture.height != camera_.height)
     throw InputError(fmt::format(
@@ -53,7 +53,7 @@ ImageF PassingPlates::Read(const fs::path& path) const {
   return picture;
 }
 
-PassingPlate PassingPlates::At(int animation) {
+MovingPlate MovingPlates::At(int animation) {
   const int picture = animation + start_;
   if (const fs::path* own = Find(picture)) return {Read(*own)};
   int before = picture - 1, after = picture + 1;

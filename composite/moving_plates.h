@@ -11,15 +11,15 @@ namespace keypose::composite {
 
 /// Numbered as the film is, one for each filmed frame; or one for each picture of the finished
 /// shot. A plate that is missing between two filmed frames is made from theirs.
-class PassingPlates {
+class MovingPlates {
  public:
   /// Decodes a video; reads no picture yet.
   /// @param film_frames  numbers of the filmed frames, ascending
   /// @throws InputError  a filmed frame without a plate; fewer plates than filmed frames
-  PassingPlates(const std::filesystem::path& plates, const FilmPlan& plan,
-                const std::vector<int>& film_frames, const Camera& camera, Progress* progress);
+  MovingPlates(const std::filesystem::path& plates, const FilmPlan& plan,
+               const std::vector<int>& film_frames, const Camera& camera, Progress* progress);
   /// @throws InputError  of another size than the camera's
-  PassingPlate At(int animation);
+  MovingPlate At(int animation);
   const std::filesystem::path& first() const { return files_.pictures().front().path; }
 
   int made = 0;         ///< so far, from their neighbours
