@@ -8,17 +8,17 @@
 #include <map>
 #include <optional>
 
+#include "composite/companion_film.h"
 #include "composite/locate_clicks.h"
-#include "composite/locate_partners.h"
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/shrunk.h"
-#include "core/values/errors.h"
-#include "core/values/exif_focal.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 
@@ -221,13 +221,13 @@ void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs:
 }
 
 /// What helps to see the figure in a picture; either may be missing.
-struct Partners {
-  std::optional<PartnerFilm> mattes, plates;
+struct Companions {
+  std::optional<CompanionFilm> mattes, plates;
   int plates_a_frame = 1;
 
   /// @throws InputError  one matte for several pictures
-  Partners(StageContext& stage, const LocateStageOptions& options,
-           const std::vector<FilmPicture>& film, const std::vector<int>& frames) {
+  Companions(StageContext& stage, const LocateStageOptions& options,
+             const std::vector<FilmPicture>& film, const std::vector<int>& frames) {
     if (stage.Has("matte")) {
       mattes.emplace(stage.Input("matte"), "matte");
       if (mattes->single() && frames.size() > 1)
@@ -255,7 +255,8 @@ struct Partners {
   }
 };
 
-void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, LocateInput& input) {
+void AddFrame(const FilmPicture& picture, int pose, const Companions& companions,
+              LocateInput& input) {
   const std::string first =
       input.pictures.empty() ? "" : input.pictures[0].path.filename().string();
   LocateFrame frame;
@@ -265,13 +266,13 @@ void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, Lo
   const Image8 whole = ReadImage(picture.path, 3);
   RequireSize(whole, picture.path, input.camera, first);
   frame.picture = Reduced(whole, input.shot.camera);
-  if (partners.mattes) {
-    const fs::path path = partners.mattes->For(picture);
+  if (companions.mattes) {
+    const fs::path path = companions.mattes->For(picture);
     const Image8 matte = ReadMatte(path);
     RequireSize(matte, path, input.camera, frame.name);
     frame.matte = Reduced(matte, input.shot.camera);
-  } else if (partners.plates) {
-    const fs::path path = partners.plates->For(picture, partners.plates_a_frame);
+  } else if (companions.plates) {
+    const fs::path path = companions.plates->For(picture, companions.plates_a_frame);
     const Image8 plate = ReadImage(path, 3);
     RequireSize(plate, path, input.camera, frame.name);
     frame.matte = Reduced(MatteFromPlate(whole, plate), input.shot.camera);
@@ -282,10 +283,10 @@ void AddFrame(const FilmPicture& picture, int pose, const Partners& partners, Lo
 }
 
 /// The empty set as a moving camera passed it.
-void AddPlates(const Partners& partners, LocateInput& input) {
-  if (!partners.plates || partners.plates->single()) return;
-  for (const auto& [time, path] : partners.plates->Within(
-           input.pictures.front().frame, input.pictures.back().frame, partners.plates_a_frame)) {
+void AddPlates(const Companions& companions, LocateInput& input) {
+  if (!companions.plates || companions.plates->single()) return;
+  for (const auto& [time, path] : companions.plates->Within(
+           input.pictures.front().frame, input.pictures.back().frame, companions.plates_a_frame)) {
     const Image8 plate = ReadImage(path, 1);
     RequireSize(plate, path, input.camera, input.shot.frames[0].name);
     input.shot.plates.push_back({time, Reduced(plate, input.shot.camera)});
@@ -364,9 +365,9 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   SetCamera(stage, options, chosen[0].first.path, input);
   NoteAlpha(stage, chosen[0].first.path);
   input.shot.quick = options.quick;
-  const Partners partners(stage, options, pictures, frames);
-  for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, partners, input);
-  if (options.camera == "moving") AddPlates(partners, input);
+  const Companions companions(stage, options, pictures, frames);
+  for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, companions, input);
+  if (options.camera == "moving") AddPlates(companions, input);
   AddClicks(stage, input);
   if (options.quick) RequireClicksEverywhere(input);
   if (stage.Has("textures") && !options.quick)

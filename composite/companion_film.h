@@ -10,10 +10,10 @@ namespace keypose::composite {
 
 /// A picture for all, a folder of numbered ones, or a video, of which the frames that are asked for
 /// are decoded.
-class PartnerFilm {
+class CompanionFilm {
  public:
   /// @param what  its name for messages, such as "matte"
-  PartnerFilm(const std::filesystem::path& path, std::string what);
+  CompanionFilm(const std::filesystem::path& path, std::string what);
   bool single() const { return single_; }
   bool is_video() const { return files_.is_video(); }
   /// The first picture is for all.

@@ -1,4 +1,4 @@
-#include "composite/locate_partners.h"
+#include "composite/companion_film.h"
 
 #include <fmt/format.h>
 
@@ -8,18 +8,18 @@ namespace keypose::composite {
 
 namespace fs = std::filesystem;
 
-PartnerFilm::PartnerFilm(const fs::path& path, std::string what)
+CompanionFilm::CompanionFilm(const fs::path& path, std::string what)
     : files_(path),
       what_(std::move(what)),
       single_(!fs::is_directory(path) && !files_.is_video()) {}
 
-void PartnerFilm::MatchNumbers(const std::vector<FilmPicture>& film) {
+void CompanionFilm::MatchNumbers(const std::vector<FilmPicture>& film) {
   const int first = files_.pictures().front().number, last = files_.pictures().back().number;
   const bool within = first >= film.front().number && last <= film.back().number;
   if (within && !single_) offset_ = first - film.front().number;
 }
 
-void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame, Progress* progress) {
+void CompanionFilm::Decode(const std::vector<int>& film_frames, int a_frame, Progress* progress) {
   if (single_) return files_.Decode({0}, progress);
   std::vector<int> frames;
   for (const int frame : film_frames)
@@ -27,8 +27,8 @@ void PartnerFilm::Decode(const std::vector<int>& film_frames, int a_frame, Progr
   files_.Decode(frames, progress);
 }
 
-std::vector<std::pair<double, fs::path>> PartnerFilm::Within(int first, int last,
-                                                             int a_frame) const {
+std::vector<std::pair<double, fs::path>> CompanionFilm::Within(int first, int last,
+                                                               int a_frame) const {
   std::vector<std::pair<double, fs::path>> within;
   for (const FilmPicture& file : files_.pictures())
     if (const double time = 1.0 * (file.frame + offset_) / a_frame; time >= first && time <= last)
@@ -36,7 +36,7 @@ std::vector<std::pair<double, fs::path>> PartnerFilm::Within(int first, int last
   return within;
 }
 
-const fs::path& PartnerFilm::For(const FilmPicture& picture, int a_frame) const {
+const fs::path& CompanionFilm::For(const FilmPicture& picture, int a_frame) const {
   if (single_) return files_.pictures()[0].path;
   for (const FilmPicture& file : files_.pictures())
     if (file.frame + offset_ == picture.frame * a_frame) return file.path;
