@@ -8,14 +8,14 @@
 #include <set>
 #include <system_error>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
-#include "views/shot/together.h"
+#include "views/shot/sync_check.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -123,7 +123,7 @@ Shot OpenShot(const fs::path& folder) {
     throw InputError(
         "the shot " + PrintableName(folder) +
         " has no camera; it needs a folder of numbered pictures, or a video, for each");
-  RequireTogether(shot.cameras);
+  RequireSynchronised(shot.cameras);
   return shot;
 }
 

@@ -26,7 +26,7 @@ struct Shot {
 };
 
 /// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are
-/// needed; films that do not run together (RequireTogether)
+/// needed; films that do not run together (RequireSynchronised)
 Shot OpenShot(const std::filesystem::path& folder);
 
 /// Films or pictures of several cameras that need not run together, sorted by name.

@@ -1,5 +1,5 @@
 // Films that do not run together are refused before anything is made of them.
-#include "views/shot/together.h"
+#include "views/shot/sync_check.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ std::vector<int> Range(int first, int count, int step, int left_out = -1) {
 
 std::string Fault(const std::vector<ShotCamera>& cameras) {
   try {
-    RequireTogether(cameras);
+    RequireSynchronised(cameras);
   } catch (const InputError& error) {
     return error.what();
   }

@@ -1,4 +1,4 @@
-#include "views/shot/together.h"
+#include "views/shot/sync_check.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <map>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/io/project/shot_io.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {
@@ -88,7 +88,7 @@ void RequireSameGaps(const std::vector<ShotCamera>& cameras) {
 
 }  // namespace
 
-void RequireTogether(const std::vector<ShotCamera>& cameras) {
+void RequireSynchronised(const std::vector<ShotCamera>& cameras) {
   RequireOneRate(cameras);
   RequireSameGaps(cameras);
 }

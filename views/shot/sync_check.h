@@ -10,6 +10,6 @@ namespace keypose {
 /// Offsets between clocks, and films of other lengths, are for the stages; what drifts is not.
 /// @throws InputError  videos of other rates; a numbered picture that only some cameras lack,
 /// after which its camera would run ahead of the others. Names camera, frame and cure
-void RequireTogether(const std::vector<ShotCamera>& cameras);
+void RequireSynchronised(const std::vector<ShotCamera>& cameras);
 
 }  // namespace keypose
