@@ -26,7 +26,7 @@
 #include "fit/tracking/actor_fit.h"
 #include "fit/tracking/calm_take.h"
 #include "fit/tracking/camera_turns.h"
-#include "fit/tracking/second_look.h"
+#include "fit/tracking/limb_retracking.h"
 #include "fit/tracking/tracker.h"
 
 namespace keypose::fit {
@@ -131,7 +131,7 @@ void LookAtJumps(StageContext& stage, TrackInput& input, const BodyShape& shape,
     if (stage.progress() && stage.progress()->cancelled()) throw Cancelled();
     return near(f);
   };
-  stage.Report("limbs_set_right", LookAgain(shape, read, frames).changed);
+  stage.Report("limbs_set_right", RetrackLimbs(shape, read, frames).changed);
 }
 
 /// Mean second difference in time of the joints' places [m/frame^2].

@@ -11,7 +11,7 @@ namespace keypose::fit {
 
 /// First guesses, tried on the generated performances with seeds 101, 211 and 212; the last three
 /// on 101, 401 and 403.
-struct SecondLookTuning {
+struct RetrackingTuning {
   KEYPOSE_TUNED(double, kUnusual, 4);     ///< times the limb's usual second difference: a jump
   KEYPOSE_TUNED(double, kJump, 0.05);     ///< [m] of a jump's second difference at least
   KEYPOSE_TUNED(double, kMerged, 0.03);   ///< [m] between two courses of a limb: the same
@@ -23,7 +23,7 @@ struct SecondLookTuning {
   KEYPOSE_TUNED(double, kSure, 0.2);      ///< share of a frame's cost that a found course gains
 };
 
-struct SecondLooks {
+struct Retracking {
   int solved = 0;   ///< poses that were tried
   int changed = 0;  ///< times that a frame took another course of a limb
 };
@@ -45,8 +45,8 @@ struct SecondLooks {
 /// Cost: one SolvePose and one CoverageOf for each frame that a limb is followed through; a
 /// SearchLimb and two SolvePose for a frame that is searched.
 /// Same bits for any thread count.
-SecondLooks LookAgain(const BodyShape& shape,
-                      const std::function<const std::vector<Silhouette>&(int)>& read,
-                      std::vector<TrackedFrame>* frames);
+Retracking RetrackLimbs(const BodyShape& shape,
+                        const std::function<const std::vector<Silhouette>&(int)>& read,
+                        std::vector<TrackedFrame>* frames);
 
 }  // namespace keypose::fit

@@ -1,4 +1,4 @@
-#include "fit/tracking/second_look.h"
+#include "fit/tracking/limb_retracking.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
 
-namespace keypose::fit::second_look_test {
+namespace keypose::fit::limb_retracking_test {
 
 constexpr int kSide = 280, kCount = 12;
 
@@ -69,8 +69,8 @@ struct Take {
       frames[f].coverage = CoverageOf(films[f], SurfaceOf(shape), Posed(frames[f].pose, shape));
     }
   }
-  SecondLooks Look() {
-    return LookAgain(
+  Retracking Retrack() {
+    return RetrackLimbs(
         shape, [&](int f) -> const std::vector<Silhouette>& { return films[f]; }, &frames);
   }
   double WristOff(int f, const BodyPose& from) const {
@@ -82,54 +82,54 @@ struct Take {
 bool IsWrong(int frame) { return frame >= 3 && frame < 9; }
 BodyPose WrongInBetween(int frame) { return IsWrong(frame) ? WrongPose(frame) : TruePose(frame); }
 
-TEST(LookAgain, AnArmThatWasFollowedBesideTheFilmedOneIsSetRight) {
+TEST(RetrackLimbs, AnArmThatWasFollowedBesideTheFilmedOneIsSetRight) {
   Take take(WrongInBetween);
   ASSERT_GT(take.WristOff(5, TruePose(5)), 0.15);
-  const SecondLooks looks = take.Look();
-  EXPECT_EQ(looks.changed, 6);
+  const Retracking retracking = take.Retrack();
+  EXPECT_EQ(retracking.changed, 6);
   for (int f = 0; f < kCount; ++f) EXPECT_LT(take.WristOff(f, TruePose(f)), 0.03) << f;
 }
 
-TEST(LookAgain, AWrongCourseUpToTheLastFrameIsSetRightFromItsBegin) {
+TEST(RetrackLimbs, AWrongCourseUpToTheLastFrameIsSetRightFromItsBegin) {
   Take take([](int f) { return f >= 6 ? WrongPose(f) : TruePose(f); });
-  EXPECT_EQ(take.Look().changed, 6);
+  EXPECT_EQ(take.Retrack().changed, 6);
   for (int f = 0; f < kCount; ++f) EXPECT_LT(take.WristOff(f, TruePose(f)), 0.03) << f;
 }
 
-TEST(LookAgain, AnArmThatIsBesideTheFilmedOneAllAlongIsFound) {
+TEST(RetrackLimbs, AnArmThatIsBesideTheFilmedOneAllAlongIsFound) {
   Take take(WrongPose);
-  const SecondLooks looks = take.Look();
-  EXPECT_EQ(looks.changed, kCount);
+  const Retracking retracking = take.Retrack();
+  EXPECT_EQ(retracking.changed, kCount);
   for (int f = 0; f < kCount; ++f) EXPECT_LT(take.WristOff(f, TruePose(f)), 0.03) << f;
 }
 
-TEST(LookAgain, AJumpThatWasFilmedStays) {
+TEST(RetrackLimbs, AJumpThatWasFilmedStays) {
   const auto jumps = [](int f) { return f >= 6 ? WrongPose(f) : TruePose(f); };
   Take take(jumps, true);
-  const SecondLooks looks = take.Look();
-  EXPECT_GT(looks.solved, 0);  // it was looked at
-  EXPECT_EQ(looks.changed, 0);
+  const Retracking retracking = take.Retrack();
+  EXPECT_GT(retracking.solved, 0);  // it was looked at
+  EXPECT_EQ(retracking.changed, 0);
   for (int f = 0; f < kCount; ++f) EXPECT_LT(take.WristOff(f, jumps(f)), 1e-12) << f;
 }
 
-TEST(LookAgain, NothingChangesWhereAllIsRight) {
+TEST(RetrackLimbs, NothingChangesWhereAllIsRight) {
   Take take(TruePose);
-  EXPECT_EQ(take.Look().changed, 0);
+  EXPECT_EQ(take.Retrack().changed, 0);
   take.frames.resize(2);
-  EXPECT_EQ(take.Look().solved, 0);
+  EXPECT_EQ(take.Retrack().solved, 0);
   take.frames.clear();
-  EXPECT_EQ(take.Look().changed, 0);
+  EXPECT_EQ(take.Retrack().changed, 0);
 }
 
-TEST(LookAgain, SameBitsForAnyThreadCount) {
+TEST(RetrackLimbs, SameBitsForAnyThreadCount) {
   Take one(WrongInBetween);
   Take three = one;
   SetThreadCount(1);
-  one.Look();
+  one.Retrack();
   SetThreadCount(3);
-  three.Look();
+  three.Retrack();
   SetThreadCount(0);
   for (int f = 0; f < kCount; ++f) EXPECT_EQ(one.frames[f].pose.q, three.frames[f].pose.q);
 }
 
-}  // namespace keypose::fit::second_look_test
+}  // namespace keypose::fit::limb_retracking_test

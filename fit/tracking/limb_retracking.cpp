@@ -1,4 +1,4 @@
-#include "fit/tracking/second_look.h"
+#include "fit/tracking/limb_retracking.h"
 
 #include <algorithm>
 #include <array>
@@ -81,11 +81,11 @@ class LimbFollower {
     Extend(&back), Extend(&on);
     searched_to_ = f + SizeOf(on.frames) - 1;
     const double gain = back.best_gain + on.best_gain - back.first_gain;
-    if (gain < SecondLookTuning::kSure * frames_[f].evidence.cost) return;
+    if (gain < RetrackingTuning::kSure * frames_[f].evidence.cost) return;
     Take(back, 0), Take(on, 1);
   }
 
-  const SecondLooks& looks() const { return looks_; }
+  const Retracking& retracking() const { return retracking_; }
 
  private:
   /// One more frame of the course.
@@ -100,21 +100,21 @@ class LimbFollower {
 
   bool Append(int f, TrackedFrame frame, Course* course) const {
     const TrackedFrame& known = frames_[f];
-    course->gain += SecondLookTuning::kBetter * known.evidence.cost - frame.evidence.cost;
+    course->gain += RetrackingTuning::kBetter * known.evidence.cost - frame.evidence.cost;
     course->frames.push_back(std::move(frame));
     if (course->gain > course->best_gain)
       course->best_gain = course->gain, course->best = SizeOf(course->frames);
-    const bool merged = Apart(course->frames.back().pose, known.pose) < SecondLookTuning::kMerged;
+    const bool merged = Apart(course->frames.back().pose, known.pose) < RetrackingTuning::kMerged;
     const bool hopeless =
-        course->gain < course->best_gain - SecondLookTuning::kHopeless * known.evidence.cost;
-    return !merged && !hopeless && SizeOf(course->frames) < SecondLookTuning::kLongest;
+        course->gain < course->best_gain - RetrackingTuning::kHopeless * known.evidence.cost;
+    return !merged && !hopeless && SizeOf(course->frames) < RetrackingTuning::kLongest;
   }
 
   /// The best other place of the limb, when it costs less than the known one.
   std::optional<Course> Found(int f) {
     std::optional<Course> best;
     for (const BodyPose& start : SearchLimb(read_(f), shape_, surface_, frames_[f].pose, limb_,
-                                            SecondLookTuning::kCandidates)) {
+                                            RetrackingTuning::kCandidates)) {
       if (start.q == frames_[f].pose.q) continue;
       Course course;
       course.begin = f, course.found = true;
@@ -160,7 +160,7 @@ class LimbFollower {
     options.first_reach = 2 * OutlineTuning::kReach;
     options.priors = std::move(priors);
     const std::vector<Silhouette>& silhouettes = read_(f);
-    ++looks_.solved;
+    ++retracking_.solved;
     TrackedFrame frame = FrameOf(SolvePose(silhouettes, shape_, surface_, start, options), shape_);
     frame.coverage = CoverageOf(silhouettes, surface_, Posed(frame.pose, shape_));
     return frame;
@@ -173,7 +173,7 @@ class LimbFollower {
       std::vector<Limb> found = std::move(frame.found);
       frame = course.frames[i];
       frame.found = std::move(found);
-      ++looks_.changed;
+      ++retracking_.changed;
     }
   }
 
@@ -199,7 +199,7 @@ class LimbFollower {
   double LeastJump() const {
     std::vector<double> bends;
     for (int f = 1; f + 1 < SizeOf(frames_); ++f) bends.push_back(Bend(f));
-    return std::max(SecondLookTuning::kJump, SecondLookTuning::kUnusual * UpperMedian(bends));
+    return std::max(RetrackingTuning::kJump, RetrackingTuning::kUnusual * UpperMedian(bends));
   }
 
   /// In all views, that the limb covers and no other part of the body.
@@ -218,31 +218,31 @@ class LimbFollower {
   std::vector<TrackedFrame>& frames_;
   const double usual_cells_ = UsualCells();
   int searched_to_ = -1;  // the last frame of the last search's course
-  SecondLooks looks_;
+  Retracking retracking_;
 };
 
 }  // namespace
 
-SecondLooks LookAgain(const BodyShape& shape,
-                      const std::function<const std::vector<Silhouette>&(int)>& read,
-                      std::vector<TrackedFrame>* frames) {
+Retracking RetrackLimbs(const BodyShape& shape,
+                        const std::function<const std::vector<Silhouette>&(int)>& read,
+                        std::vector<TrackedFrame>* frames) {
   const LocalSurface surface = SurfaceOf(shape);
-  SecondLooks sum;
-  const auto add = [&](const SecondLooks& looks) {
-    sum.solved += looks.solved, sum.changed += looks.changed;
+  Retracking sum;
+  const auto add = [&](const Retracking& retracking) {
+    sum.solved += retracking.solved, sum.changed += retracking.changed;
   };
   for (const int step : {-1, 1})
     for (const Limb limb : kLimbs) {
       LimbFollower follower(shape, surface, read, limb, frames);
       follower.FollowJumps(step);
-      add(follower.looks());
+      add(follower.retracking());
     }
   std::vector<LimbFollower> arms;
   for (const Limb arm : {Limb::kLeftArm, Limb::kRightArm})
     arms.emplace_back(shape, surface, read, arm, frames);
-  for (int f = SecondLookTuning::kEvery / 2; f < SizeOf(*frames); f += SecondLookTuning::kEvery)
+  for (int f = RetrackingTuning::kEvery / 2; f < SizeOf(*frames); f += RetrackingTuning::kEvery)
     for (LimbFollower& arm : arms) arm.Search(f);
-  for (const LimbFollower& arm : arms) add(arm.looks());
+  for (const LimbFollower& arm : arms) add(arm.retracking());
   return sum;
 }
 
