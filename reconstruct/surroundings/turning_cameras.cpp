@@ -12,6 +12,7 @@
 #include "core/numbers/statistics.h"
 #include "core/values/angles.h"
 #include "core/values/size_of.h"
+#include "core/values/union_find.h"
 #include "reconstruct/surroundings/print_turns.h"
 #include "reconstruct/surroundings/turning_plane.h"
 
@@ -36,14 +37,10 @@ struct Tripod {
 
 /// The tripod of each image; -1: none.
 std::vector<int> TripodOf(std::size_t images, const std::vector<ImagePair>& pairs) {
-  std::vector<int> of(images);
-  std::iota(of.begin(), of.end(), 0);
-  for (const auto& [i, j] : pairs) {
-    const auto [least, other] = std::minmax({of[i], of[j]});
-    std::replace(of.begin(), of.end(), other, least);
-  }
-  std::vector<int> size(images, 0);
-  for (const int t : of) ++size[t];
+  UnionFind sets(static_cast<std::ptrdiff_t>(images));
+  for (const auto& [i, j] : pairs) sets.Join(i, j);
+  std::vector<int> of(images), size(images, 0);
+  for (int i = 0; i < SizeOf(of); ++i) ++size[of[i] = sets.Find(i)];
   for (int& t : of)
     if (size[t] < 3) t = -1;
   return of;
