@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "capture/board/grey_level.h"
 #include "capture/board/markers.h"
 #include "core/values/size_of.h"
 
@@ -31,16 +32,7 @@ struct Saddle {
   double strength = 0;
 };
 
-/// Grey level between pixels; their centres are whole numbers.
-double Level(const cv::Mat& grey, const Point& p) {
-  const double x = std::clamp(p.x, 0.0, grey.cols - 1.001);
-  const double y = std::clamp(p.y, 0.0, grey.rows - 1.001);
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const double u = x - ix, v = y - iy;
-  const std::uint8_t* top = grey.ptr(iy) + ix;
-  const std::uint8_t* low = grey.ptr(iy + 1) + ix;
-  return (1 - v) * ((1 - u) * top[0] + u * top[1]) + v * ((1 - u) * low[0] + u * low[1]);
-}
+double Level(const cv::Mat& grey, const Point& p) { return LevelAt(grey, p.x, p.y); }
 
 Point Along(double angle) { return {std::cos(angle), std::sin(angle)}; }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "capture/board/board_pattern.h"
+#include "capture/board/grey_level.h"
 
 namespace keypose::capture {
 namespace {
@@ -67,16 +68,6 @@ std::vector<SeenMarker> MarkersOf(const Quads& quads) {
   return markers;
 }
 
-double LevelAt(const cv::Mat& grey, const cv::Point2d& p) {
-  const double x = std::clamp(p.x, 0.0, grey.cols - 1.001);
-  const double y = std::clamp(p.y, 0.0, grey.rows - 1.001);
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const double u = x - ix, v = y - iy;
-  const std::uint8_t* top = grey.ptr(iy) + ix;
-  const std::uint8_t* low = grey.ptr(iy + 1) + ix;
-  return (1 - v) * ((1 - u) * top[0] + u * top[1]) + v * ((1 - u) * low[0] + u * low[1]);
-}
-
 /// Mean grey levels of the cells of a quad, cells x cells.
 cv::Mat1d CellsOf(const cv::Mat& grey, const MarkerQuad& quad, int cells) {
   constexpr int kSamples = 3;  // each way, in the middle of a cell
@@ -93,7 +84,7 @@ cv::Mat1d CellsOf(const cv::Mat& grey, const MarkerQuad& quad, int cells) {
       const double v = (r / kSamples + 0.3 + 0.2 * (r % kSamples)) / cells;
       const cv::Vec3d p = map * cv::Vec3d(u, v, 1);
       levels(r / kSamples, c / kSamples) +=
-          LevelAt(grey, {p[0] / p[2], p[1] / p[2]}) / (kSamples * kSamples);
+          LevelAt(grey, p[0] / p[2], p[1] / p[2]) / (kSamples * kSamples);
     }
   return levels;
 }
