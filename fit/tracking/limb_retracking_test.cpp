@@ -107,7 +107,7 @@ TEST(RetrackLimbs, AJumpThatWasFilmedStays) {
   const auto jumps = [](int f) { return f >= 6 ? WrongPose(f) : TruePose(f); };
   Take take(jumps, true);
   const Retracking retracking = take.Retrack();
-  EXPECT_GT(retracking.solved, 0);  // it was looked at
+  EXPECT_GT(retracking.solved, 0);  // it was tracked again
   EXPECT_EQ(retracking.changed, 0);
   for (int f = 0; f < kCount; ++f) EXPECT_LT(take.WristOff(f, jumps(f)), 1e-12) << f;
 }

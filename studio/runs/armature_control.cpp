@@ -153,11 +153,11 @@ void ArmatureControl::Start(const ArmatureSetup& setup) {
                PageFolder() / "live.txt", prepare, "");
 }
 
-ArmatureStory ArmatureControl::Story() const {
-  ArmatureStory story{relay_.Story()};
+ArmatureState ArmatureControl::State() const {
+  ArmatureState state{relay_.State()};
   const std::lock_guard<std::mutex> lock(mutex_);
-  story.baking = baking_;
-  return story;
+  state.baking = baking_;
+  return state;
 }
 
 std::string ArmatureControl::Pose(std::uint64_t after) {

@@ -28,7 +28,7 @@ struct ArmatureSetup {
   int step = 2;
 };
 
-struct ArmatureStory : SessionStory {
+struct ArmatureState : SessionState {
   bool baking = false;
 };
 
@@ -58,7 +58,7 @@ class ArmatureControl {
   void Say(const std::string& line) { relay_.Say(line); }
   /// As Ctrl-C.
   void Interrupt() { relay_.Interrupt(); }
-  ArmatureStory Story() const;
+  ArmatureState State() const;
 
   /// The newest pose, {"number": N, "pose": {...}}; waits for one with another number than `after`
   /// for at most a second, and then gives "". At once "" when no session runs.

@@ -17,31 +17,31 @@ void SessionRelay::Start(const std::vector<std::string>& words, const std::files
                          const std::filesystem::path& error_file,
                          const std::function<void()>& prepare, const std::string& greeting) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) throw LockedError("a session is at work already; end it first");
+  if (state_.running) throw LockedError("a session is at work already; end it first");
   if (thread_.joinable()) thread_.join();
   std::filesystem::create_directories(error_file.parent_path());
   prepare();
   error_file_ = error_file;
   child_ = std::make_unique<TalkingChild>(words, folder, error_file);
   if (!greeting.empty()) child_->Say(greeting);
-  story_ = {true, story_.number, {}, 0, ""};
+  state_ = {true, state_.number, {}, 0, ""};
   running_ = true;
   thread_ = std::thread([this] { Relay(); });
 }
 
 void SessionRelay::Say(const std::string& line) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!story_.running || !child_->Say(line)) throw UsageError("no session is at work; begin one");
+  if (!state_.running || !child_->Say(line)) throw UsageError("no session is at work; begin one");
 }
 
 void SessionRelay::Interrupt() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (story_.running) child_->Interrupt();
+  if (state_.running) child_->Interrupt();
 }
 
-SessionStory SessionRelay::Story() const {
+SessionState SessionRelay::State() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return story_;
+  return state_;
 }
 
 void SessionRelay::Relay() {
@@ -58,8 +58,8 @@ void SessionRelay::Take(const std::string& line) {
   std::uint64_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ways_.keep(line, &story_.events);
-    number = ++story_.number;
+    ways_.keep(line, &state_.events);
+    number = ++state_.number;
   }
   listener_.event(number, line);
 }
@@ -70,10 +70,10 @@ void SessionRelay::End() {
   std::uint64_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    running_ = story_.running = false;
-    story_.exit_code = code;
-    story_.message = said;
-    number = ++story_.number;
+    running_ = state_.running = false;
+    state_.exit_code = code;
+    state_.message = said;
+    number = ++state_.number;
   }
   listener_.ended(number, code, said);
 }

@@ -1,5 +1,5 @@
-// Relays what a program of Keypose tells in lines to the page, and keeps its story for pages that
-// are opened in the middle of a session.
+// Relays what a program of Keypose tells in lines to the page, and keeps the state of its session
+// for pages that are opened in the middle of a session.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@
 namespace keypose::studio {
 
 /// What a page needs that is opened in the middle of a session.
-struct SessionStory {
+struct SessionState {
   bool running = false;
   std::uint64_t number = 0;         ///< of the last event
   std::vector<std::string> events;  ///< JSON objects of this session that still count
@@ -38,7 +38,7 @@ class SessionRelay {
   struct Ways {
     /// Whether a line is an event for the page. Called from the relay's thread.
     std::function<bool(const std::string& line)> is_event;
-    /// Adds an event to the story's, and drops those that count no more.
+    /// Adds an event to those of the state, and drops those that count no more.
     std::function<void(const std::string& event, std::vector<std::string>* events)> keep;
     std::string farewell;  ///< the line that asks the program to end
   };
@@ -57,7 +57,7 @@ class SessionRelay {
   void Say(const std::string& line);
   /// As Ctrl-C.
   void Interrupt();
-  SessionStory Story() const;
+  SessionState State() const;
   bool running() const { return running_; }
 
  private:
@@ -72,7 +72,7 @@ class SessionRelay {
   std::filesystem::path error_file_;
   std::thread thread_;
   std::atomic<bool> leave_ = false, running_ = false;
-  SessionStory story_;
+  SessionState state_;
 };
 
 }  // namespace keypose::studio

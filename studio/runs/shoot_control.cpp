@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/run/opened_project.h"
-#include "studio/runs/shoot_story.h"
+#include "studio/runs/shoot_events.h"
 
 namespace keypose::studio {
 

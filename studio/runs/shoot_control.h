@@ -28,7 +28,7 @@ class ShootControl {
   void Say(const std::string& command) { relay_.Say(command); }
   /// As Ctrl-C: also a camera that does not answer is left.
   void Interrupt() { relay_.Interrupt(); }
-  SessionStory Story() const { return relay_.Story(); }
+  SessionState State() const { return relay_.State(); }
   /// The newest picture of the live view; it may not be there.
   std::filesystem::path LiveFile() const { return File("live.jpg"); }
 

@@ -13,6 +13,7 @@
 #include "pipeline/text/text.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/pose_photographs.h"
+#include "studio/runs/take_editor.h"
 #include "studio/server/armature_setup.h"
 #include "studio/server/serial_ports.h"
 #include "studio/server/session_answers.h"
@@ -94,12 +95,36 @@ std::string LineOf(const json& body) {
   throw UsageError(fmt::format("there is no command '{}'", command));
 }
 
+ArmatureControl::Listener ListenerFor(SharedProject& project) {
+  ArmatureControl::Listener listener;
+  static_cast<SessionListener&>(listener) = ToPages(project.hub(), "armature");
+  listener.baked = [&project](int code, const std::string& message) {
+    project.hub().Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
+  };
+  // Not before: a take that is there keeps its own puppet if the session was begun with another.
+  listener.began = [&project](const ArmatureSetup& setup) {
+    try {
+      KeepSetupOfTake(project.folder(), setup);
+    } catch (const std::exception&) {  // then its puppet is looked for when it is opened
+    }
+  };
+  return listener;
+}
+
 }  // namespace
 
+ArmatureRoutes::ArmatureRoutes(SharedProject& project)
+    : PageRoutes(project), armature_(project.folder(), ListenerFor(project)) {}
+
 void ArmatureRoutes::AddTo(RouteTable& table) {
+  AddSession(table);
+  AddViews(table);
+}
+
+void ArmatureRoutes::AddSession(RouteTable& table) {
   const fs::path last = LastSetupFile(project_.folder());
   table.Get("/api/armature", [this, last](const Question&) {
-    const ArmatureStory story = armature_->Story();
+    const ArmatureState story = armature_.State();
     json answer = StoryJson(story);
     answer["baking"] = story.baking;
     answer["ports"] = SerialPorts();
@@ -107,51 +132,66 @@ void ArmatureRoutes::AddTo(RouteTable& table) {
     ListArmature(project_.folder(), &answer);
     return JsonAnswer(answer);
   });
-  table.Post("/api/armature/example", [this](const Question&) {
-    const fs::path example = project_.folder() / "armature/example";
-    if (pipeline::RealDisk().LeadsOutside(example, project_.folder()))
-      throw UsageError("armature/example leads out of the project");
-    if (!fs::exists(example / "set.ply")) {
-      const ChildResult made = RunChild({(pipeline::ProgramFolder() / "keypose-armature").string(),
-                                         "example", "--folder", example.string()},
-                                        project_.folder(), 60);
-      if (made.exit_code != 0) throw DiskError(made.output);
-    }
-    return JsonAnswer(ExampleSetup());
-  });
-  table.Post("/api/armature/start", [this, last](const Question& question) {
-    const ArmatureSetup setup = ArmatureSetupFrom(question.Json(), project_.folder());
-    const fs::path take = armature_->TakeFolder(setup.take);
-    if (fs::exists(take / "curves.json") && !fs::exists(take / "journal.jsonl"))
-      throw UsageError(
-          fmt::format("{} is a take that was edited, and recording does not go on with it; choose "
-                      "another name",
-                      setup.take));
-    armature_->Start(setup);
-    WriteFileAtomically(last, ArmatureSetupJson(setup).dump());
-    return JsonAnswer({{"started", true}});
-  });
-  table.Post("/api/armature/command", [this](const Question& question) {
-    armature_->Say(LineOf(question.Json()));
-    return JsonAnswer({{"sent", true}});
-  });
-  table.Post("/api/armature/interrupt", [this](const Question&) {
-    armature_->Interrupt();
-    return JsonAnswer({{"sent", true}});
-  });
-  table.Post("/api/armature/bake", [this, last](const Question& question) {
-    const json body = question.Json();
-    const std::string between = body.at("between");
-    if (between != "hold" && between != "linear" && between != "smooth" && between != "keys")
-      throw UsageError("between frames it can hold, go linear or smooth; or make keys");
-    const json take = body.contains("take") ? body.at("take") : SavedJson(last).at("take");
-    armature_->Bake(SetupOfTake(project_.folder(), TakeName(take)), between);
-    return JsonAnswer({{"started", true}});
-  });
-  AddArmatureViews();
+  table.Post(
+      "/api/armature/example",
+      [this](const Question&) {
+        const fs::path example = project_.folder() / "armature/example";
+        if (pipeline::RealDisk().LeadsOutside(example, project_.folder()))
+          throw UsageError("armature/example leads out of the project");
+        if (!fs::exists(example / "set.ply")) {
+          const ChildResult made =
+              RunChild({(pipeline::ProgramFolder() / "keypose-armature").string(), "example",
+                        "--folder", example.string()},
+                       project_.folder(), 60);
+          if (made.exit_code != 0) throw DiskError(made.output);
+        }
+        return JsonAnswer(ExampleSetup());
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/start",
+      [this, last](const Question& question) {
+        const ArmatureSetup setup = ArmatureSetupFrom(question.Json(), project_.folder());
+        const fs::path take = armature_.TakeFolder(setup.take);
+        if (fs::exists(take / "curves.json") && !fs::exists(take / "journal.jsonl"))
+          throw UsageError(fmt::format(
+              "{} is a take that was edited, and recording does not go on with it; choose "
+              "another name",
+              setup.take));
+        armature_.Start(setup);
+        WriteFileAtomically(last, ArmatureSetupJson(setup).dump());
+        return JsonAnswer({{"started", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/command",
+      [this](const Question& question) {
+        armature_.Say(LineOf(question.Json()));
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/interrupt",
+      [this](const Question&) {
+        armature_.Interrupt();
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/bake",
+      [this, last](const Question& question) {
+        const json body = question.Json();
+        const std::string between = body.at("between");
+        if (between != "hold" && between != "linear" && between != "smooth" && between != "keys")
+          throw UsageError("between frames it can hold, go linear or smooth; or make keys");
+        const json take = body.contains("take") ? body.at("take") : SavedJson(last).at("take");
+        armature_.Bake(SetupOfTake(project_.folder(), TakeName(take)), between);
+        return JsonAnswer({{"started", true}});
+      },
+      Changes::kQuietly);
 }
 
-void ArmatureRoutes::AddArmatureViews() {
+void ArmatureRoutes::AddViews(RouteTable& table) {
   // Of the session, or of a take that is named.
   const auto setup = [this](const Question& question) {
     const std::string take = question.Get("take");
@@ -160,7 +200,8 @@ void ArmatureRoutes::AddArmatureViews() {
   };
   const auto page_folder = [this](const Question& question) {
     const std::string take = question.Get("take");
-    return take.empty() ? armature_->PageFolder() : takes_->CharacterFolder(TakeName(take));
+    if (take.empty()) return armature_.PageFolder();
+    return TakeEditor(project_.folder()).CharacterFolder(TakeName(take));
   };
   const auto page_file = [page_folder](const Question& question, const char* name) {
     const fs::path file = page_folder(question) / name;
@@ -169,7 +210,7 @@ void ArmatureRoutes::AddArmatureViews() {
   };
   table.Get("/api/armature/pose", [this](const Question& question) {
     const int after = WholeNumber(question.Get("after", "0"), 0, 2147483647);
-    const std::string pose = armature_->Pose(static_cast<std::uint64_t>(after));
+    const std::string pose = armature_.Pose(static_cast<std::uint64_t>(after));
     return Answer{200, "application/json", pose.empty() ? "null" : pose, {}, {}};
   });
   table.Get("/api/armature/view", [page_file](const Question& question) {
@@ -208,23 +249,6 @@ void ArmatureRoutes::AddArmatureViews() {
       throw NotFound("the plate leads out of the project");
     return PictureAnswer(PictureFile(project_.PictureFolder(), file, 0));
   });
-}
-
-// FOLLOW
-void ArmatureRoutes::FollowArmature() {
-  ArmatureControl::Listener listener;
-  static_cast<SessionListener&>(listener) = ToPages(project_.hub(), "armature");
-  listener.baked = [this](int code, const std::string& message) {
-    project_.hub().Send("armature_baked", json{{"exit_code", code}, {"message", message}}.dump());
-  };
-  // Not before: a take that is there keeps its own puppet if the session was begun with another.
-  listener.began = [this](const ArmatureSetup& setup) {
-    try {
-      KeepSetupOfTake(project_.folder(), setup);
-    } catch (const std::exception&) {  // then its puppet is looked for when it is opened
-    }
-  };
-  armature_ = std::make_unique<ArmatureControl>(project_.folder(), listener);
 }
 
 }  // namespace keypose::studio

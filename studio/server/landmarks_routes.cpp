@@ -7,9 +7,9 @@
 
 #include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
+#include "studio/project/page_timeline.h"
 #include "studio/project/photo_picks.h"
 #include "studio/project/picks.h"
-#include "studio/project/timeline.h"
 #include "studio/runs/children.h"
 
 namespace keypose::studio {

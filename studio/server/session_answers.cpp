@@ -10,7 +10,7 @@ namespace keypose::studio {
 
 using nlohmann::json;
 
-json StoryJson(const SessionStory& story) {
+json StoryJson(const SessionState& story) {
   json events = json::array();
   for (const std::string& line : story.events) events.push_back(json::parse(line));
   return {{"running", story.running},

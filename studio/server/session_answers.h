@@ -11,7 +11,7 @@
 namespace keypose::studio {
 
 /// {"running", "number", "events", "exit_code", "message"}
-nlohmann::json StoryJson(const SessionStory& story);
+nlohmann::json StoryJson(const SessionState& story);
 /// Sends events as NAME, and the session's end as NAME_ended.
 SessionListener ToPages(EventHub& hub, const std::string& name);
 /// The object that a file of the studio's own holds; null without one.

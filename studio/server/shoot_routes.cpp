@@ -92,41 +92,57 @@ json PlansOf(const fs::path& photos) {
 
 }  // namespace
 
+ShootRoutes::ShootRoutes(SharedProject& project)
+    : PageRoutes(project), shoot_(project.folder(), ToPages(project.hub(), "shoot")) {}
+
 void ShootRoutes::AddTo(RouteTable& table) {
+  AddSession(table);
+  AddPictures(table);
+}
+
+void ShootRoutes::AddSession(RouteTable& table) {
   const fs::path last = project_.folder() / ".keypose/studio/shoot.json";
   table.Get("/api/shoot", [this, last](const Question&) {
-    json answer = StoryJson(shoot_->Story());
+    json answer = StoryJson(shoot_.State());
     answer["ports"] = SerialPorts();
     answer["plans"] = PlansOf(project_.folder() / "photos");
     answer["setup"] = SavedJson(last);
     return JsonAnswer(answer);
   });
-  table.Post("/api/shoot/start", [this, last](const Question& question) {
-    const ShootSetup setup = SetupFrom(question.Json());
-    shoot_->Start(setup);
-    WriteFileAtomically(last, SetupJson(setup).dump());
-    return JsonAnswer({{"started", true}});
-  });
-  table.Post("/api/shoot/command", [this](const Question& question) {
-    const json body = question.Json();
-    const std::string command = body.at("command");
-    if (std::find(std::begin(kCommands), std::end(kCommands), command) == std::end(kCommands))
-      throw UsageError(fmt::format("there is no command '{}'", command));
-    shoot_->Say(body.dump());
-    return JsonAnswer({{"sent", true}});
-  });
-  table.Post("/api/shoot/interrupt", [this](const Question&) {
-    shoot_->Interrupt();
-    return JsonAnswer({{"sent", true}});
-  });
-  AddShootPictures();
+  table.Post(
+      "/api/shoot/start",
+      [this, last](const Question& question) {
+        const ShootSetup setup = SetupFrom(question.Json());
+        shoot_.Start(setup);
+        WriteFileAtomically(last, SetupJson(setup).dump());
+        return JsonAnswer({{"started", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/shoot/command",
+      [this](const Question& question) {
+        const json body = question.Json();
+        const std::string command = body.at("command");
+        if (std::find(std::begin(kCommands), std::end(kCommands), command) == std::end(kCommands))
+          throw UsageError(fmt::format("there is no command '{}'", command));
+        shoot_.Say(body.dump());
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/shoot/interrupt",
+      [this](const Question&) {
+        shoot_.Interrupt();
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
 }
 
-void ShootRoutes::AddShootPictures() {
+void ShootRoutes::AddPictures(RouteTable& table) {
   table.Get("/api/shoot/live", [this](const Question&) {
-    if (!fs::is_regular_file(shoot_->LiveFile())) throw NotFound("there is no live view");
+    if (!fs::is_regular_file(shoot_.LiveFile())) throw NotFound("there is no live view");
     // In one piece: the file is replaced several times a second.
-    return Answer{200, "image/jpeg", ReadFile(shoot_->LiveFile()), {}, {}};
+    return Answer{200, "image/jpeg", ReadFile(shoot_.LiveFile()), {}, {}};
   });
   table.Get("/api/shoot/picture", [this](const Question& question) {
     const std::string path = question.Need("path");
@@ -137,11 +153,6 @@ void ShootRoutes::AddShootPictures() {
       throw NotFound(fmt::format("there is no photograph {}", path));
     return PictureAnswer(PictureFile(project_.PictureFolder(), file, width));
   });
-}
-
-// FOLLOW
-void ShootRoutes::FollowShoot() {
-  shoot_ = std::make_unique<ShootControl>(project_.folder(), ToPages(project_.hub(), "shoot"));
 }
 
 }  // namespace keypose::studio

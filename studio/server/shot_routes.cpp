@@ -7,8 +7,8 @@
 
 #include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
+#include "studio/project/page_shot.h"
 #include "studio/project/pose_photographs.h"
-#include "studio/project/shot.h"
 #include "studio/project/shot_clicks.h"
 #include "studio/project/shot_setup.h"
 

@@ -17,9 +17,9 @@ namespace keypose::studio {
 /// Lines of a file of edits (docs/stages/armature.md), without their ends.
 using EditLines = std::vector<std::string>;
 
-class TakeDesk {
+class TakeEditor {
  public:
-  explicit TakeDesk(std::filesystem::path project);
+  explicit TakeEditor(std::filesystem::path project);
 
   /// Where the character of a take is: view.json, weights.bin, rest.ply.
   std::filesystem::path CharacterFolder(const std::string& take) const;

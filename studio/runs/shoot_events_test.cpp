@@ -1,11 +1,11 @@
-#include "studio/runs/shoot_story.h"
+#include "studio/runs/shoot_events.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-namespace keypose::studio::shoot_story_test {
+namespace keypose::studio::shoot_events_test {
 
 using nlohmann::json;
 
@@ -23,7 +23,7 @@ json State(const std::string& state, const std::string& next) {
   return {{"event", "state"}, {"state", state}, {"next", next}};
 }
 
-class ShootStory : public ::testing::Test {
+class ShootEvents : public ::testing::Test {
  protected:
   void Tell(const json& event) { KeepShootEvent(event.dump(), &kept_); }
   std::vector<json> Kept(const std::string& event) const {
@@ -35,7 +35,7 @@ class ShootStory : public ::testing::Test {
   std::vector<std::string> kept_;
 };
 
-TEST_F(ShootStory, ALongSessionKeepsHowItBeganAndAllThatLanded) {
+TEST_F(ShootEvents, ALongSessionKeepsHowItBeganAndAllThatLanded) {
   Tell(Session("rest"));
   Tell(Photograph("r9_a000"));
   for (int i = 0; i < 1500; ++i) {
@@ -56,14 +56,14 @@ TEST_F(ShootStory, ALongSessionKeepsHowItBeganAndAllThatLanded) {
   EXPECT_EQ(kept_.size(), 1 + (kAngles + 1) + 4u) << "a state, findings, recovered, accepted";
 }
 
-TEST_F(ShootStory, TheNextPoseBeginsAnew) {
+TEST_F(ShootEvents, TheNextPoseBeginsAnew) {
   Tell(Session("rest"));
   Tell(Photograph("r1_a000"));
   Tell(Session("bent"));
   EXPECT_EQ(kept_, std::vector<std::string>{Session("bent").dump()});
 }
 
-TEST_F(ShootStory, FindingsOfAPhotographThatWasShotAgainAreGone) {
+TEST_F(ShootEvents, FindingsOfAPhotographThatWasShotAgainAreGone) {
   Tell({{"event", "findings"}, {"photographs", {{"a", {1}}, {"b", {2}}}}});
   Tell(Photograph("a"));
   ASSERT_EQ(Kept("findings").size(), 1u);
@@ -72,7 +72,7 @@ TEST_F(ShootStory, FindingsOfAPhotographThatWasShotAgainAreGone) {
   EXPECT_TRUE(Kept("findings").empty());
 }
 
-TEST_F(ShootStory, WhatWasLeftOutIsNamedUntilItIsShot) {
+TEST_F(ShootEvents, WhatWasLeftOutIsNamedUntilItIsShot) {
   Tell(State("asking", "r1_a015"));
   Tell({{"event", "accepted"}, {"command", "skip"}});
   Tell(State("shooting", "r1_a030"));
@@ -83,4 +83,4 @@ TEST_F(ShootStory, WhatWasLeftOutIsNamedUntilItIsShot) {
   EXPECT_EQ(Kept("accepted").size(), 1u);
 }
 
-}  // namespace keypose::studio::shoot_story_test
+}  // namespace keypose::studio::shoot_events_test

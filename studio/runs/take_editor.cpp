@@ -1,12 +1,12 @@
-#include "studio/runs/take_desk.h"
+#include "studio/runs/take_editor.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
 
 namespace keypose::studio {
@@ -64,17 +64,17 @@ std::string EditText(const EditLines& edits) {
 
 }  // namespace
 
-TakeDesk::TakeDesk(fs::path project) : project_(std::move(project)) {}
+TakeEditor::TakeEditor(fs::path project) : project_(std::move(project)) {}
 
-fs::path TakeDesk::CharacterFolder(const std::string& take) const {
+fs::path TakeEditor::CharacterFolder(const std::string& take) const {
   return project_ / ".keypose/studio/takes" / take;
 }
 
-fs::path TakeDesk::Curves(const ArmatureSetup& setup) const {
+fs::path TakeEditor::Curves(const ArmatureSetup& setup) const {
   return project_ / "armature" / setup.take / "curves.json";
 }
 
-void TakeDesk::Run(const std::vector<std::string>& words, const fs::path& scratch) const {
+void TakeEditor::Run(const std::vector<std::string>& words, const fs::path& scratch) const {
   const ChildResult result = RunChild(words, project_, kPatience_s);
   if (result.exit_code == 0) return;
   if (result.exit_code == 124)
@@ -85,11 +85,11 @@ void TakeDesk::Run(const std::vector<std::string>& words, const fs::path& scratc
   throw UsageError(said);
 }
 
-fs::path TakeDesk::NewScratch() {
+fs::path TakeEditor::NewScratch() {
   return project_ / ".keypose/studio/take-drafts" / fmt::format("{}-{}", ::getpid(), ++scratches_);
 }
 
-void TakeDesk::MakeCharacter(const ArmatureSetup& setup) {
+void TakeEditor::MakeCharacter(const ArmatureSetup& setup) {
   const std::lock_guard<std::mutex> lock(characters_);
   const fs::path folder = CharacterFolder(setup.take), stamp = folder / "stamp.txt";
   const std::string wanted = StampOf(project_, setup);
@@ -104,7 +104,7 @@ void TakeDesk::MakeCharacter(const ArmatureSetup& setup) {
 }
 
 /// One that is at work for this take already goes on.
-void TakeDesk::StartDrafter(const ArmatureSetup& setup) {
+void TakeEditor::StartDrafter(const ArmatureSetup& setup) {
   const std::string stamp = setup.take + "\n" + StampOf(project_, setup);
   if (drafter_ && stamp == drafter_stamp_) return;
   std::vector<std::string> words = {ArmatureProgram().string(), "drafts"};
@@ -115,7 +115,7 @@ void TakeDesk::StartDrafter(const ArmatureSetup& setup) {
   drafter_stamp_ = stamp;
 }
 
-std::string TakeDesk::Ask(const std::string& question) {
+std::string TakeEditor::Ask(const std::string& question) {
   drafter_->Say(question);
   std::string answer;
   for (int i = 0; i < 10 * kPatience_s; ++i) {
@@ -132,8 +132,8 @@ std::string TakeDesk::Ask(const std::string& question) {
   throw UsageError("the take was not ready within two minutes; it may be too long to change here");
 }
 
-std::string TakeDesk::Draft(const ArmatureSetup& setup, const EditLines& edits,
-                            const std::string& between) {
+std::string TakeEditor::Draft(const ArmatureSetup& setup, const EditLines& edits,
+                              const std::string& between) {
   const ScratchFolder scratch(NewScratch());
   const fs::path file = scratch.path() / "edits.txt", to = scratch.path() / "draft.bin";
   if (!edits.empty()) WriteFile(file, EditText(edits));
@@ -147,7 +147,7 @@ std::string TakeDesk::Draft(const ArmatureSetup& setup, const EditLines& edits,
   return ReadFile(to);
 }
 
-void TakeDesk::Save(const ArmatureSetup& setup, const EditLines& edits, const std::string& name) {
+void TakeEditor::Save(const ArmatureSetup& setup, const EditLines& edits, const std::string& name) {
   const ScratchFolder scratch(NewScratch());
   const fs::path file = scratch.path() / "edits.txt";
   WriteFile(file, EditText(edits) + fmt::format("# of the take {}\n", setup.take));

@@ -1,4 +1,4 @@
-#include "studio/runs/shoot_story.h"
+#include "studio/runs/shoot_events.h"
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>
