@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 #include "synth/rooms/print.h"
 
 namespace keypose::synth {

@@ -6,18 +6,18 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/fresh_folder.h"
 #include "synth/photographs/photographer.h"
-#include "synth/rooms/room_photographer.h"
 #include "synth/photographs/truth_files.h"
+#include "synth/rooms/room_photographer.h"
 
 namespace keypose::synth {
 namespace {
@@ -110,20 +110,20 @@ std::array<int, 4> LineOnThing(const Image8& parts, const PointsX3& second, cons
 }
 
 Json PhotographJson(const RoomPhotographer& photographer, int i, const Seen& seen) {
-  const Stand& stand = photographer.stands()[i];
-  const Camera& camera = stand.view.camera;
-  Json json{{"name", stand.view.name},
-            {"part", stand.part},
-            {"turn_deg", stand.turn_rad / kDegree},
-            {"lens", stand.lens},
+  const RoomView& room_view = photographer.room_views()[i];
+  const Camera& camera = room_view.view.camera;
+  Json json{{"name", room_view.view.name},
+            {"part", room_view.part},
+            {"turn_deg", room_view.turn_rad / kDegree},
+            {"lens", room_view.lens},
             {"portrait", camera.height > camera.width},
-            {"gain", stand.gain},
+            {"gain", room_view.gain},
             {"hand", photographer.HasHand(i)},
             {"figure_pixels", seen.pixels},
             {"cut", seen.cut},
             {"inside", seen.inside},
             {"beside", seen.beside}};
-  json["tripod"] = stand.tripod >= 0 ? Json(stand.tripod) : Json(nullptr);
+  json["tripod"] = room_view.tripod >= 0 ? Json(room_view.tripod) : Json(nullptr);
   return json;
 }
 
@@ -170,9 +170,9 @@ void WriteRoomTruth(const RoomPhotographer& photographer, const std::vector<Seen
   const Pose& pose = world.PoseNamed(plan.pose);
   std::vector<SyntheticView> views;
   Scene of_room;
-  for (const Stand& stand : photographer.stands()) {
-    views.push_back({stand.OfFigure(), {}, {}});
-    of_room.views.push_back(stand.view);
+  for (const RoomView& room_view : photographer.room_views()) {
+    views.push_back({room_view.OfFigure(), {}, {}});
+    of_room.views.push_back(room_view.view);
   }
   Truth truth{TruthScene(world, pose, views),
               photographer.set().figure().surface,
@@ -197,21 +197,21 @@ std::string RunRoom(const RoomCommand& command, Progress* progress) {
   const RoomFolders folders = MakeRoomFolders(command.output);
   ReportProgress(progress, 0, "a room of the kind " + NameOf(plan.kind));
   const RoomPhotographer photographer(plan);
-  const int count = SizeOf(photographer.stands());
+  const int count = SizeOf(photographer.room_views());
   ReportProgress(progress, 0.2, std::to_string(count) + " photographs");
   std::vector<Seen> seen(static_cast<std::size_t>(count));
   // One photograph per thread, since JPEG encoding uses only one core.
   ParallelFor(count, [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     const RoomPhotograph photograph = photographer.Take(static_cast<int>(i));
-    const Stand& stand = photographer.stands()[i];
-    const ExifToWrite exif = ExifOfLens(plan, stand.lens);
-    WriteImage(folders.photos / stand.view.name, photograph.image, command.jpeg_quality,
+    const RoomView& room_view = photographer.room_views()[i];
+    const ExifToWrite exif = ExifOfLens(plan, room_view.lens);
+    WriteImage(folders.photos / room_view.view.name, photograph.image, command.jpeg_quality,
                plan.exif ? &exif : nullptr);
-    WriteImage(folders.truth / "masks" / (stand.view.name + ".png"), photograph.mask);
-    WriteImage(folders.truth / "parts" / (stand.view.name + ".png"), photograph.parts);
+    WriteImage(folders.truth / "masks" / (room_view.view.name + ".png"), photograph.mask);
+    WriteImage(folders.truth / "parts" / (room_view.view.name + ".png"), photograph.parts);
     seen[i] = SeenOf(photograph.mask);
-    seen[i].beside = LineOnThing(photograph.parts, photographer.set().second, stand.OfFigure());
+    seen[i].beside = LineOnThing(photograph.parts, photographer.set().second, room_view.OfFigure());
   });
   WriteRoomTruth(photographer, seen, folders.truth);
   ReportProgress(progress, 1, "done");

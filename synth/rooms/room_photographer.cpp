@@ -111,20 +111,22 @@ StillLayer SeeStill(const RoomSet& set, const RoomPlan& plan, const View& view,
 /// One photograph in the making: what moves with the figure, over what stands still.
 class RoomExposure {
  public:
-  RoomExposure(const RoomSet& set, const RoomPlan& plan, const Stand& stand, const PixelRays& rays,
-               StillLayer still)
+  RoomExposure(const RoomSet& set, const RoomPlan& plan, const RoomView& room_view,
+               const PixelRays& rays, StillLayer still)
       : set_(set),
         plan_(plan),
-        view_(stand.OfFigure()),
+        view_(room_view.OfFigure()),
         eye_(view_, rays),
         still_(std::move(still)),
-        to_lamp_(LampDirection(plan.light.azimuth_rad - stand.turn_rad, plan.light.elevation_rad)),
+        to_lamp_(
+            LampDirection(plan.light.azimuth_rad - room_view.turn_rad, plan.light.elevation_rad)),
         table_lamp_(
-            set.table->Lamp(plan.light.azimuth_rad - stand.turn_rad, plan.light.elevation_rad)),
-        room_from_figure_{Eigen::Quaterniond(Eigen::AngleAxisd(stand.turn_rad, Vector3d::UnitZ())),
-                          Vector3d::Zero()} {
+            set.table->Lamp(plan.light.azimuth_rad - room_view.turn_rad, plan.light.elevation_rad)),
+        room_from_figure_{
+            Eigen::Quaterniond(Eigen::AngleAxisd(room_view.turn_rad, Vector3d::UnitZ())),
+            Vector3d::Zero()} {
     for (const std::unique_ptr<ClayThing>& thing : set.clay)
-      clay_lamp_.push_back(thing->light->Lamp(plan.light.azimuth_rad - stand.turn_rad));
+      clay_lamp_.push_back(thing->light->Lamp(plan.light.azimuth_rad - room_view.turn_rad));
     for (std::size_t i = 0; i < set.clay.size(); ++i)
       clay_light_.push_back({&clay_lamp_[i], &set.clay[i]->light->sky(), to_lamp_, plan.light.lamp,
                              plan.light.ambient, plan.light.gloss});
@@ -291,21 +293,21 @@ struct RoomPhotographer::Impl {
   explicit Impl(const RoomPlan& the_plan)
       : plan(the_plan),
         set(BuildRoom(plan)),
-        stands(PlaceStands(plan, set.figure().surface.points)) {
-    for (const Stand& stand : stands) {
-      const auto key = KeyOf(stand);
-      if (!rays.count(key)) rays.emplace(key, PixelRays(stand.view.camera));
-      if (stand.tripod >= 0 && !tripods.count(stand.tripod))
-        tripods.emplace(stand.tripod, SeeStill(set, plan, stand.view, rays.at(key)));
+        room_views(PlaceRoomViews(plan, set.figure().surface.points)) {
+    for (const RoomView& room_view : room_views) {
+      const auto key = KeyOf(room_view);
+      if (!rays.count(key)) rays.emplace(key, PixelRays(room_view.view.camera));
+      if (room_view.tripod >= 0 && !tripods.count(room_view.tripod))
+        tripods.emplace(room_view.tripod, SeeStill(set, plan, room_view.view, rays.at(key)));
     }
   }
-  static std::pair<int, int> KeyOf(const Stand& stand) {
-    return {stand.lens, stand.view.camera.width};
+  static std::pair<int, int> KeyOf(const RoomView& room_view) {
+    return {room_view.lens, room_view.view.camera.width};
   }
 
   RoomPlan plan;
   RoomSet set;
-  std::vector<Stand> stands;
+  std::vector<RoomView> room_views;
   std::map<std::pair<int, int>, PixelRays> rays;  // by lens and width
   std::map<int, StillLayer> tripods;
 };
@@ -316,29 +318,30 @@ RoomPhotographer::RoomPhotographer(RoomPhotographer&&) noexcept = default;
 
 const RoomPlan& RoomPhotographer::plan() const { return impl_->plan; }
 const RoomSet& RoomPhotographer::set() const { return impl_->set; }
-const std::vector<Stand>& RoomPhotographer::stands() const { return impl_->stands; }
+const std::vector<RoomView>& RoomPhotographer::room_views() const { return impl_->room_views; }
 
 bool RoomPhotographer::HasHand(int i) const {
-  const int count = SizeOf(impl_->stands), hands = std::min(impl_->plan.hands, count);
+  const int count = SizeOf(impl_->room_views), hands = std::min(impl_->plan.hands, count);
   for (int k = 0; k < hands; ++k)
     if (i == (2 * k + 1) * count / (2 * hands)) return true;
   return false;
 }
 
 RoomPhotograph RoomPhotographer::Take(int i) const {
-  const Stand& stand = impl_->stands[i];
-  const PixelRays& rays = impl_->rays.at(Impl::KeyOf(stand));
-  StillLayer still = stand.tripod >= 0 ? impl_->tripods.at(stand.tripod)
-                                       : SeeStill(impl_->set, impl_->plan, stand.view, rays);
+  const RoomView& room_view = impl_->room_views[i];
+  const PixelRays& rays = impl_->rays.at(Impl::KeyOf(room_view));
+  StillLayer still = room_view.tripod >= 0
+                         ? impl_->tripods.at(room_view.tripod)
+                         : SeeStill(impl_->set, impl_->plan, room_view.view, rays);
   ImageF light;
   RoomPhotograph photograph =
-      RoomExposure(impl_->set, impl_->plan, stand, rays, std::move(still)).Expose(&light);
+      RoomExposure(impl_->set, impl_->plan, room_view, rays, std::move(still)).Expose(&light);
   if (HasHand(i)) {
     const ImageF before = light;
     HoldHand(light, photograph.mask, impl_->plan.seed * 977 + static_cast<std::uint64_t>(i));
     MarkHand(before, light, photograph.parts);
   }
-  for (float& value : light.data) value *= static_cast<float>(stand.gain);
+  for (float& value : light.data) value *= static_cast<float>(room_view.gain);
   photograph.image = Develop(std::move(light), SensorOf(impl_->plan, i));
   return photograph;
 }

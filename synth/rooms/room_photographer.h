@@ -8,7 +8,7 @@
 #include "core/values/mesh.h"
 #include "synth/rooms/room_plan.h"
 #include "synth/rooms/room_set.h"
-#include "synth/rooms/stands.h"
+#include "synth/rooms/room_views.h"
 
 namespace keypose::synth {
 
@@ -29,7 +29,7 @@ class RoomPhotographer {
 
   const RoomPlan& plan() const;
   const RoomSet& set() const;
-  const std::vector<Stand>& stands() const;
+  const std::vector<RoomView>& room_views() const;
   /// Whether a hand reaches into the i-th photograph.
   bool HasHand(int i) const;
   /// A pure function of plan and i: same bits for any thread count.

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "core/values/angles.h"
-#include "synth/worlds/polygonize.h"
 #include "synth/rooms/furnishing.h"
 #include "synth/rooms/printed.h"
 #include "synth/rooms/surfaces.h"
+#include "synth/worlds/polygonize.h"
 
 namespace keypose::synth {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "synth/photographs/light.h"
-#include "synth/worlds/posed_clay.h"
 #include "synth/rooms/furniture.h"
 #include "synth/rooms/room_plan.h"
+#include "synth/worlds/posed_clay.h"
 
 namespace keypose::synth {
 

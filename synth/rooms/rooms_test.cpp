@@ -43,7 +43,7 @@ RoomPhotographer Photographed(const RoomOptions& options) {
 double Overlap(const RoomPhotographer& photographer, int i, const Image8& mask) {
   const Mesh& surface = photographer.set().figure().surface;
   const Raster raster = Rasterize(surface, RayScene(surface.points, surface.faces),
-                                  photographer.stands()[i].OfFigure());
+                                  photographer.room_views()[i].OfFigure());
   int both = 0, either = 0;
   for (std::size_t p = 0; p < mask.data.size(); ++p) {
     const bool seen = raster.face.data[p] >= 0, masked = mask.data[p] > 127;
@@ -76,7 +76,7 @@ TEST(Rooms, StillWallIsTheSameInAllPhotographsFromATripod) {
   options.noise = 0;
   const RoomPhotographer photographer = Photographed(options);
   const RoomPhotograph first = photographer.Take(0), later = photographer.Take(2);
-  ASSERT_EQ(photographer.stands()[0].tripod, photographer.stands()[2].tripod);
+  ASSERT_EQ(photographer.room_views()[0].tripod, photographer.room_views()[2].tripod);
   int compared = 0, moved = 0;
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x) {
@@ -110,8 +110,8 @@ TEST(Rooms, SensorsNoiseIsAllThatDiffersOnAStillWall) {
 TEST(Rooms, InTheHandTheWallMovesToo) {
   const RoomPhotographer photographer = Photographed(Small("mat-hand"));
   for (int i = 1; i < 6; ++i) {
-    const Rigid3 still = Compose(photographer.stands()[i].view.camera_from_world,
-                                 photographer.stands()[0].view.camera_from_world.Inverse());
+    const Rigid3 still = Compose(photographer.room_views()[i].view.camera_from_world,
+                                 photographer.room_views()[0].view.camera_from_world.Inverse());
     EXPECT_GT(Eigen::AngleAxisd(still.rotation).angle(), 0.005);
     EXPECT_LT(Eigen::AngleAxisd(still.rotation).angle(), 0.5);
   }
@@ -124,7 +124,7 @@ TEST(Rooms, MatIsWhereTheTrueCamerasProjectIt) {
   const PointsX3 mat = photographer.set().close.AsMesh().points;
   const double top = mat.col(2).maxCoeff();
   for (const int i : {0, 4, 9}) {
-    const View view = photographer.stands()[i].OfFigure();
+    const View view = photographer.room_views()[i].OfFigure();
     const Image8 parts = photographer.Take(i).parts;
     int both = 0, either = 0;
     for (int y = 0; y < parts.height; ++y)

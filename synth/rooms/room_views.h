@@ -10,7 +10,7 @@
 
 namespace keypose::synth {
 
-struct Stand {
+struct RoomView {
   View view;            ///< in the room's frame: the figure stands at the origin, z up [m]
   double turn_rad = 0;  ///< of the figure and all that moves with it, about z
   int tripod = -1;      ///< photographs of one number are from one place; -1: by hand
@@ -24,7 +24,7 @@ struct Stand {
 
 /// @param figure  points of its surface in its own frame
 /// @return named IMG_0001.jpg, ... in the order in which they were taken
-std::vector<Stand> PlaceStands(const RoomPlan& plan, const PointsX3& figure);
+std::vector<RoomView> PlaceRoomViews(const RoomPlan& plan, const PointsX3& figure);
 
 /// The camera of a picture that is turned by a quarter, clockwise.
 Camera TurnedClockwise(const Camera& camera);

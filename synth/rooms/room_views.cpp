@@ -1,12 +1,12 @@
-#include "synth/rooms/stands.h"
+#include "synth/rooms/room_views.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "core/values/angles.h"
 #include "core/pictures/fit_view.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 
@@ -33,7 +33,7 @@ class Placing {
     for (int lens = 0; lens < 2; ++lens) lenses_[lens] = MakeLens(plan.focal_35mm[lens]);
   }
 
-  std::vector<Stand> All() {
+  std::vector<RoomView> All() {
     switch (plan_.kind) {
       case RoomKind::kWalk:
         Walk(plan_.photographs);
@@ -53,12 +53,12 @@ class Placing {
       default:
         Rings(plan_.photographs, false);
     }
-    for (int i = 0; i < SizeOf(stands_); ++i) {
+    for (int i = 0; i < SizeOf(room_views_); ++i) {
       char name[32];
       std::snprintf(name, sizeof name, "IMG_%04d.jpg", i + 1);
-      stands_[i].view.name = name;
+      room_views_[i].view.name = name;
     }
-    return std::move(stands_);
+    return std::move(room_views_);
   }
 
  private:
@@ -83,9 +83,10 @@ class Placing {
     return std::max(by_height, by_width) + 0.4 * radius_;
   }
 
-  void Take(const Aim& aim, Stand stand, bool portrait) {
-    stand.view.camera = portrait ? TurnedClockwise(lenses_[stand.lens]) : lenses_[stand.lens];
-    const double distance = Distance(stand.view.camera, aim.fill);
+  void Take(const Aim& aim, RoomView room_view, bool portrait) {
+    room_view.view.camera =
+        portrait ? TurnedClockwise(lenses_[room_view.lens]) : lenses_[room_view.lens];
+    const double distance = Distance(room_view.view.camera, aim.fill);
     const Vector3d out(std::cos(aim.elevation) * std::cos(aim.azimuth),
                        std::cos(aim.elevation) * std::sin(aim.azimuth), std::sin(aim.elevation)),
         right(-std::sin(aim.azimuth), std::cos(aim.azimuth), 0);
@@ -93,8 +94,8 @@ class Placing {
         eye = middle + distance * out,
         goal = Vector3d(0, 0, aim.height * height_) + aim.aside * height_ * right;
     const Vector3d up = Eigen::AngleAxisd(aim.roll, (goal - eye).normalized()) * Vector3d::UnitZ();
-    stand.view.camera_from_world = LookAt(eye, goal, up);
-    stands_.push_back(std::move(stand));
+    room_view.view.camera_from_world = LookAt(eye, goal, up);
+    room_views_.push_back(std::move(room_view));
   }
 
   /// All round, in one or two rounds, at changing heights.
@@ -111,9 +112,9 @@ class Placing {
       aim.elevation = (high + Jitter(5)) * kDegree;
       aim.fill = fill * (1 + Jitter(0.12));
       ByHand(aim, 0.06);
-      Stand stand;
-      stand.part = "walk", stand.gain = 1 + Jitter(0.06);
-      Take(aim, stand, false);
+      RoomView room_view;
+      room_view.part = "walk", room_view.gain = 1 + Jitter(0.06);
+      Take(aim, room_view, false);
     }
   }
 
@@ -126,9 +127,9 @@ class Placing {
       aim.elevation = (22 + 9 * std::sin(2.1 * i) + Jitter(3)) * kDegree;
       aim.fill = fill * (1 + Jitter(0.12));
       ByHand(aim, 0.06);
-      Stand stand;
-      stand.part = "walk", stand.gain = 1 + Jitter(0.06);
-      Take(aim, stand, false);
+      RoomView room_view;
+      room_view.part = "walk", room_view.gain = 1 + Jitter(0.06);
+      Take(aim, room_view, false);
     }
   }
 
@@ -152,16 +153,16 @@ class Placing {
       const double direction = random_.Uniform() < 0.5 ? -1 : 1, start = random_.Uniform(0, 6);
       for (int k = 0; k < views; ++k, ++taken) {
         Aim now = aim;
-        Stand stand;
-        stand.turn_rad = start + direction * 2 * kPi * (k + Jitter(0.08)) / views;
-        stand.tripod = hand ? -1 : ring;
+        RoomView room_view;
+        room_view.turn_rad = start + direction * 2 * kPi * (k + Jitter(0.08)) / views;
+        room_view.tripod = hand ? -1 : ring;
         if (hand) {
           now.azimuth += Jitter(0.07), now.elevation += Jitter(0.05);
           now.fill *= 1 + Jitter(0.06);
           ByHand(now, 0.05);
-          stand.gain = 1 + Jitter(0.05);
+          room_view.gain = 1 + Jitter(0.05);
         }
-        Take(now, stand, portrait);
+        Take(now, room_view, portrait);
       }
     }
   }
@@ -170,7 +171,7 @@ class Placing {
   void Both() {
     const int close = plan_.photographs * 2 / 5, groups = std::max(1, close / 4);
     Rings(plan_.photographs - close, plan_.portrait_first);
-    double turn = stands_.back().turn_rad;
+    double turn = room_views_.back().turn_rad;
     for (int i = 0; i < close; ++i) {
       if (i % 4 == 0) turn += 2 * kPi / groups + Jitter(0.1);
       Aim aim;
@@ -179,10 +180,10 @@ class Placing {
       aim.fill = random_.Uniform(0.95, 1.35);
       aim.height = i % 2 ? random_.Uniform(0.25, 0.42) : random_.Uniform(0.55, 0.72);
       aim.aside = Jitter(0.1), aim.roll = Jitter(0.08);
-      Stand stand;
-      stand.turn_rad = turn, stand.part = "close", stand.gain = 1 + Jitter(0.08);
-      stand.lens = plan_.lenses - 1;
-      Take(aim, stand, !plan_.portrait_first);
+      RoomView room_view;
+      room_view.turn_rad = turn, room_view.part = "close", room_view.gain = 1 + Jitter(0.08);
+      room_view.lens = plan_.lenses - 1;
+      Take(aim, room_view, !plan_.portrait_first);
     }
   }
 
@@ -190,12 +191,12 @@ class Placing {
   Random random_;
   double height_ = 0, radius_ = 0;  // of the figure [m]
   Camera lenses_[2];
-  std::vector<Stand> stands_;
+  std::vector<RoomView> room_views_;
 };
 
 }  // namespace
 
-View Stand::OfFigure() const {
+View RoomView::OfFigure() const {
   View of_figure = view;
   const Rigid3 room_from_figure{Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ())),
                                 Vector3d::Zero()};
@@ -212,7 +213,7 @@ Camera TurnedClockwise(const Camera& camera) {
   return turned;
 }
 
-std::vector<Stand> PlaceStands(const RoomPlan& plan, const PointsX3& figure) {
+std::vector<RoomView> PlaceRoomViews(const RoomPlan& plan, const PointsX3& figure) {
   return Placing(plan, figure).All();
 }
 
