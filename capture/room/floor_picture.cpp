@@ -24,10 +24,10 @@ constexpr int kReach = 2;           // of windows [px]
 
 /// Pixels with a depth on the plane.
 Image8 OnPlane(const Image8& image, const std::vector<DepthSample>& samples,
-               const std::vector<Stands>& stands, const Support& support, double thickness) {
+               const std::vector<SampleLabel>& labels, const Support& support, double thickness) {
   Image8 on(image.width, image.height, 1, 0);
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    if (stands[k] != Stands::kSupport || std::abs(support.Above(samples[k].point)) > thickness)
+    if (labels[k] != SampleLabel::kSupport || std::abs(support.Above(samples[k].point)) > thickness)
       continue;
     const int x = static_cast<int>(std::floor(samples[k].pixel.x())),
               y = static_cast<int>(std::floor(samples[k].pixel.y()));

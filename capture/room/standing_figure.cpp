@@ -232,14 +232,15 @@ std::vector<Vector3d> OtherThings(const VoxelGrid& grid, const Found& found) {
   return points;
 }
 
-Stands StandsOf(const VoxelGrid& grid, const Found& found, const Vector3d& x, double thickness) {
+SampleLabel LabelOfSample(const VoxelGrid& grid, const Found& found, const Vector3d& x,
+                          double thickness) {
   const double above = found.support.Above(x);
-  if (above < kClear / 2 * thickness) return Stands::kSupport;
+  if (above < kClear / 2 * thickness) return SampleLabel::kSupport;
   const int voxel = grid.Find(x);
-  if (voxel < 0) return Stands::kOther;
+  if (voxel < 0) return SampleLabel::kOther;
   const int piece = found.pieces.piece[static_cast<std::size_t>(voxel)];
-  if (piece == found.piece) return Stands::kFigure;
-  return piece >= 0 ? Stands::kOther : Stands::kOpen;
+  if (piece == found.piece) return SampleLabel::kFigure;
+  return piece >= 0 ? SampleLabel::kOther : SampleLabel::kOpen;
 }
 
 }  // namespace
@@ -281,7 +282,7 @@ std::optional<StandingFigure> FindStandingFigure(const CoarseDepths& depths,
   for (const std::vector<DepthSample>& samples : depths.views) {
     figure.samples.emplace_back();
     for (const DepthSample& sample : samples)
-      figure.samples.back().push_back(StandsOf(grid, *found, sample.point, thickness));
+      figure.samples.back().push_back(LabelOfSample(grid, *found, sample.point, thickness));
   }
   return figure;
 }

@@ -26,13 +26,13 @@ struct StandingOptions {
 };
 
 /// What a sample of a surface belongs to.
-enum class Stands : std::uint8_t { kOpen, kFigure, kSupport, kOther };
+enum class SampleLabel : std::uint8_t { kOpen, kFigure, kSupport, kOther };
 
 struct StandingFigure {
-  std::vector<std::vector<Stands>> samples;  ///< by view, as the depths' samples
-  std::vector<Eigen::Vector3d> points;       ///< of its surface, evenly spread
-  std::vector<Eigen::Vector3d> others;       ///< of other things on the plane, likewise
-  double spacing = 0;                        ///< of these points
+  std::vector<std::vector<SampleLabel>> samples;  ///< by view, as the depths' samples
+  std::vector<Eigen::Vector3d> points;            ///< of its surface, evenly spread
+  std::vector<Eigen::Vector3d> others;            ///< of other things on the plane, likewise
+  double spacing = 0;                             ///< of these points
   Support support;
   double height = 0;     ///< of the figure's highest point above the plane
   bool on_wall = false;  ///< the plane is a wall, and the figure a relief on it

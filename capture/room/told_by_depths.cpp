@@ -22,13 +22,13 @@ constexpr double kMostRoom = 0.35, kMostLeftOut = 0.1;
 
 /// The kinds of pixels with depths; kNotTold elsewhere.
 cv::Mat1b Marked(const Image8& image, const std::vector<DepthSample>& samples,
-                 const std::vector<Stands>& stands, double pixel) {
+                 const std::vector<SampleLabel>& labels, double pixel) {
   cv::Mat1b kinds(image.height, image.width, std::uint8_t{kNotTold});
   const int half = std::max(0, static_cast<int>(std::ceil(pixel / 2 - 0.5)));
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto kind = stands[k] == Stands::kFigure ? kToldFigure
-                      : stands[k] == Stands::kOpen ? kToldOpen
-                                                   : kToldRoom;
+    const auto kind = labels[k] == SampleLabel::kFigure ? kToldFigure
+                      : labels[k] == SampleLabel::kOpen ? kToldOpen
+                                                        : kToldRoom;
     const int x = static_cast<int>(std::floor(samples[k].pixel.x())),
               y = static_cast<int>(std::floor(samples[k].pixel.y()));
     const cv::Rect cell = cv::Rect(x - half, y - half, 2 * half + 1, 2 * half + 1) &
