@@ -14,12 +14,12 @@
 namespace keypose {
 
 template <typename Values>
-using ValueOf = std::decay_t<decltype(*std::declval<Values&>().begin())>;
+using ElementOf = std::decay_t<decltype(*std::declval<Values&>().begin())>;
 
 /// The value at a place; places beyond the last mean the last. Reorders the values.
 /// @param place  >= 0
 template <typename Values>
-ValueOf<Values> ValueAtPlace(Values& values, std::ptrdiff_t place) {
+ElementOf<Values> ValueAtPlace(Values& values, std::ptrdiff_t place) {
   const std::ptrdiff_t n = std::ssize(values);
   if (n == 0) return 0;
   const auto at = values.begin() + std::min(place, n - 1);
@@ -30,20 +30,20 @@ ValueOf<Values> ValueAtPlace(Values& values, std::ptrdiff_t place) {
 /// The value at place n / 2: of an even number the upper of the two middle ones. Reorders the
 /// values.
 template <typename Values>
-ValueOf<Values> UpperMedianInPlace(Values& values) {
+ElementOf<Values> UpperMedianInPlace(Values& values) {
   return ValueAtPlace(values, std::ssize(values) / 2);
 }
 
 /// As above, of a copy.
 template <typename Values>
-ValueOf<Values> UpperMedian(Values values) {
+ElementOf<Values> UpperMedian(Values values) {
   return UpperMedianInPlace(values);
 }
 
 /// The value at place share * (n - 1), rounded down: share 0 gives the least, 1 the greatest.
 /// @param share  0..1
 template <typename Values>
-ValueOf<Values> QuantileFloor(Values values, double share) {
+ElementOf<Values> QuantileFloor(Values values, double share) {
   return ValueAtPlace(
       values, static_cast<std::ptrdiff_t>(share * (static_cast<double>(std::ssize(values)) - 1)));
 }
@@ -51,7 +51,7 @@ ValueOf<Values> QuantileFloor(Values values, double share) {
 /// The value at place share * (n - 1), rounded to the nearest, halves up.
 /// @param share  0..1
 template <typename Values>
-ValueOf<Values> QuantileNearest(Values values, double share) {
+ElementOf<Values> QuantileNearest(Values values, double share) {
   return ValueAtPlace(values, static_cast<std::ptrdiff_t>(
                                   share * (static_cast<double>(std::ssize(values)) - 1) + 0.5));
 }
@@ -60,7 +60,7 @@ ValueOf<Values> QuantileNearest(Values values, double share) {
 /// lie below it. With share 0.5 the upper median.
 /// @param share  0..1
 template <typename Values>
-ValueOf<Values> QuantileAbove(Values values, double share) {
+ElementOf<Values> QuantileAbove(Values values, double share) {
   return ValueAtPlace(values,
                       static_cast<std::ptrdiff_t>(share * static_cast<double>(std::ssize(values))));
 }
@@ -68,7 +68,7 @@ ValueOf<Values> QuantileAbove(Values values, double share) {
 /// The least and the greatest value once share * n values, rounded down, are left out at each end.
 /// @param share  0 <= share < 0.5
 template <typename Values>
-std::pair<ValueOf<Values>, ValueOf<Values>> TrimmedRange(Values values, double share) {
+std::pair<ElementOf<Values>, ElementOf<Values>> TrimmedRange(Values values, double share) {
   const std::ptrdiff_t n = std::ssize(values);
   const auto out = static_cast<std::ptrdiff_t>(share * static_cast<double>(n));
   const auto low = ValueAtPlace(values, out);

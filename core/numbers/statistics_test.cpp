@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace keypose {
-namespace {
+namespace keypose::statistics_test {
 
 const std::vector<double> kNone, kOne{7}, kThree{3, 1, 2}, kFour{4, 1, 3, 2};
 
@@ -89,5 +88,4 @@ TEST(Statistics, OfNoValuesAreZero) {
   EXPECT_EQ(TrimmedRange(kNone, 0.1), std::pair(0.0, 0.0));
 }
 
-}  // namespace
-}  // namespace keypose
+}  // namespace keypose::statistics_test
