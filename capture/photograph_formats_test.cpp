@@ -48,8 +48,7 @@ TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   exif.make = "Apple";
   exif.model = "iPhone 12";
   for (int i = 0; i < 8; ++i)
-    // 192: the image library's HEIC writer reads beyond rows whose number of bytes is no multiple
-    // of 16.
+    // a width that the image library's HEIC writer can take
     WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"),
                MakeTestPhoto(i, 192, 120, TestWall::kDark).image, 95, &exif);
   const Outcome outcome = Run();

@@ -1,6 +1,5 @@
-// Files that once broke a reader or a solver (../shared/data/mutants), through the programs that
-// read them: each program ends with a documented exit code, in bounded time and memory; if it
-// fails, the message names the file.
+// Damaged files (../shared/data/mutants), through the programs that read them: each program ends
+// with a documented exit code, in bounded time and memory; if it fails, the message names the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -152,7 +151,7 @@ TEST_F(Mutants, CamerasThroughBakeAndSfm) {
     }
 }
 
-TEST_F(Mutants, VolumeTextureThroughCapture) {
+TEST_F(Mutants, TextureUnderAPhotographsNameThroughCapture) {
   for (const fs::path& file : FilesThatBegin("vol")) {
     fs::copy(Photos(), folder_.path() / "photos");
     fs::copy_file(file, folder_.path() / "photos" / "IMG_0003.jpg",

@@ -76,11 +76,14 @@ bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center
 
 // The direction in which CGAL's planar triangulation projects a rim: the mean of the normals of its
 // fan, each flipped to one half of the sphere.
-Eigen::Vector3d PlanarView(const std::vector<Kernel::Point_3>& rim) {
+Eigen::Vector3d PlanarView(const std::vector<Eigen::Vector3d>& rim) {
+  const auto point = [&](std::size_t i) {
+    return Kernel::Point_3(rim[i].x(), rim[i].y(), rim[i].z());
+  };
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 1; i + 1 < rim.size(); ++i) {
-    if (CGAL::collinear(rim[0], rim[i], rim[i + 1])) continue;
-    const Kernel::Vector_3 across = CGAL::normal(rim[0], rim[i], rim[i + 1]);
+    if (CGAL::collinear(point(0), point(i), point(i + 1))) continue;
+    const Kernel::Vector_3 across = CGAL::normal(point(0), point(i), point(i + 1));
     const Eigen::Vector3d normal(across.x(), across.y(), across.z());
     const bool kept = std::tuple(normal.x(), normal.y(), normal.z()) > std::tuple(0.0, 0.0, 0.0);
     sum += kept ? normal : Eigen::Vector3d(-normal);
@@ -88,33 +91,13 @@ Eigen::Vector3d PlanarView(const std::vector<Kernel::Point_3>& rim) {
   return sum;
 }
 
-// Whether no two points of a rim coincide in CGAL's projection. CGAL only checks that they differ
-// in space, and points that coincide in the projection make it crash (CGAL 5.5, is_simple_polygon).
-bool ApartInPlanarView(const std::vector<Kernel::Point_3>& rim, double extent) {
-  const double cell = 1e-9 * extent;
-  const Eigen::Vector3d view = PlanarView(rim);
-  if (!(view.norm() > 0) || !(cell > 0)) return false;
-  const Eigen::Vector3d across = view.unitOrthogonal(), up = view.normalized().cross(across);
-  std::set<std::pair<double, double>> taken;
-  for (const Kernel::Point_3& p : rim) {
-    const Eigen::Vector3d x(p.x() - rim[0].x(), p.y() - rim[0].y(), p.z() - rim[0].z());
-    const double u = std::floor(x.dot(across) / cell), v = std::floor(x.dot(up) / cell);
-    for (int k = 0; k < 9; ++k)
-      if (taken.count({u + k % 3 - 1, v + k / 3 - 1}) > 0) return false;
-    taken.insert({u, v});
-  }
-  return true;
-}
-
 Rim Measure(const RepairMesh& mesh, Halfedge border) {
   Rim rim;
   Eigen::AlignedBox3d box;
   std::vector<Eigen::Vector3d> points;
-  std::vector<Kernel::Point_3> rim_points;
   Halfedge h = border;
   do {
     const auto& p = mesh.point(mesh.target(h));
-    rim_points.push_back(p);
     const Eigen::Vector3d x(p.x(), p.y(), p.z());
     box.extend(x);
     rim.center += x;
@@ -125,7 +108,7 @@ Rim Measure(const RepairMesh& mesh, Halfedge border) {
   rim.center /= static_cast<double>(rim.vertices);
   rim.extent = box.diagonal().norm();
   rim.flat = Flat(points, rim.center, kFlatRim * rim.extent);
-  rim.apart = ApartInPlanarView(rim_points, rim.extent);
+  rim.apart = ApartInPlanarView(points, rim.extent);
   return rim;
 }
 
@@ -165,6 +148,23 @@ bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large)
 }
 
 }  // namespace
+
+// CGAL's planar triangulation has crashed on other rims (CGAL 5.5).
+bool ApartInPlanarView(const std::vector<Eigen::Vector3d>& rim, double extent) {
+  const double cell = 1e-9 * extent;
+  const Eigen::Vector3d view = PlanarView(rim);
+  if (!(view.norm() > 0) || !(cell > 0)) return false;
+  const Eigen::Vector3d across = view.unitOrthogonal(), up = view.normalized().cross(across);
+  std::set<std::pair<double, double>> taken;
+  for (const Eigen::Vector3d& p : rim) {
+    const Eigen::Vector3d x = p - rim[0];
+    const double u = std::floor(x.dot(across) / cell), v = std::floor(x.dot(up) / cell);
+    for (int k = 0; k < 9; ++k)
+      if (taken.count({u + k % 3 - 1, v + k / 3 - 1}) > 0) return false;
+    taken.insert({u, v});
+  }
+  return true;
+}
 
 HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole) {
   HolesResult result;

@@ -2,6 +2,9 @@
 // large ones become flat membranes.
 #pragma once
 
+#include <Eigen/Core>
+#include <vector>
+
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
 
@@ -25,5 +28,9 @@ struct HolesResult {
 /// Source: Liepa, SGP 2003 (triangulation, refinement), Botsch & Kobbelt, SIGGRAPH 2004 (fairing),
 /// both by CGAL.
 HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole = 0.1);
+
+/// Whether a hole's corners, in order, keep apart in the projection of CGAL's planar triangulation,
+/// by 1e-9 of `extent`, the hole's size. Only then it is used.
+bool ApartInPlanarView(const std::vector<Eigen::Vector3d>& rim, double extent);
 
 }  // namespace keypose::cleanup

@@ -41,8 +41,7 @@ std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
   return std::move(found.faces);
 }
 
-// CGAL's own remove_self_intersections does not end, or crashes, on some of the meshes of the
-// guarantee test.
+// CGAL's own remove_self_intersections (5.5) has hung and crashed on damaged meshes.
 Mesh WithoutIntersections(const Mesh& closed, int rounds) {
   Mesh mesh = closed;
   for (int round = 0; round < rounds; ++round) {

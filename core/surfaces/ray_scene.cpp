@@ -119,8 +119,7 @@ struct RayScene::Impl {
     return false;
   }
 
-  /// Embree stops the program at rays that are not finite or whose squares overflow. Such rays hit
-  /// nothing.
+  /// Embree asks for rays that are finite, and whose squares are. Others hit nothing.
   static bool CanBeCast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                         double near) {
     constexpr double kMost = 1e18;

@@ -15,9 +15,8 @@ struct TetgenMesh {
   std::vector<int> tets, neighbours;
 };
 
-/// Runs TetGen on a closed surface in a forked child process. Debian's TetGen 1.5.0 frees its
-/// memory twice when it rejects an input, and may crash or loop on bad inputs; the caller is not
-/// affected.
+/// Runs TetGen on a closed surface in a forked child process: Debian's TetGen 1.5.0 may crash or
+/// not end; the caller is not affected.
 /// @param switches  as on TetGen's command line; must contain p, n, z and Q
 /// @return nothing if TetGen failed, crashed, or took more than `time_limit_s` of processor time
 /// @throws ToolError  no child process could be started

@@ -306,10 +306,11 @@ Solid Joined(const PointsX3& points, const FacesX3& faces, Parts&& parts,
 }
 
 /// Adds one body to `parts`, as it is or with its crossings smoothed away.
-/// @return whether TetGen succeeded
+/// @return false if it passes through itself, which TetGen is not asked, or TetGen failed
 bool FillBody(const PointsX3& points, const FacesX3& faces, int body,
               const TetrahedralizeOptions& options, Parts& parts) {
   const Filler filler(points, faces);
+  if (!Crossings(filler.points(), filler.faces()).empty()) return false;
   std::optional<TetgenMesh> mesh =
       RunTetgen(filler.points(), filler.faces(), filler.Switches(options));
   const std::vector<char> inner = mesh ? InnerTets(*mesh, filler.faces()) : std::vector<char>();

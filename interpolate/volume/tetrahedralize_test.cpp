@@ -10,6 +10,7 @@
 #include "core/surfaces/shapes.h"
 #include "interpolate/testing/bars.h"
 #include "interpolate/volume/place_inside.h"
+#include "interpolate/volume/run_tetgen.h"
 #include "interpolate/volume/tet_maps.h"
 
 namespace keypose::interpolation::tetrahedralize_test {
@@ -54,6 +55,15 @@ TEST(Tetrahedralize, SmallerElementsGiveMoreTetrahedraUpToTheLimit) {
   };
   EXPECT_GT(count(0.5, 50000), 2 * count(1, 50000));
   EXPECT_LT(count(0.2, 20000), 40000);
+}
+
+TEST(RunTetgen, IsEndedWhereItTakesTooLong) {
+  const Mesh box = MakeBox(1, 1, 1);
+  const auto run = [&](const std::string& largest) {
+    return RunTetgen(box.points, box.faces, "pq1.4nzQa" + largest, 1);
+  };
+  EXPECT_TRUE(run("0.01"));
+  EXPECT_FALSE(run("0.0000001"));  // tens of millions of tetrahedra
 }
 
 TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {

@@ -67,12 +67,11 @@ void RequireOneDocument(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-YAML::Node LoadYaml(const std::string& text, const std::string& file) {
+YAML::Node LoadYaml(const std::string& text, const std::string& file, std::size_t most_values) {
   RequireUtf8(text, file);
   RequireOneDocument(text, file);
   const YAML::Node root = YAML::Load(text);
-  std::size_t left = 3'000'000;
-  RequireThatItEnds(YamlReader(file), root, 0, &left);
+  RequireThatItEnds(YamlReader(file), root, 0, &most_values);
   return root;
 }
 

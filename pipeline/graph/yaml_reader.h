@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cstddef>
 #include <set>
 #include <string>
 #include <vector>
@@ -13,11 +14,13 @@
 namespace keypose::pipeline {
 
 /// The one document of a YAML text.
-/// @param file  the name of the file in messages
+/// @param file         the name of the file in messages
+/// @param most_values  with those that aliases repeat
 /// @throws UsageError  not UTF-8, more than one document, or aliases that stand for
 /// themselves or for millions of values; with file:line
 /// @throws YAML::Exception  not YAML
-YAML::Node LoadYaml(const std::string& text, const std::string& file);
+YAML::Node LoadYaml(const std::string& text, const std::string& file,
+                    std::size_t most_values = 3'000'000);
 
 /// Every function throws UsageError when the node is not what it reads; `what` names it in the
 /// message.

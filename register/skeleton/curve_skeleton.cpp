@@ -26,6 +26,7 @@
 
 #include "core/numbers/ordered_memory.h"
 #include "core/values/tuned.h"
+#include "register/skeleton/ray_patience.h"
 
 // CGAL's contraction keeps edges in sets ordered by address. So addresses must be in order for
 // results to be repeatable.
@@ -46,9 +47,8 @@ using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 // Many times the memory needed. Only pages that are used take real memory.
 constexpr std::size_t kLeastBytes = 16 << 20, kBytesAFace = 8 << 10;
 
-/// CGAL tests whether a point is inside by casting a ray. It casts another one whenever the last
-/// one only touched an edge. For a point on an edge, as with vertices on a grid, every ray does,
-/// and CGAL would not end. This kernel makes the rays and throws after too many.
+/// CGAL tests whether a point is inside by casting rays until one tells. Where none does, CGAL
+/// would not end. This kernel makes the rays and throws after too many.
 struct PatientKernel : Kernel {
   struct Construct_ray_3 : Kernel::Construct_ray_3 {
     using Base = Kernel::Construct_ray_3;
@@ -56,17 +56,14 @@ struct PatientKernel : Kernel {
       const bool first =
           along.x() == 0 &&
           along.y() == 0;  // the first ray is vertical; others have random directions
-      others = first ? 0 : others + 1;
-      if (others > kMostOthers)
-        throw std::runtime_error("CGAL cannot decide whether a point on an edge is inside");
+      patience.Cast(first);
       return Base::operator()(from, along);
     }
-    static constexpr int kMostOthers = 100;
-    static thread_local int others;
+    static thread_local RayPatience patience;
   };
   Construct_ray_3 construct_ray_3_object() const { return {}; }
 };
-thread_local int PatientKernel::Construct_ray_3::others = 0;
+thread_local RayPatience PatientKernel::Construct_ray_3::patience;
 
 // Chosen by the error of the start from skeletons on a tentacle bent by 270 degrees
 // (docs/decisions/ordered-memory.md). Sensitivity: docs/results/sensitivity.md.
@@ -174,16 +171,14 @@ std::string Prepare(const PointsX3& points, const FacesX3& faces, int proxy_face
   if (euler != 2)
     return "has " + std::to_string((2 - euler) / 2) + " handles (are touching parts merged?)";
   if (std::string fault = Decimate(surface, proxy_faces); !fault.empty()) return fault;
-  // A mesh without volume has no inscribed balls, and CGAL would read uninitialised memory in place
-  // of their centres.
+  // A mesh without volume has no inscribed balls, which CGAL relies on.
   const auto box = CGAL::Polygon_mesh_processing::bbox(surface);
   const double diagonal = Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
   const double volume = CGAL::Polygon_mesh_processing::volume(surface);
   return std::abs(volume) > kLeastVolume * diagonal * diagonal * diagonal ? "" : "is flat";
 }
 
-/// Throws if a point is not finite. CGAL's inside test casts rays until one gives an answer, which
-/// never happens for such a point.
+/// Throws if a point is not finite: CGAL could not go on with it.
 template <class Polyhedron>
 void RequireFinite(const Polyhedron& meso_skeleton) {
   for (auto v = meso_skeleton.points_begin(); v != meso_skeleton.points_end(); ++v)

@@ -66,7 +66,7 @@ void Meshes() {
 }
 
 void Images() {
-  Image8 image(64, 16, 3);  // the library's HEIC writer reads out of bounds for narrower rows
+  Image8 image(64, 16, 3);  // a size that the library's HEIC writer can take
   for (std::size_t k = 0; k < image.data.size(); ++k)
     image.data[k] = static_cast<std::uint8_t>(7 * k);
   const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};

@@ -58,7 +58,7 @@ def photo_cases():
         case('in folders below only', ('2 made',), lambda folder: [(write(folder / 'photos/rest/camera1' / photo.name, photo.read_bytes()), photo.unlink()) for photo in photographs(folder)] and None, code=0),
         case('name that is not UTF-8', ('UTF-8',), lambda folder: os.rename(os.fsencode(photographs(folder)[0]), os.fsencode(folder / 'photos/rest') + b'/\xff.jpg')),
         case('a gif', ('FIRST', 'JPEG'), first(lambda photo: photo.write_bytes(b'GIF89a' + bytes(500)))),
-        case('PNG that claims 100,000 pixels a side', ('FIRST', '100000'), first(lambda photo: photo.write_bytes(png(100000, 100000)))),
+        case('PNG that claims 20,000 pixels a side', ('FIRST', '20000'), first(lambda photo: photo.write_bytes(png(20000, 20000)))),
         case('PNG without pixels', ('FIRST',), first(lambda photo: photo.write_bytes(png(0, 10)))),
         case('PNG cut short', ('FIRST',), first(lambda photo: photo.write_bytes(png(10, 10)[:40]))),
         case('one of another size', ('different sizes', 'FIRST'), first(lambda photo: photo.write_bytes(whole_png(64, 48, 90))), code=0),

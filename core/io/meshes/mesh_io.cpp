@@ -225,8 +225,8 @@ Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Poly
   return mesh;
 }
 
-/// Reads OFF with CGAL's scanner. CGAL's own reader allocates memory for any number that the header
-/// or a face claims. Here no number may exceed what the rest of the file can hold.
+/// Reads OFF with CGAL's scanner, not with CGAL's own reader: no number of the header or of a face
+/// may exceed what the rest of the file can hold.
 class OffReader {
  public:
   explicit OffReader(const fs::path& path)

@@ -87,8 +87,8 @@ class Collector {
   std::string fault_;
 };
 
-/// Checks the header's counts. PCL reads a count of -1 as 2^64 - 1, and loops over an element
-/// without properties without reading anything. Each row must take at least one byte of the file.
+/// Checks the header's counts, which PCL believes: it has kept running where there was nothing to
+/// read. Each row must take at least one byte of the file.
 void RequireCountsThatFit(const std::filesystem::path& path) {
   const std::uintmax_t bytes = std::filesystem::file_size(path);
   std::ifstream in(path, std::ios::binary);

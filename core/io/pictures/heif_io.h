@@ -1,5 +1,4 @@
-// Reads the pixels of HEIC photographs by libheif directly. OpenImageIO is not used, because it
-// copies rows of the width that the container claims, whatever size was decoded.
+// Reads the pixels of HEIC photographs by libheif directly: OpenImageIO 2.4 has read beyond them.
 #pragma once
 
 #include <filesystem>

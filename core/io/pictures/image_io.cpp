@@ -114,13 +114,13 @@ void RequireModestHeif(const fs::path& path) {
 }
 
 /// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
-/// of its readers, and some of them write past their buffers.
+/// of its readers, and not all of them withstand damaged files.
 /// @param straight  colours as they are stored; else multiplied by alpha
 std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
   if (kind == "heif") RequireModestHeif(path);
-  // libpng allocates memory for any length that a chunk claims.
+  // What libpng takes memory for is looked at first.
   if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
   ImageSpec spec, wishes;
   if (straight) wishes.attribute("oiio:UnassociatedAlpha", 1);

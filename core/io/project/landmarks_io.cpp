@@ -218,9 +218,9 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
                                               side));
 }
 
-/// The XML library recurses into each level, so deep nesting must be refused. Comments and quoted
-/// values are skipped as the library does. Other constructs that begin with '<!' are not skipped,
-/// so a level may be counted twice, but none is missed.
+/// Deep nesting is refused before the XML library sees it. Comments and quoted values are skipped
+/// as the library does. Other constructs that begin with '<!' are not skipped, so a level may be
+/// counted twice, but none is missed.
 void RequireShallowXml(const std::string& text, const fs::path& path) {
   constexpr int kMostLevels = 100;
   int level = 0;
