@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "cleanup/repair/intersections.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/surface_distance.h"
+#include "core/values/errors.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -31,9 +32,8 @@ SurfaceDistance Distance(const Mesh& from, const Mesh& to) {
   SurfaceDistance out;
   for (const double d : distances) out.mean += d;
   out.mean /= static_cast<double>(distances.size());
-  std::sort(distances.begin(), distances.end());
-  out.p99 = distances[distances.size() * 99 / 100];
-  out.max = distances[distances.size() - 1];
+  out.max = distances.maxCoeff();
+  out.p99 = QuantileAbove(std::move(distances), 0.99);
   return out;
 }
 
