@@ -6,9 +6,9 @@
 #include <fstream>
 #include <string_view>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 
 namespace keypose::studio {
 

@@ -1,5 +1,4 @@
-// The cameras of a performance, calibrated by points of known place.
-#include <atomic>
+#include "studio/server/cameras_routes.h"
 
 #include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
@@ -7,7 +6,6 @@
 #include "studio/project/changes.h"
 #include "studio/project/films.h"
 #include "studio/runs/children.h"
-#include "studio/server/routes.h"
 
 namespace keypose::studio {
 
@@ -36,44 +34,45 @@ class Alone {
 
 }  // namespace
 
-// None of them asks for the plan: there is none before the cameras are calibrated.
-void Routes::AddCameras() {
-  Add("GET", "/api/calibration",
-      [this](const Question&) { return JsonAnswer(CameraPointsJson(folder_)); });
-  Add("PUT", "/api/calibration", [this](const Question& question) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    SaveCameraPoints(folder_, question.Json());
-    return JsonAnswer(CameraPointsJson(folder_));
+void CamerasRoutes::AddTo(RouteTable& table) {
+  table.Get("/api/calibration",
+            [this](const Question&) { return JsonAnswer(CameraPointsJson(project_.folder())); });
+  table.Put("/api/calibration", [this](const Question& question) {
+    return JsonAnswer(project_.WithFolder([&](const fs::path& folder) {
+      SaveCameraPoints(folder, question.Json());
+      return CameraPointsJson(folder);
+    }));
   });
-  Add("GET", "/api/calibration/picture", [this](const Question& question) {
+  table.Get("/api/calibration/picture", [this](const Question& question) {
     const int frame = WholeNumber(question.Get("frame", "0"), 0, kMostStills);
     const int width = WholeNumber(question.Get("width", "0"), 0, kWidestStill);
-    const FrameSource still = StillOf(folder_, question.Need("camera"));
-    return PictureAnswer(FramePicture(PictureFolder(), still, frame, width));
+    const FrameSource still = StillOf(project_.folder(), question.Need("camera"));
+    return PictureAnswer(FramePicture(project_.PictureFolder(), still, frame, width));
   });
-  Add("POST", "/api/calibration/run",
-      [this](const Question& question) { return Calibrate(question); });
-  Add("POST", "/api/calibration/use", [this](const Question& question) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    UseCalibration(folder_, question.Json().at("shot"));
-    return JsonAnswer(CameraPointsJson(folder_));
+  table.Post("/api/calibration/run",
+             [this](const Question& question) { return Calibrate(question); });
+  table.Post("/api/calibration/use", [this](const Question& question) {
+    return JsonAnswer(project_.WithFolder([&](const fs::path& folder) {
+      UseCalibration(folder, question.Json().at("shot"));
+      return CameraPointsJson(folder);
+    }));
   });
 }
 
-Answer Routes::Calibrate(const Question& question) {
-  static std::atomic<bool> busy = false;
-  const Alone alone(busy);
+Answer CamerasRoutes::Calibrate(const Question& question) {
+  const Alone alone(calibrating_);
   const json body = question.Json();
-  if (run_->running()) throw LockedError("a run is at work; calibrate when it is done");
-  const std::string revision = RevisionOf(folder_ / kPointsFile);
-  std::vector<std::string> words =
-      CalibrateFlags(folder_, body.value("lenses", std::string()), body.value("square_mm", 22.0));
+  if (project_.run().running()) throw LockedError("a run is at work; calibrate when it is done");
+  const std::string revision = RevisionOf(project_.folder() / kPointsFile);
+  std::vector<std::string> words = CalibrateFlags(
+      project_.folder(), body.value("lenses", std::string()), body.value("square_mm", 22.0));
   words.insert(words.begin(), (pipeline::ProgramFolder() / "keypose-calibrate").string());
-  const ChildResult result = RunChild(words, folder_, kCalibrateSeconds);
+  const ChildResult result = RunChild(words, project_.folder(), kCalibrateSeconds);
   if (result.exit_code != 0) throw InputError(ErrorIn(result.output, result.exit_code));
-  const std::lock_guard<std::mutex> lock(mutex_);
-  TakeCalibration(folder_, revision);
-  return JsonAnswer(CameraPointsJson(folder_));
+  return JsonAnswer(project_.WithFolder([&](const fs::path& folder) {
+    TakeCalibration(folder, revision);
+    return CameraPointsJson(folder);
+  }));
 }
 
 }  // namespace keypose::studio

@@ -10,7 +10,7 @@
 #include "core/testing/folder.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio::camera_routes_test {
+namespace keypose::studio::cameras_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -29,9 +29,9 @@ std::string Lens(const char* camera) {
          "[0, 0, 0, 0]\n";
 }
 
-class CameraRoutes : public ::testing::Test, public TestingFolder {
+class CamerasRoutes : public ::testing::Test, public TestingFolder {
  protected:
-  CameraRoutes() {
+  CamerasRoutes() {
     for (const char* camera : {"cam1", "cam2"})
       for (int frame = 0; frame < 2; ++frame)
         Picture(fs::path("films") / camera / (std::to_string(frame) + ".png"), 20 * (frame + 1));
@@ -40,7 +40,7 @@ class CameraRoutes : public ::testing::Test, public TestingFolder {
     WriteFile(folder_ / "pipeline.yaml", "kind: performance\nshots: {walk: films}\n");
     routes_ = std::make_unique<Routes>(folder_);
   }
-  ~CameraRoutes() override { routes_.reset(); }
+  ~CamerasRoutes() override { routes_.reset(); }
 
   void Picture(const fs::path& file, int grey) const {
     fs::create_directories((folder_ / file).parent_path());
@@ -86,7 +86,7 @@ class CameraRoutes : public ::testing::Test, public TestingFolder {
   std::unique_ptr<Routes> routes_;
 };
 
-TEST_F(CameraRoutes, CamerasAreThoseOfTheFilmsShownByTheEmptySetWhereThereIsOne) {
+TEST_F(CamerasRoutes, CamerasAreThoseOfTheFilmsShownByTheEmptySetWhereThereIsOne) {
   const json now = Get();
   EXPECT_EQ(now.at("problem"), "");
   ASSERT_EQ(now.at("cameras").size(), 2u);
@@ -107,7 +107,7 @@ TEST_F(CameraRoutes, CamerasAreThoseOfTheFilmsShownByTheEmptySetWhereThereIsOne)
   EXPECT_EQ(grey("cam1", "-1"), -400);
 }
 
-TEST_F(CameraRoutes, PointsAreKeptAsCalibrateReadsThem) {
+TEST_F(CamerasRoutes, PointsAreKeptAsCalibrateReadsThem) {
   const json clicks = {{{"camera", "cam2"}, {"point", "p1"}, {"pixel", {10.25, 20}}}};
   ASSERT_EQ(Put(Points(), clicks).status, 200);
   const KnownPoints known = ReadKnownPoints(folder_ / "points.json");
@@ -120,7 +120,7 @@ TEST_F(CameraRoutes, PointsAreKeptAsCalibrateReadsThem) {
   EXPECT_EQ(Get().at("clicks"), clicks);
 }
 
-TEST_F(CameraRoutes, PicturesThatTheFileNamesAreShownAndStay) {
+TEST_F(CamerasRoutes, PicturesThatTheFileNamesAreShownAndStay) {
   Picture("set/one.png", 77);
   WriteFile(folder_ / "points.json",
             R"({"schema": 1, "unit": "cm", "points": [{"name": "a", "place": [100, 0, 0]}],
@@ -132,7 +132,7 @@ TEST_F(CameraRoutes, PicturesThatTheFileNamesAreShownAndStay) {
   EXPECT_EQ(ReadKnownPoints(folder_ / "points.json").cameras[0].picture, "set/one.png");
 }
 
-TEST_F(CameraRoutes, ClicksOfAPictureOfAnotherSizeStayThatUntilTheyAreTakenOut) {
+TEST_F(CamerasRoutes, ClicksOfAPictureOfAnotherSizeStayThatUntilTheyAreTakenOut) {
   WriteFile(folder_ / "points.json",
             R"({"schema": 1, "points": [{"name": "p1", "place": [1, 0, 0]}],
                 "cameras": [{"name": "cam1", "size": [64, 48]}],
@@ -146,7 +146,7 @@ TEST_F(CameraRoutes, ClicksOfAPictureOfAnotherSizeStayThatUntilTheyAreTakenOut) 
   EXPECT_EQ(Get().at("cameras")[0].at("problem"), "");
 }
 
-TEST_F(CameraRoutes, WhatIsWrongIsSaidAndNothingIsWritten) {
+TEST_F(CamerasRoutes, WhatIsWrongIsSaidAndNothingIsWritten) {
   const auto click = [](const json& camera, const json& point, const json& pixel) {
     return json{{{"camera", camera}, {"point", point}, {"pixel", pixel}}};
   };
@@ -164,7 +164,7 @@ TEST_F(CameraRoutes, WhatIsWrongIsSaidAndNothingIsWritten) {
   EXPECT_FALSE(fs::exists(folder_ / "points.json"));
 }
 
-TEST_F(CameraRoutes, WhatWasChangedMeanwhileOrCannotBeReadIsNotWrittenOver) {
+TEST_F(CamerasRoutes, WhatWasChangedMeanwhileOrCannotBeReadIsNotWrittenOver) {
   const json body = {{"revision", "of before"}, {"points", Points()}, {"clicks", json::array()}};
   EXPECT_EQ(Ask("PUT", "/api/calibration", body).status, 409);
   WriteFile(folder_ / "points.json", "{\"schema\": 1");
@@ -176,7 +176,7 @@ TEST_F(CameraRoutes, WhatWasChangedMeanwhileOrCannotBeReadIsNotWrittenOver) {
   EXPECT_EQ(ReadFile(folder_ / "points.json"), "{\"schema\": 1");
 }
 
-TEST_F(CameraRoutes, CamerasAreCalibratedAndTheErrorOfEachClickIsTold) {
+TEST_F(CamerasRoutes, CamerasAreCalibratedAndTheErrorOfEachClickIsTold) {
   EXPECT_THAT(Run("").bytes, HasSubstr("no point is clicked yet"));
   ASSERT_EQ(Put(Points(), AllClicks()).status, 200);
   EXPECT_EQ(Get().at("offers"), json({"films", "lenses.yml"}));
@@ -199,7 +199,7 @@ TEST_F(CameraRoutes, CamerasAreCalibratedAndTheErrorOfEachClickIsTold) {
   EXPECT_EQ(Get().at("result").at("stale"), true);
 }
 
-TEST_F(CameraRoutes, ACalibrationOfAnotherProgramIsKept) {
+TEST_F(CamerasRoutes, ACalibrationOfAnotherProgramIsKept) {
   WriteFile(folder_ / "calibration.yml", "mine");
   ASSERT_EQ(Put(Points(), AllClicks()).status, 200);
   ASSERT_EQ(Run("lenses.yml").status, 200);
@@ -208,7 +208,7 @@ TEST_F(CameraRoutes, ACalibrationOfAnotherProgramIsKept) {
   EXPECT_EQ(ReadFile(folder_ / "calibration.before.yml"), "mine");
 }
 
-TEST_F(CameraRoutes, AShotThatNamesAnotherCalibrationCanTakeThisOne) {
+TEST_F(CamerasRoutes, AShotThatNamesAnotherCalibrationCanTakeThisOne) {
   WriteFile(folder_ / "pipeline.yaml",
             "kind: performance # mine\nshots: {walk: {video: films, calibration: lenses.yml}}\n");
   const auto use = [&](const json& shot) {
@@ -225,7 +225,7 @@ TEST_F(CameraRoutes, AShotThatNamesAnotherCalibrationCanTakeThisOne) {
             "calibration.yml}}\n");
 }
 
-TEST_F(CameraRoutes, LensesAreTakenFromTheProjectAlone) {
+TEST_F(CamerasRoutes, LensesAreTakenFromTheProjectAlone) {
   ASSERT_EQ(Put(Points(), AllClicks()).status, 200);
   for (const char* lenses :
        {"../lenses.yml", "/etc", "none", ".keypose", "--help", "pipeline.yaml"})
@@ -236,7 +236,7 @@ TEST_F(CameraRoutes, LensesAreTakenFromTheProjectAlone) {
   EXPECT_FALSE(fs::exists(folder_ / "calibration.yml"));
 }
 
-TEST_F(CameraRoutes, WhyTheyCannotBeCalibratedIsSaid) {
+TEST_F(CamerasRoutes, WhyTheyCannotBeCalibratedIsSaid) {
   json few = json::array();
   for (int i = 0; i < 3; ++i) few.push_back(AllClicks()[static_cast<std::size_t>(i)]);
   ASSERT_EQ(Put(Points(), few).status, 200);
@@ -246,10 +246,10 @@ TEST_F(CameraRoutes, WhyTheyCannotBeCalibratedIsSaid) {
   EXPECT_FALSE(fs::exists(folder_ / "calibration.yml"));
 }
 
-TEST_F(CameraRoutes, WithoutAPerformanceThereAreNoCameras) {
+TEST_F(CamerasRoutes, WithoutAPerformanceThereAreNoCameras) {
   WriteFile(folder_ / "pipeline.yaml", "poses: {rest: photos/rest}\n");
   EXPECT_EQ(Ask("GET", "/api/calibration").status, 400);
   EXPECT_EQ(Ask("POST", "/api/calibration/run").status, 400);
 }
 
-}  // namespace keypose::studio::camera_routes_test
+}  // namespace keypose::studio::cameras_routes_test

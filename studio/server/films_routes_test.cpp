@@ -11,7 +11,7 @@
 #include "core/testing/paths.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio::film_routes_test {
+namespace keypose::studio::films_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -44,9 +44,9 @@ steps:
   report: {enabled: false}
 )";
 
-class FilmRoutes : public ::testing::Test, public TestingFolder {
+class FilmsRoutes : public ::testing::Test, public TestingFolder {
  protected:
-  FilmRoutes() {
+  FilmsRoutes() {
     for (const char* shot : {"walk", "turn"})
       for (const char* camera : {"cam2", "cam10"})
         for (int frame = 0; frame < 3; ++frame)
@@ -62,7 +62,7 @@ class FilmRoutes : public ::testing::Test, public TestingFolder {
     WriteFile(folder_ / "pipeline.yaml", kProject);
     routes_ = std::make_unique<Routes>(folder_);
   }
-  ~FilmRoutes() override { routes_.reset(); }
+  ~FilmsRoutes() override { routes_.reset(); }
 
   void Picture(const fs::path& file, int channels, int grey) const {
     fs::create_directories((folder_ / file).parent_path());
@@ -109,7 +109,7 @@ class FilmRoutes : public ::testing::Test, public TestingFolder {
   std::unique_ptr<Routes> routes_;
 };
 
-TEST_F(FilmRoutes, CamerasAreListedByNumberWithTheirFrames) {
+TEST_F(FilmsRoutes, CamerasAreListedByNumberWithTheirFrames) {
   const json films = Films("walk");
   EXPECT_EQ(films.at("problem"), "");
   ASSERT_EQ(films.at("cameras").size(), 2u);
@@ -119,7 +119,7 @@ TEST_F(FilmRoutes, CamerasAreListedByNumberWithTheirFrames) {
   EXPECT_EQ(films.at("cameras")[1].at("name"), "cam10");
 }
 
-TEST_F(FilmRoutes, AFrameIsSentAsItIsOrSmaller) {
+TEST_F(FilmsRoutes, AFrameIsSentAsItIsOrSmaller) {
   const Query second = {{"shot", "walk"}, {"camera", "cam2"}, {"frame", "1"}};
   EXPECT_EQ(ReadImage(Ask("/api/films/frame", second).file, 3).data[0], 40);
   Query small = second;
@@ -129,7 +129,7 @@ TEST_F(FilmRoutes, AFrameIsSentAsItIsOrSmaller) {
   EXPECT_NEAR(picture.data[0], 40, 2);  // a JPEG
 }
 
-TEST_F(FilmRoutes, WhatIsNotAFrameOfAFilmIsRefused) {
+TEST_F(FilmsRoutes, WhatIsNotAFrameOfAFilmIsRefused) {
   const auto status = [&](const char* shot, const char* camera, const char* frame) {
     return Ask("/api/films/frame", {{"shot", shot}, {"camera", camera}, {"frame", frame}}).status;
   };
@@ -144,12 +144,12 @@ TEST_F(FilmRoutes, WhatIsNotAFrameOfAFilmIsRefused) {
   EXPECT_EQ(Ask("/api/films", {}).status, 400);
 }
 
-TEST_F(FilmRoutes, FilmsThatAreLinksToOtherPlacesAreLeftOut) {
+TEST_F(FilmsRoutes, FilmsThatAreLinksToOtherPlacesAreLeftOut) {
   fs::create_directory_symlink(folder_ / "films/turn/cam2", folder_ / "films/walk/cam3");
   EXPECT_EQ(Films("walk").at("cameras").size(), 2u);
 }
 
-TEST_F(FilmRoutes, MasksAreThoseBesideTheFilmsOrThoseThatWereMade) {
+TEST_F(FilmsRoutes, MasksAreThoseBesideTheFilmsOrThoseThatWereMade) {
   const Query second = {{"shot", "walk"}, {"camera", "cam2"}, {"frame", "1"}};
   EXPECT_EQ(Ask("/api/films/mask", second).status, 404);
   Run();
@@ -162,7 +162,7 @@ TEST_F(FilmRoutes, MasksAreThoseBesideTheFilmsOrThoseThatWereMade) {
             200);
 }
 
-TEST_F(FilmRoutes, StrokesAreKeptAsTheCommandLineKeepsThem) {
+TEST_F(FilmsRoutes, StrokesAreKeptAsTheCommandLineKeepsThem) {
   const json before = Figure();
   EXPECT_EQ(before.at("step"), "silhouettes/walk");
   EXPECT_EQ(before.at("problem"), "");
@@ -177,7 +177,7 @@ TEST_F(FilmRoutes, StrokesAreKeptAsTheCommandLineKeepsThem) {
   EXPECT_THAT(Yaml(), Not(HasSubstr("figure")));
 }
 
-TEST_F(FilmRoutes, StrokesInNoFrameAreRefusedAndOldOnesAreToldGone) {
+TEST_F(FilmsRoutes, StrokesInNoFrameAreRefusedAndOldOnesAreToldGone) {
   const std::string before = Yaml();
   const json some = json::array({{0.5, 0.5}});
   for (const json& stroke :
@@ -191,9 +191,9 @@ TEST_F(FilmRoutes, StrokesInNoFrameAreRefusedAndOldOnesAreToldGone) {
   EXPECT_EQ(Figure().at("strokes")[0].at("gone"), true);
 }
 
-TEST_F(FilmRoutes, AShotThatHasMasksNeedsNoClick) {
+TEST_F(FilmsRoutes, AShotThatHasMasksNeedsNoClick) {
   EXPECT_EQ(Figure("turn").at("step"), "");
   EXPECT_THAT(Figure("turn").at("problem"), HasSubstr("a folder masks beside its films"));
 }
 
-}  // namespace keypose::studio::film_routes_test
+}  // namespace keypose::studio::films_routes_test

@@ -21,7 +21,7 @@
 #include "studio/project/snapshot.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio::photo_picks_test {
+namespace keypose::studio::landmarks_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -493,4 +493,4 @@ TEST_F(PhotoPicks, TabsThatAskForSuggestionsAtOnceGetTheirOwn) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("suggested")));
 }
 
-}  // namespace keypose::studio::photo_picks_test
+}  // namespace keypose::studio::landmarks_routes_test

@@ -8,20 +8,20 @@
 #include "studio/project/pose_photographs.h"
 #include "studio/server/routes.h"
 
-namespace keypose::studio::mask_routes_test {
+namespace keypose::studio::masks_routes_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class MaskRoutes : public ::testing::Test, public TestingFolder {
+class MasksRoutes : public ::testing::Test, public TestingFolder {
  protected:
-  MaskRoutes() {
+  MasksRoutes() {
     fs::create_directories(folder_ / "photos/rest");
     WriteImage(folder_ / "photos/rest/a.png", Image8(60, 40, 3, 90));
     WriteFile(folder_ / "pipeline.yaml", "name: x\nposes: {rest: photos/rest}\ntemplate: rest\n");
     routes_ = std::make_unique<Routes>(folder_);
   }
-  ~MaskRoutes() override { routes_.reset(); }
+  ~MasksRoutes() override { routes_.reset(); }
   /// A mask of which so many rows are white.
   std::string Mask(int rows) const {
     Image8 mask(60, 40, 1);
@@ -62,7 +62,7 @@ class MaskRoutes : public ::testing::Test, public TestingFolder {
   std::unique_ptr<Routes> routes_;
 };
 
-TEST_F(MaskRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
+TEST_F(MasksRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
   EXPECT_EQ(Get().first, -1) << "no mask yet";
   const Answer first = Put(10, {{"revision", ""}});
   ASSERT_EQ(first.status, 200) << first.bytes;
@@ -79,7 +79,7 @@ TEST_F(MaskRoutes, WhatWasChangedMeanwhileIsNotWrittenOver) {
   EXPECT_EQ(Put(14, {}).status, 200) << "who names no revision writes as into a folder";
 }
 
-TEST_F(MaskRoutes, APhotographThatCaptureDevelopsMayHaveOne) {
+TEST_F(MasksRoutes, APhotographThatCaptureDevelopsMayHaveOne) {
   WriteDng(folder_ / "photos/rest/p1.dng", ImageF(60, 40, 3, 0.2f), {});
   const Answer saved = Put(10, {{"name", "p1.jpg"}});
   ASSERT_EQ(saved.status, 200) << saved.bytes;
@@ -87,7 +87,7 @@ TEST_F(MaskRoutes, APhotographThatCaptureDevelopsMayHaveOne) {
   EXPECT_NE(Put(10, {{"name", "p2.jpg"}}).status, 200);
 }
 
-TEST_F(MaskRoutes, OfAPhotographThatWasShotAgainIsHeldOrSetAsideAndNeverLost) {
+TEST_F(MasksRoutes, OfAPhotographThatWasShotAgainIsHeldOrSetAsideAndNeverLost) {
   ASSERT_EQ(Put(10, {}).status, 200);
   EXPECT_EQ(Photographs()[0].at("mask_given"), true);
   EXPECT_EQ(Photographs()[0].at("mask_of_another"), false);
@@ -112,7 +112,7 @@ TEST_F(MaskRoutes, OfAPhotographThatWasShotAgainIsHeldOrSetAsideAndNeverLost) {
   EXPECT_EQ(Rows("a.png.png.old2"), 11);
 }
 
-TEST_F(MaskRoutes, IsOfThePhotographThatWasUnderTheBrush) {
+TEST_F(MasksRoutes, IsOfThePhotographThatWasUnderTheBrush) {
   const std::string under = Photographs()[0].at("photograph");
   Shoot(50);
   ASSERT_EQ(Put(10, {{"photograph", under}}).status, 200);
@@ -120,7 +120,7 @@ TEST_F(MaskRoutes, IsOfThePhotographThatWasUnderTheBrush) {
   EXPECT_EQ(Put(10, {{"photograph", "x"}}).status, 400);
 }
 
-TEST_F(MaskRoutes, PhotographsInSubfoldersHaveThemUnderTheNamesThatCaptureGives) {
+TEST_F(MasksRoutes, PhotographsInSubfoldersHaveThemUnderTheNamesThatCaptureGives) {
   for (const char* lay : {"upright", "lying"}) {
     fs::create_directories(folder_ / "photos/rest" / lay);
     fs::copy(folder_ / "photos/rest/a.png", folder_ / "photos/rest" / lay / "b.png");
@@ -130,7 +130,7 @@ TEST_F(MaskRoutes, PhotographsInSubfoldersHaveThemUnderTheNamesThatCaptureGives)
   EXPECT_EQ(Rows("lying_b.png.png"), 10);
 }
 
-TEST_F(MaskRoutes, APortraitThatCaptureTurnsIsPaintedAsThePageShowsIt) {
+TEST_F(MasksRoutes, APortraitThatCaptureTurnsIsPaintedAsThePageShowsIt) {
   WriteImage(folder_ / "photos/rest/tall.png", Image8(40, 60, 3, 90));
   const Answer saved = Put(10, {{"name", "tall.png"}});
   ASSERT_EQ(saved.status, 200) << saved.bytes;
@@ -143,4 +143,4 @@ TEST_F(MaskRoutes, APortraitThatCaptureTurnsIsPaintedAsThePageShowsIt) {
   EXPECT_EQ(shown.data, ReadImage(folder_ / "mask.png", 1).data);
 }
 
-}  // namespace keypose::studio::mask_routes_test
+}  // namespace keypose::studio::masks_routes_test

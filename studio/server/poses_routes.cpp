@@ -4,13 +4,8 @@
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/values/errors.h"
-#include "studio/meshes/frame_colours.h"
-#include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
-#include "studio/project/figure.h"
-#include "studio/project/films.h"
-#include "studio/project/own_masks.h"
 #include "studio/project/pose_photographs.h"
 
 namespace keypose::studio {
@@ -20,12 +15,17 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kMostCloudPoints = 1'000'000, kMostTextures = 1'000'000, kMostFilmed = 1'000'000'000,
-              kWidestTexture = 100'000;
+constexpr int kMostCloudPoints = 1'000'000;
 
 }  // namespace
 
 void PosesRoutes::AddTo(RouteTable& table) {
+  AddPhotographs(table);
+  AddMeshes(table);
+  AddTextures(table);
+}
+
+void PosesRoutes::AddPhotographs(RouteTable& table) {
   table.Get("/api/photos", [this](const Question& question) {
     const std::string pose = question.Need("pose");
     return JsonAnswer(project_.With([&](Snapshot& now) {
@@ -33,15 +33,18 @@ void PosesRoutes::AddTo(RouteTable& table) {
       return PhotographsJson(now, pose);
     }));
   });
-  table.Put("/api/photos", [this](const Question& question) {
-    if (project_.run().running())
-      throw LockedError("a run is at work; add photographs when it is done");
-    project_.With([&](Snapshot& now) {
-      AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
-      return 0;
-    });
-    return JsonAnswer({{"added", true}});
-  });
+  table.Put(
+      "/api/photos",
+      [this](const Question& question) {
+        if (project_.run().running())
+          throw LockedError("a run is at work; add photographs when it is done");
+        project_.With([&](Snapshot& now) {
+          AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
+          return 0;
+        });
+        return JsonAnswer({{"added", true}});
+      },
+      Changes::kQuietly);
   table.Get("/api/photo", [this](const Question& question) {
     const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
     const fs::path source = project_.With([&](Snapshot& now) {
@@ -50,10 +53,13 @@ void PosesRoutes::AddTo(RouteTable& table) {
     });
     return PictureAnswer(PictureFile(project_.PictureFolder(), source, width));
   });
-  AddMasks();
+  table.Get("/api/cameras", [this](const Question& question) {
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));
+  });
 }
 
-void PosesRoutes::AddMeshes() {
+void PosesRoutes::AddMeshes(RouteTable& table) {
   const auto mesh_path = [this](const std::string& pose, MeshKind kind) {
     const auto path = project_.With([&](Snapshot& now) { return now.MeshPath(pose, kind); });
     if (!path) throw UsageError(fmt::format("pose '{}' has no {} yet", pose, NameOf(kind)));
@@ -80,7 +86,7 @@ void PosesRoutes::AddMeshes() {
   });
 }
 
-void PosesRoutes::AddTextures() {
+void PosesRoutes::AddTextures(RouteTable& table) {
   table.Get("/api/texture", [this](const Question& question) {
     const std::string pose = question.Need("pose");
     const auto path = project_.With([&](Snapshot& now) { return now.TexturePath(pose); });

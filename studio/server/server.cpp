@@ -10,8 +10,8 @@
 #include <fstream>
 #include <thread>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "studio/server/guard.h"
 #include "studio/server/page_files.h"
 #include "studio/server/routes.h"

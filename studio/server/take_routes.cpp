@@ -1,15 +1,15 @@
-// A recorded take on its page: shown as changes would make it, and kept as a new one.
+#include "studio/server/take_routes.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/take_use.h"
 #include "studio/server/armature_setup.h"
-#include "studio/server/routes.h"
 
 namespace keypose::studio {
 
@@ -63,55 +63,70 @@ std::string NewTakeName(const fs::path& project, const json& wanted) {
 
 }  // namespace
 
-void Routes::AddTakes() {
-  takes_ = std::make_unique<TakeDesk>(folder_);
-  Add("GET", "/api/armature/take/setup", [this](const Question& question) {
-    return JsonAnswer(SetupJsonOfTake(folder_, question.Need("take")));
+TakeRoutes::TakeRoutes(SharedProject& project) : PageRoutes(project), takes_(project.folder()) {}
+
+void TakeRoutes::AddTo(RouteTable& table) {
+  AddDrafts(table);
+  AddUses(table);
+}
+
+void TakeRoutes::AddDrafts(RouteTable& table) {
+  table.Get("/api/armature/take/setup", [this](const Question& question) {
+    return JsonAnswer(SetupJsonOfTake(project_.folder(), question.Need("take")));
   });
-  Add("POST", "/api/armature/take/open", [this](const Question& question) {
-    const json body = question.Json();
-    const ArmatureSetup setup = SetupToOpen(folder_, body);
-    takes_->MakeCharacter(setup);
-    if (body.contains("setup")) KeepSetupOfTake(folder_, setup);
-    json answer = {{"set", !setup.set.empty()}, {"texture", !setup.texture.empty()}};
-    answer["view"] = json::parse(ReadFile(takes_->CharacterFolder(setup.take) / "view.json"));
-    return JsonAnswer(answer);
-  });
-  Add("POST", "/api/armature/take/draft", [this](const Question& question) {
-    const json body = question.Json();
-    const ArmatureSetup setup = SetupOfTake(folder_, TakeName(body.at("take")));
-    return BytesAnswer(takes_->Draft(setup, EditsFrom(body), body.value("between", "")));
-  });
-  Add("POST", "/api/armature/take/save", [this](const Question& question) {
-    const json body = question.Json();
-    ArmatureSetup setup = SetupOfTake(folder_, TakeName(body.at("take")));
-    const EditLines edits = EditsFrom(body);
-    const std::string name = NewTakeName(folder_, body.at("name"));
-    takes_->Save(setup, edits, name);
-    setup.take = name;
-    KeepSetupOfTake(folder_, setup);
-    return JsonAnswer({{"take", name}});
-  });
-  AddTakeUses();
+  table.Post(
+      "/api/armature/take/open",
+      [this](const Question& question) {
+        const json body = question.Json();
+        const ArmatureSetup setup = SetupToOpen(project_.folder(), body);
+        takes_.MakeCharacter(setup);
+        if (body.contains("setup")) KeepSetupOfTake(project_.folder(), setup);
+        json answer = {{"set", !setup.set.empty()}, {"texture", !setup.texture.empty()}};
+        answer["view"] = json::parse(ReadFile(takes_.CharacterFolder(setup.take) / "view.json"));
+        return JsonAnswer(answer);
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/take/draft",
+      [this](const Question& question) {
+        const json body = question.Json();
+        const ArmatureSetup setup = SetupOfTake(project_.folder(), TakeName(body.at("take")));
+        return BytesAnswer(takes_.Draft(setup, EditsFrom(body), body.value("between", "")));
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/take/save",
+      [this](const Question& question) {
+        const json body = question.Json();
+        ArmatureSetup setup = SetupOfTake(project_.folder(), TakeName(body.at("take")));
+        const EditLines edits = EditsFrom(body);
+        const std::string name = NewTakeName(project_.folder(), body.at("name"));
+        takes_.Save(setup, edits, name);
+        setup.take = name;
+        KeepSetupOfTake(project_.folder(), setup);
+        return JsonAnswer({{"take", name}});
+      },
+      Changes::kQuietly);
 }
 
 /// Its baked frames as a part of the project.
-void Routes::AddTakeUses() {
+void TakeRoutes::AddUses(RouteTable& table) {
   const auto use = [this](const std::string& take) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return JsonAnswer(TakeUseJson(folder_, BakedTakeOf(SetupOfTake(folder_, take))));
+    return JsonAnswer(project_.WithFolder([&](const fs::path& folder) {
+      return TakeUseJson(folder, BakedTakeOf(SetupOfTake(folder, take)));
+    }));
   };
-  Add("GET", "/api/armature/take/use",
-      [use](const Question& question) { return use(question.Need("take")); });
-  Add("PUT", "/api/armature/take/use", [this, use](const Question& question) {
+  table.Get("/api/armature/take/use",
+            [use](const Question& question) { return use(question.Need("take")); });
+  table.Put("/api/armature/take/use", [this, use](const Question& question) {
     const json body = question.Json();
     const std::string take = TakeName(body.at("take"));
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      SaveTakeUse(folder_, BakedTakeOf(SetupOfTake(folder_, take)), body.at("use"), body.at("used"),
+    project_.WithFolder([&](const fs::path& folder) {
+      SaveTakeUse(folder, BakedTakeOf(SetupOfTake(folder, take)), body.at("use"), body.at("used"),
                   body.at("revision"));
-    }
-    stale_ = true;
+      return 0;
+    });
+    project_.Forget();
     return use(take);
   });
 }
