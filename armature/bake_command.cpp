@@ -9,7 +9,7 @@
 #include "armature/live/pose_text.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/live/puppet_files.h"
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"

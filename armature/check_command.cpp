@@ -7,7 +7,7 @@
 #include "armature/armature_commands.h"
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"

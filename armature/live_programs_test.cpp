@@ -15,7 +15,7 @@
 
 #include "armature/description/description_file.h"
 #include "armature/example/theropod.h"
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"

@@ -12,7 +12,7 @@
 #include "armature/example/theropod.h"
 #include "armature/puppet.h"
 #include "armature/recording/curve_edits.h"
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 #include "armature/simulation/simulated_box.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 
 namespace keypose::armature {
 

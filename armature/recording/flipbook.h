@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 
 namespace keypose::armature {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "armature/description/armature.h"
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 
 namespace keypose::armature {
 

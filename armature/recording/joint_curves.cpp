@@ -1,4 +1,4 @@
-#include "armature/recording/curves.h"
+#include "armature/recording/joint_curves.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

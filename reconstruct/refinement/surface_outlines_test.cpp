@@ -1,4 +1,4 @@
-#include "reconstruct/refinement/outlines.h"
+#include "reconstruct/refinement/surface_outlines.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "reconstruct/refinement/outlines.h"
+#include "reconstruct/refinement/surface_outlines.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 #include "reconstruct/numerics/weighted_median.h"
 #include "reconstruct/refinement/outline_constraints.h"
