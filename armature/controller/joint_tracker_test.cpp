@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "armature/controller/calibration.h"
-#include "armature/controller/gear_fit.h"
-#include "armature/description/description_file.h"
+#include "armature/controller/testing/arm.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
@@ -13,14 +11,6 @@ namespace keypose::armature::joint_tracker_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-Armature Arm() {
-  return DescriptionFile::Parse(
-             "node { name a axis 1 0 0 sensor 1 scale 25 node { name b axis 1 0 0 sensor 0 scale "
-             "-10 } }",
-             "arm.txt")
-      .armature();
-}
 
 /// Counts that were read at one moment.
 void TakeAt(JointTracker& tracker, const std::vector<std::int32_t>& counts, double time_s) {
@@ -153,58 +143,6 @@ TEST(JointTracker, SensorBeyondTheBoxIsAFault) {
     EXPECT_THAT(error.what(), HasSubstr("sensor 1 of 'a' (line 1 of the description) is beyond the "
                                         "controller's 1 sensors"));
   }
-}
-
-TEST(FitGear, FindsRatioAndOffsetAndWhatIsLeft) {
-  std::vector<KnownAngle> known;
-  for (const double value : {0.0, 0.5, 1.0, -1.5}) known.push_back({value, 1.004 * value + 0.01});
-  const GearFit fit = FitGear(known);
-  EXPECT_NEAR(fit.gear, 1.004, 1e-12);
-  EXPECT_NEAR(fit.offset, 0.01, 1e-12);
-  EXPECT_LT(fit.residual, 1e-12);
-  known[0].read += 0.001;
-  EXPECT_GT(FitGear(known).residual, 2e-4);
-}
-
-TEST(FitGear, OneAngleOrAWrongScaleIsAFault) {
-  EXPECT_THROW(FitGear({{0, 0}}), InputError);
-  EXPECT_THROW(FitGear({{0.3, 0}, {0.3, 0.1}}), InputError);
-  EXPECT_THROW(FitGear({{0, 0}, {1, -1}}), InputError);
-  EXPECT_THROW(FitGear({{0, 0}, {1, 25}}), InputError);
-}
-
-TEST(Calibration, IsReadAsWritten) {
-  const Armature arm = Arm();
-  const Calibration made{9, {{-70000000000, 0xFFFFFF, 1.004}, {3, 2, 1}}};
-  const Calibration read = ParseCalibration(CalibrationText(arm, made), "c.json", arm);
-  EXPECT_EQ(read.boot, 9);
-  EXPECT_EQ(read.sensors[0].counts, -70000000000);
-  EXPECT_EQ(read.sensors[0].raw, 0xFFFFFF);
-  EXPECT_EQ(read.sensors[0].gear, 1.004);
-  EXPECT_EQ(read.sensors[1].counts, 3);
-}
-
-TEST(Calibration, OfAnotherDescriptionIsAFault) {
-  const Armature arm = Arm();
-  Armature other = arm;
-  other.nodes[1].name = "c";
-  const std::string text = CalibrationText(other, {9, std::vector<SensorState>(2)});
-  try {
-    ParseCalibration(text, "c.json", arm);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("c.json: it has no joint 'b' with sensor 0"));
-  }
-  std::vector<std::string> fresh;
-  Calibration made{9, {{500, 400, 1.004}, {3, 2, 1.01}}};
-  made = FittingCalibration(CalibrationText(other, made), "c.json", arm, &fresh);
-  EXPECT_THAT(fresh, ElementsAre("b"));
-  EXPECT_EQ(made.boot, 9);
-  EXPECT_EQ(made.sensors[0].gear, 1.004);
-  EXPECT_EQ(made.sensors[1].gear, 1);
-  EXPECT_THROW(ParseCalibration("{}", "c.json", arm), InputError);
-  EXPECT_THROW(ParseCalibration("[1", "c.json", arm), InputError);
-  EXPECT_THROW(ParseCalibration(std::string(100000, '['), "c.json", arm), InputError);
 }
 
 }  // namespace keypose::armature::joint_tracker_test

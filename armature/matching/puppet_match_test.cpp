@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "armature/matching/carried_frames.h"
 #include "armature/matching/testing/spines.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
@@ -248,45 +247,6 @@ TEST(PuppetMatcher, BadValuesThrowInputError) {
   std::vector<double> values(9, 0);
   values[3] = std::nan("");
   EXPECT_THROW(matcher.Update(values), InputError);
-}
-
-TEST(Skeleton, ClipGivesNamedJointsWithZUp) {
-  MotionClip clip;
-  clip.joints = {
-      {"hips", -1, {0, 1, 0}, {}}, {"spine", 0, {0, 0.5, 0.1}, {}}, {"", 1, {0, 1, 0}, {}}};
-  const Skeleton skeleton = SkeletonOfClip(clip, true);
-  EXPECT_EQ(skeleton.joints[2].name, "spine_end");
-  EXPECT_LT((skeleton.joints[2].rest - Vector3d(0, -0.1, 2.5)).norm(), 1e-15);
-  clip.joints[1].name = "hips";
-  EXPECT_THROW(SkeletonOfClip(clip, true), InputError);
-  EXPECT_THROW(SkeletonOfClip({}, true), InputError);
-}
-
-TEST(Skeleton, ArmatureGivesASkeletonThatFollowsIt) {
-  const Spine spine = MakeSpine({1, 2, 1.5});
-  const auto frames = ForwardKinematics(spine.armature, {0, 0, 0});
-  const Skeleton skeleton = SkeletonOfArmature(spine.armature, spine.plan, frames);
-  ASSERT_EQ(skeleton.size(), 4);
-  EXPECT_EQ(skeleton.joints[0].name, "near");
-  EXPECT_EQ(skeleton.joints[3].name, "far");
-  PuppetMatcher matcher(spine.armature, spine.plan, skeleton, {}, {});
-  const SkeletonPose& pose = matcher.Update({0.3, -0.4, 0.2});
-  const auto posed = ForwardKinematics(spine.armature, {0.3, -0.4, 0.2});
-  EXPECT_LT((pose.joints.row(3).transpose() - posed.back().translation).norm(), 1e-12);
-}
-
-TEST(TurnsAlong, PartsTakeTheMeanOfTheirPieces) {
-  PointsX3 points = PointsX3::Zero(3, 3);
-  points(1, 1) = 1, points(2, 1) = 2;
-  const auto about_y = [](double angle) {
-    return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitY()));
-  };
-  Quaterniond second = about_y(1);
-  second.coeffs() *= -1;  // the same turn
-  const auto turns = TurnsAlong(Polyline(points), {about_y(0), second}, Eigen::Vector3d(1, 2, 1));
-  EXPECT_LT(turns[0].angularDistance(about_y(0)), 1e-9);
-  EXPECT_LT(turns[1].angularDistance(about_y(0.5)), 1e-9);
-  EXPECT_LT(turns[2].angularDistance(about_y(1)), 1e-9);
 }
 
 }  // namespace keypose::armature::puppet_match_test

@@ -1,19 +1,17 @@
-// One chain along one curve.
-#include "armature/matching/chain_match.h"
-
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "armature/matching/chain_match.h"
 #include "armature/matching/closing.h"
 #include "armature/matching/match_parts.h"
+#include "armature/matching/testing/curves.h"
 #include "armature/matching/testing/spines.h"
-#include "core/values/angles.h"
 #include "core/values/errors.h"
 
-namespace keypose::armature::chain_match_test {
+namespace keypose::armature::both_ends_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -21,56 +19,6 @@ using Eigen::VectorXd;
 ChainMatch BothEnds(const Polyline& curve, const VectorXd& lengths,
                     const MatchOptions& options = {}) {
   return MatchBothEnds(curve, lengths, {}, nullptr, options);
-}
-
-/// A hook of pieces of different lengths, and their lengths.
-Polyline Hook() {
-  PointsX3 points(5, 3);
-  points << 0, 0, 0, 0, 2, 0, 0.5, 3, 0, 1.5, 3.5, 0.5, 2.5, 3, 1;
-  return Polyline(points);
-}
-VectorXd PiecesOf(const Polyline& curve) {
-  VectorXd pieces(curve.points().rows() - 1);
-  for (Eigen::Index p = 0; p < pieces.size(); ++p)
-    pieces[p] = curve.ends()[p + 1] - curve.ends()[p];
-  return pieces;
-}
-
-TEST(Polyline, NearestPointOnPartStaysInThePart) {
-  const Polyline curve = Hook();
-  const Polyline::Foot foot = curve.Nearest(Vector3d(1, 0.5, 0), 0, curve.length());
-  EXPECT_NEAR(foot.at, 0.5, 1e-14);
-  EXPECT_NEAR(foot.squared_distance, 1, 1e-14);
-  EXPECT_TRUE(foot.along.isApprox(Vector3d::UnitY()));
-  const Polyline::Foot held = curve.Nearest(Vector3d(1, 0.5, 0), 1.25, curve.length());
-  EXPECT_NEAR(held.at, 1.25, 1e-14);
-  EXPECT_EQ(held.along, Vector3d(Vector3d::Zero()));
-}
-
-TEST(Polyline, TooFewOrBrokenPointsThrowInputError) {
-  EXPECT_THROW(Polyline(PointsX3::Zero(1, 3)), InputError);
-  PointsX3 broken = PointsX3::Zero(2, 3);
-  broken(1, 2) = std::nan("");
-  EXPECT_THROW(Polyline{broken}, InputError);
-}
-
-TEST(MatchGreedily, SameChainLiesOnItsCurve) {
-  const Polyline curve = Hook();
-  const ChainMatch match = MatchGreedily(curve, PiecesOf(curve));
-  EXPECT_LT((match.joints - curve.points()).norm(), 1e-12);
-  EXPECT_LT(match.far_gap, 1e-12);
-}
-
-TEST(MatchGreedily, NearAnchorIsExactJointsTouchTheCurveAndTheErrorEndsFar) {
-  const Polyline curve = Hook();
-  const VectorXd lengths = VectorXd::Constant(4, 1.06 * curve.length() / 4);
-  const ChainMatch match = MatchGreedily(curve, lengths);
-  EXPECT_EQ(match.near_gap, 0);
-  for (int k = 1; k < 4; ++k)
-    EXPECT_LT(curve.Nearest(match.joints.row(k), 0, curve.length()).squared_distance, 1e-24) << k;
-  EXPECT_GT(match.far_gap, 0.05 * curve.length());
-  // Beyond the curve's end the last direction is kept.
-  EXPECT_NEAR(match.directions.row(3).dot(match.directions.row(2)), 1, 0.2);
 }
 
 TEST(MatchBothEnds, SameChainLiesOnItsCurve) {
@@ -343,20 +291,6 @@ TEST(Unreachable, ChainComesStraightWithoutAJump) {
   }
 }
 
-TEST(CloseChain, CircleReachesEveryReachableDistance) {
-  const Eigen::Vector4d lengths(0.3, 2, 1.1, 0.4);
-  for (double distance = 0.2001; distance < 3.8; distance += 0.1) {
-    const Vector3d span = distance * Vector3d(1, 2, -1).normalized();
-    ASSERT_EQ(ReachOf(lengths, distance), Reach::kReachable) << distance;
-    const Directions u = RodsOnCircle(lengths, span, Vector3d::UnitX());
-    Vector3d sum = Vector3d::Zero();
-    for (int i = 0; i < 4; ++i) sum += lengths[i] * u[i];
-    EXPECT_LT((sum - span).norm(), 1e-9) << distance;
-  }
-  EXPECT_EQ(ReachOf(lengths, 0.19), Reach::kTooNear);
-  EXPECT_EQ(ReachOf(lengths, 3.81), Reach::kTooFar);
-}
-
 TEST(MatchBothEnds, BadInputThrowsInputError) {
   const Polyline curve = Hook();
   EXPECT_THROW(BothEnds(curve, VectorXd()), InputError);
@@ -368,4 +302,4 @@ TEST(MatchBothEnds, BadInputThrowsInputError) {
   EXPECT_THROW(MatchGreedily(curve, Eigen::Vector2d(1, 0)), InputError);
 }
 
-}  // namespace keypose::armature::chain_match_test
+}  // namespace keypose::armature::both_ends_test

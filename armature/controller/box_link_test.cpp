@@ -1,81 +1,14 @@
-// The host's side of the protocol against the firmware's, on a line that can be made to fail.
 #include "armature/controller/box_link.h"
 
 #include <gtest/gtest.h>
 
-#include <map>
-#include <memory>
 #include <random>
 #include <utility>
 
 #include "armature/firmware/keypose_box.h"
+#include "armature/firmware/testing/box_bench.h"
 
 namespace keypose::armature::box_link_test {
-
-struct Bench final : keypose_box::Sensors, keypose_box::Line {
-  explicit Bench(int sensors) : counts(sensors), flags(sensors) {}
-  void Latch() override { ++latches; }
-  std::int32_t Count(std::uint16_t sensor) override { return counts[sensor]; }
-  void SetCount(std::uint16_t sensor, std::int32_t count) override {
-    counts[sensor] = count;
-    ++sets;
-  }
-  std::uint8_t Flags(std::uint16_t sensor) override { return flags[sensor]; }
-  void Put(std::uint8_t byte) override { sent.push_back(static_cast<char>(byte)); }
-
-  std::vector<std::int32_t> counts;
-  std::vector<std::uint8_t> flags;
-  std::string sent;
-  int latches = 0, sets = 0;
-};
-
-/// Bytes go straight to the box and back, if they are not lost.
-class DirectLine final : public ByteLine {
- public:
-  explicit DirectLine(int sensors) : bench(sensors), cards(MakeCards(sensors)) { Restart(1); }
-  void Restart(int boot) {
-    box = std::make_unique<keypose_box::Box>(bench, bench, cards.data(),
-                                             static_cast<std::uint8_t>(cards.size()),
-                                             static_cast<std::uint16_t>(boot));
-  }
-  void Write(std::string_view bytes) override {
-    box->LineIsQuiet();
-    for (const char byte : Damaged(std::string(bytes))) box->Take(static_cast<std::uint8_t>(byte));
-    last_reply = bench.sent.size();
-    const std::string reply = std::exchange(bench.sent, {});
-    if (!reply.empty() && lose_replies > 0)
-      --lose_replies;
-    else
-      arrived += Damaged(reply);
-  }
-  std::string Read(double) override { return std::exchange(arrived, {}); }
-
-  Bench bench;
-  std::vector<keypose_box::Card> cards;
-  std::unique_ptr<keypose_box::Box> box;
-  double damage = 0;  ///< share of bytes that are changed or lost
-  int lose_replies = 0;
-  std::size_t last_reply = 0;
-
- private:
-  static std::vector<keypose_box::Card> MakeCards(int sensors) {
-    std::vector<keypose_box::Card> made;
-    for (int left = sensors; left > 0; left -= 16)
-      made.push_back({keypose_box::kEncoders, static_cast<std::uint8_t>(std::min(left, 16))});
-    return made;
-  }
-  std::string Damaged(std::string bytes) {
-    std::string result;
-    for (const char byte : bytes) {
-      const double luck = static_cast<double>(random_() % 100000) / 100000;
-      if (luck < damage / 2) continue;
-      result.push_back(luck < damage ? static_cast<char>(random_()) : byte);
-    }
-    return result;
-  }
-  std::string arrived;
-  std::mt19937 random_{11};
-};
 
 const LinkOptions kHasty{0.001, 60};
 
@@ -221,34 +154,6 @@ TEST(BoxLink, ReadsFlagsWhenThereIsAnAlarm) {
   link.Update();
   EXPECT_TRUE(link.alarm());
   EXPECT_EQ(link.ReadFlags()[17], kFlagNoSignal);
-}
-
-TEST(Box, AnswersAreRefusalsWhereARequestIsOfAWrongForm) {
-  DirectLine line(4);
-  const auto reply_to = [&](const WireFrame& request) {
-    line.Write(EncodeFrame(request));
-    WireFrameReader reader;
-    reader.Push(line.Read(0));
-    return reader.Next();
-  };
-  for (const auto& [kind, payload] : std::map<int, std::string>{
-           {0x01, "x"}, {0x02, "x"}, {0x03, "xxx"}, {0x04, "x"}, {0x05, "\x02"}, {0x06, "x"}}) {
-    const auto reply = reply_to({static_cast<std::uint8_t>(kind), 1, payload});
-    ASSERT_TRUE(reply) << kind;
-    EXPECT_EQ(reply->kind, 0xFF) << kind;
-    EXPECT_EQ(reply->payload, "\x02") << kind;
-  }
-  EXPECT_EQ(reply_to({0x33, 1, ""})->payload, "\x01");
-}
-
-TEST(Box, AnyBytesLeaveItWhole) {
-  DirectLine line(74);
-  std::mt19937 random(9);
-  for (int i = 0; i < 300000; ++i)
-    line.box->Take(static_cast<std::uint8_t>(random() % 7 ? random() : 0xA5));
-  line.bench.sent.clear();
-  BoxLink link(line);
-  EXPECT_EQ(link.Greet().sensors, 74);
 }
 
 }  // namespace keypose::armature::box_link_test
