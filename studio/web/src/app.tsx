@@ -1,36 +1,13 @@
 // The bar at the top, and the page that the address names.
-import type { FunctionComponent } from 'preact'
 import { useEffect, useState } from 'preact/hooks'
 
 import { api } from './api'
-import type { Project } from './api'
-import { ArmaturePage } from './pages/armature'
-import { CamerasPage } from './pages/cameras'
-import { ExportPage } from './pages/export'
-import { FilmsPage } from './pages/films'
-import { LandmarksPage } from './pages/landmarks'
-import { MotionPage } from './pages/motion'
+import { Bar } from './bar'
+import { kPages, pageAt, pagesOf } from './page_table'
 import { NewProjectPage } from './pages/new_project'
 import { useUpload } from './pages/new_project/upload'
-import { PosesPage } from './pages/poses'
-import { RunPage } from './pages/run'
-import { ShootPage } from './pages/shoot'
-import { ShotPage } from './pages/shot'
-import { TimelinePage } from './pages/timeline'
 import { StudioState, useStudio } from './state'
-import { Bar } from './bar'
 import { duration, percent } from './words'
-
-const kPages: { path: string; name: string; page: FunctionComponent }[] = [
-  { path: 'shoot', name: 'Shoot', page: ShootPage },
-  { path: 'poses', name: 'Poses', page: PosesPage },
-  { path: 'run', name: 'Run', page: RunPage },
-  { path: 'landmarks', name: 'Landmarks', page: LandmarksPage },
-  { path: 'timeline', name: 'Timeline', page: TimelinePage },
-  { path: 'shot', name: 'Shot', page: ShotPage },
-  { path: 'armature', name: 'Armature', page: ArmaturePage },
-  { path: 'export', name: 'Report & export', page: ExportPage },
-]
 
 function useRoute(): string {
   const read = () => location.hash.replace(/^#\/?/, '').split('/')[0] || 'poses'
@@ -102,44 +79,20 @@ function RunState() {
   )
 }
 
-/** A performance has no photographs of poses, no landmarks and no keys to show, but its motion. */
-const kPerformancePages: typeof kPages = [
-  { path: 'cameras', name: 'Cameras', page: CamerasPage },
-  { path: 'films', name: 'Films', page: FilmsPage },
-  { path: 'motion', name: 'Motion', page: MotionPage },
-  ...kPages.filter((one) => one.path === 'run' || one.path === 'export'),
-]
-
-/** Takes of a puppet alone: no pose was photographed. */
-const kTakePages = kPages.filter((one) => ['armature', 'run', 'export'].includes(one.path))
-
-function pagesOf(project: Project): typeof kPages {
-  if (project.kind === 'performance') return kPerformancePages
-  const takesOnly = project.poses.length === 0 && !project.empty && project.problem === ''
-  return takesOnly ? kTakePages : kPages
-}
-
 function Shell() {
   const { project } = useStudio()
   const route = useRoute()
-  const all = pagesOf(project)
-  // The second page of either is the one to begin with.
-  const current = all.find((one) => one.path === route) ?? all[all === kTakePages ? 0 : 1]
+  const current = pageAt(project, route)
   useEffect(() => {
     document.title = `${current.name} · ${project.name || 'Keypose studio'}`
   }, [current, project.name])
   // A project exists from its first photograph on; the page that sends them stays until the last.
   const sending = useUpload() !== null
   const isNew = sending || project.empty
-  // A folder without a project is filled from files, by a camera, or from an armature.
-  const shoots = (route === 'shoot' || route === 'armature') && !sending
-  const Page = isNew && !shoots ? NewProjectPage : current.page
-  const newPages = [
-    kPages[0],
-    { path: 'poses', name: 'From files' },
-    { path: 'armature', name: 'Armature' },
-  ]
-  const pages = isNew ? newPages : all
+  const early = sending ? undefined : current.early
+  const Page = isNew ? (early?.page ?? NewProjectPage) : current.page
+  const newPages = kPages.flatMap(({ path, early: its }) => (its ? { path, name: its.name } : []))
+  const pages = isNew ? newPages : pagesOf(project)
   return (
     <>
       <header class="top">
@@ -164,7 +117,7 @@ function Shell() {
           <ThemeButton />
         </div>
       </header>
-      {project.problem && !isNew && current.page !== CamerasPage ? (
+      {project.problem && !isNew && !current.needsNoPlan ? (
         <main class="empty">
           <h1>pipeline.yaml has a mistake</h1>
           <pre>{project.problem}</pre>
