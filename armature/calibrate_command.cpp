@@ -236,11 +236,14 @@ class Calibrator {
   LineInput input_;
 };
 
-int Calibrate(const CalibrateFlags& flags) {
+CalibrationUse UseOf(const CalibrateFlags& flags) {
+  if (flags.wiggle) return CalibrationUse::kNotNeeded;
   const bool keeps = flags.verify || !flags.known.empty();
-  Puppet puppet(flags.puppet, flags.wiggle ? CalibrationUse::kNotNeeded
-                              : keeps      ? CalibrationUse::kKept
-                                           : CalibrationUse::kMade);
+  return keeps ? CalibrationUse::kKept : CalibrationUse::kMade;
+}
+
+int Calibrate(const CalibrateFlags& flags) {
+  Puppet puppet(flags.puppet, UseOf(flags));
   Calibrator calibrator(flags, puppet);
   if (flags.verify)
     calibrator.Verify();

@@ -97,8 +97,10 @@ class BodyBuilder {
     mesh.points.resize(SizeOf(points_), 3);
     mesh.colors.resize(SizeOf(points_), 3);
     mesh.faces.resize(SizeOf(faces_), 3);
-    for (int v = 0; v < SizeOf(points_); ++v)
-      mesh.points.row(v) = points_[v], mesh.colors.row(v) = colors_[v];
+    for (int v = 0; v < SizeOf(points_); ++v) {
+      mesh.points.row(v) = points_[v];
+      mesh.colors.row(v) = colors_[v];
+    }
     for (int f = 0; f < SizeOf(faces_); ++f) mesh.faces.row(f) = faces_[f];
     return mesh;
   }

@@ -80,9 +80,11 @@ Mesh MakeTheropodSet() { return TableAndLamp(); }
 
 FilmedShot MakeTheropodShot(int width, int height, int frames) {
   FilmedShot shot;
-  shot.camera.width = width, shot.camera.height = height;
+  shot.camera.width = width;
+  shot.camera.height = height;
   shot.camera.fx = shot.camera.fy = 1.25 * width;
-  shot.camera.cx = 0.5 * width, shot.camera.cy = 0.5 * height;
+  shot.camera.cx = 0.5 * width;
+  shot.camera.cy = 0.5 * height;
   shot.fps = 24;
   for (int f = 0; f < frames; ++f) {
     ShotFrame frame;

@@ -71,10 +71,12 @@ MatrixXd FilmValues(const MatrixXd& recorded, int step, Between between) {
     for (Index f = 0; f < film.rows(); ++f) {
       const Index a = f / step, b = std::min(a + 1, count - 1);
       const double t = static_cast<double>(f % step) / step;
-      film(f, j) = t == 0 ? values[a]
-                   : between == Between::kLinear
-                       ? (1 - t) * values[a] + t * values[b]
-                       : CubicAt(values[a], values[b], slopes[a], slopes[b], t);
+      if (t == 0)
+        film(f, j) = values[a];
+      else if (between == Between::kLinear)
+        film(f, j) = (1 - t) * values[a] + t * values[b];
+      else
+        film(f, j) = CubicAt(values[a], values[b], slopes[a], slopes[b], t);
     }
   }
   return film;

@@ -64,9 +64,9 @@ PuppetOptions OptionsOf(const PuppetChoices& choices) {
   PuppetOptions options;
   options.greedy = choices.method == "greedy";
   options.match.calm_weight = choices.calm;
-  options.match.unreachable = choices.unreachable == "near"  ? Unreachable::kKeepNear
-                              : choices.unreachable == "far" ? Unreachable::kKeepFar
-                                                             : Unreachable::kSplit;
+  options.match.unreachable = Unreachable::kSplit;
+  if (choices.unreachable == "near") options.match.unreachable = Unreachable::kKeepNear;
+  if (choices.unreachable == "far") options.match.unreachable = Unreachable::kKeepFar;
   return options;
 }
 

@@ -218,9 +218,9 @@ ChainMatch Straight(const Polyline& curve, const VectorXd& lengths, Reach reach,
   double reached = 0;
   for (Eigen::Index i = 0; i < lengths.size(); ++i)
     reached += lengths[i] * along.dot(directions[i]);
-  const double share = policy == Unreachable::kKeepNear  ? 0
-                       : policy == Unreachable::kKeepFar ? 1
-                                                         : 0.5;
+  double share = 0.5;
+  if (policy == Unreachable::kKeepNear) share = 0;
+  if (policy == Unreachable::kKeepFar) share = 1;
   ChainMatch match =
       Measured(curve, lengths, directions, start + share * (span.norm() - reached) * along);
   match.reachable = std::abs(span.norm() - reached) <= 1e-12 * lengths.sum();

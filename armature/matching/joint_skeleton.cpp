@@ -38,9 +38,8 @@ Skeleton SkeletonOfClip(const MotionClip& clip, bool y_up) {
     SkeletonJoint made;
     made.parent = joint.parent;
     const bool root = joint.parent < 0;
-    made.name = !joint.name.empty() ? joint.name
-                : root              ? "root"
-                                    : skeleton.joints[joint.parent].name + "_end";
+    made.name = joint.name;
+    if (made.name.empty()) made.name = root ? "root" : skeleton.joints[joint.parent].name + "_end";
     const Vector3d& o = joint.offset;
     made.rest = y_up ? Vector3d(o.x(), -o.z(), o.y()) : o;
     if (!root) made.rest += skeleton.joints[joint.parent].rest;

@@ -101,7 +101,8 @@ class EditLine {
                                         : WholeNumber<int>(word.substr(dash + 1));
     if (!first || !last || *first < 0 || *last < *first)
       Refuse(fmt::format("'{}' is no frame, and no frames such as 3-6", word));
-    edit->first = *first, edit->last = *last;
+    edit->first = *first;
+    edit->last = *last;
   }
   double Amount(int joint) {
     const std::string word = Next("an amount");
@@ -236,8 +237,9 @@ EditUnit EditUnitOf(const Armature& armature, int joint) {
   if (armature.nodes[armature.joints[joint]].kind == NodeKind::kJoint) return {kDegree, "degrees"};
   const double metres = armature.metres_per_unit;
   if (metres <= 0) return {1, ""};
-  const char* name = metres == 0.001 ? "mm" : metres == 0.01 ? "cm" : metres == 0.0254 ? "in" : "m";
-  return {metres, name};
+  for (const EditUnit& unit : {EditUnit{0.001, "mm"}, {0.01, "cm"}, {0.0254, "in"}})
+    if (metres == unit.size) return unit;
+  return {metres, "m"};
 }
 
 JointCurves EditedCurves(const Armature& armature, JointCurves curves,
