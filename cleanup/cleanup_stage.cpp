@@ -96,12 +96,11 @@ std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
   using keypose::cleanup::GroundKind;
   const keypose::ImageSet set = keypose::ReadImageSet(stage.Input("images"));
   const double height = set.floor.value_or(0);
+  const GroundKind without_board = set.floor ? GroundKind::kFloor : GroundKind::kGuessed;
   const Lowered on_ground = Lower(surface, sight.views, height);
   const keypose::cleanup::Standing standing =
       keypose::cleanup::StandsOnGround(on_ground.surface, on_ground.views, sight.masks,
-                                       set.board   ? GroundKind::kBoard
-                                       : set.floor ? GroundKind::kFloor
-                                                   : GroundKind::kGuessed);
+                                       set.board ? GroundKind::kBoard : without_board);
   stage.Report("stands_on_ground", standing.stands);
   stage.Report("outlines_end_at", standing.contact);
   if (standing.stands) return height;

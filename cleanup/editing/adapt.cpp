@@ -216,7 +216,9 @@ Vector3d Remesher::FittedPlace(Vertex v,
   Vector3d right = Vector3d::Zero();
   for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(v), mesh_)) {
     const std::array<Vertex, 3> c = Corners(mesh_.face(h));
-    const int corner = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    int corner = 2;
+    if (c[1] == v) corner = 1;
+    if (c[0] == v) corner = 0;
     const double area = editor_.Cross(mesh_.face(h)).norm();
     for (int k = 0; k < 4; ++k) {
       const SurfaceOffset& offset = offsets[mesh_.face(h)][k];

@@ -27,7 +27,11 @@ struct Quadric {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
   double c = 0;
-  void Add(const Quadric& o) { a += o.a, b += o.b, c += o.c; }
+  void Add(const Quadric& o) {
+    a += o.a;
+    b += o.b;
+    c += o.c;
+  }
   double At(const Vector3d& x) const { return x.dot(a * x) + 2 * b.dot(x) + c; }
 };
 
@@ -35,7 +39,9 @@ struct Collapse {
   float cost;
   int a, b;
   bool operator<(const Collapse& o) const {
-    return cost != o.cost ? cost < o.cost : a != o.a ? a < o.a : b < o.b;
+    if (cost != o.cost) return cost < o.cost;
+    if (a != o.a) return a < o.a;
+    return b < o.b;
   }
 };
 
@@ -148,7 +154,9 @@ bool Decimation::StarHolds(int v, int other, const Vector3d& x) const {
   for (int i = begin_[v]; i < begin_[v + 1]; ++i) {
     const Eigen::Vector3i& t = faces_[fan_[i]];
     if (t[0] == other || t[1] == other || t[2] == other) continue;
-    const int k = t[0] == v ? 0 : t[1] == v ? 1 : 2;
+    int k = 2;
+    if (t[1] == v) k = 1;
+    if (t[0] == v) k = 0;
     const Vector3d p = points_.row(t[(k + 1) % 3]), q = points_.row(t[(k + 2) % 3]),
                    old = points_.row(v);
     const Vector3d before = (p - old).cross(q - old), after = (p - x).cross(q - x);

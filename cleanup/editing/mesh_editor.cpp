@@ -220,8 +220,10 @@ void Editor::MendThinFaces(double least_deg, int rounds) {
       const Vertex corner = mesh.target(mesh.next(sides[0]));
       Vector3d sum = Vector3d::Zero();
       int count = 0;
-      for (const Halfedge h : CGAL::halfedges_around_target(mesh.halfedge(corner), mesh))
-        sum += mesh.point(mesh.source(h)), ++count;
+      for (const Halfedge h : CGAL::halfedges_around_target(mesh.halfedge(corner), mesh)) {
+        sum += mesh.point(mesh.source(h));
+        ++count;
+      }
       if (!Move(corner, 0.5 * (mesh.point(corner) + sum / count)))
         Collapse(mesh.edge(sides[1]), 1e9);
     }

@@ -23,10 +23,16 @@ using Edges = std::vector<std::pair<int, int>>;
 struct Adjacency {
   std::vector<int> begin, other;
   Adjacency(int vertices, const Edges& edges) : begin(vertices + 1, 0), other(2 * edges.size()) {
-    for (const auto& [a, b] : edges) ++begin[a + 1], ++begin[b + 1];
+    for (const auto& [a, b] : edges) {
+      ++begin[a + 1];
+      ++begin[b + 1];
+    }
     for (int v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
     std::vector<int> at(begin.begin(), begin.end() - 1);
-    for (const auto& [a, b] : edges) other[at[a]++] = b, other[at[b]++] = a;
+    for (const auto& [a, b] : edges) {
+      other[at[a]++] = b;
+      other[at[b]++] = a;
+    }
   }
 };
 

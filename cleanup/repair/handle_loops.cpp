@@ -54,13 +54,16 @@ Graph::Graph(const Mesh& closed) : mesh_(closed), begin_(closed.vertex_count() +
     const auto& [a, b, f] = sides[i];
     links_.push_back(
         {a, b, (closed.points.row(a) - closed.points.row(b)).norm(), {f, sides[i + 1][2]}});
-    ++begin_[a + 1], ++begin_[b + 1];
+    ++begin_[a + 1];
+    ++begin_[b + 1];
   }
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   incident_.resize(2 * links_.size());
   std::vector<int> at(begin_.begin(), begin_.end() - 1);
-  for (int i = 0; i < std::ssize(links_); ++i)
-    incident_[at[links_[i].a]++] = i, incident_[at[links_[i].b]++] = i;
+  for (int i = 0; i < std::ssize(links_); ++i) {
+    incident_[at[links_[i].a]++] = i;
+    incident_[at[links_[i].b]++] = i;
+  }
 }
 
 // Dijkstra. In pieces without `root` it starts at their first vertex.
@@ -122,7 +125,8 @@ std::vector<std::vector<int>> Graph::Loops(int root) const {
     int shared = -1;
     while (!left.empty() && !right.empty() && left.back() == right.back()) {
       shared = left.back();
-      left.pop_back(), right.pop_back();
+      left.pop_back();
+      right.pop_back();
     }
     left.push_back(shared);
     left.insert(left.end(), right.rbegin(), right.rend());

@@ -64,6 +64,17 @@ PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
   return centers;
 }
 
+SizeRules RulesOf(const CleanupOptions& options, bool wrapped) {
+  SizeRules rules;
+  rules.faces = options.faces;
+  rules.follow_curvature = options.remesh == "adaptive";
+  if (wrapped) {
+    rules.exponent = RepairTuning::kWrapExponent;
+    rules.growth = RepairTuning::kWrapGrowth;
+  }
+  return rules;
+}
+
 }  // namespace
 
 bool Acceptable(const Mesh& mesh) {
@@ -222,11 +233,7 @@ Mesh RepairStrategies::WithBetterAngles(const Mesh& mesh, double enough_deg) {
 }
 
 std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
-  SizeRules rules;
-  rules.faces = options_.faces;
-  rules.follow_curvature = options_.remesh == "adaptive";
-  if (wrapped_)
-    rules.exponent = RepairTuning::kWrapExponent, rules.growth = RepairTuning::kWrapGrowth;
+  const SizeRules rules = RulesOf(options_, wrapped_);
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces
                          ? Decimated(base, static_cast<int>(kStartFaces * rules.faces))
@@ -242,7 +249,10 @@ std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
     if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
       Mesh better = WithBetterAngles(*mended, RepairTuning::kGoodAngleDeg);
       if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
-      if (!with_slivers) with_slivers = std::move(better), result_with_slivers = result_;
+      if (!with_slivers) {
+        with_slivers = std::move(better);
+        result_with_slivers = result_;
+      }
     }
     Refine(base, FaceCenters(mesh, IntersectingFaces(mesh)), 3, sizes);
   }
