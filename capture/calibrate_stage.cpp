@@ -39,8 +39,8 @@ StageSpec Spec() {
   spec.summary =
       "Lenses and places of fixed cameras, from films of a calibration board or from points of "
       "known place.";
-  spec.title = "Cameras of the films",
-  .inputs = {
+  spec.title = "Cameras of the films";
+  spec.inputs = {
       {"video", "folder",
        "films of a moved board that begin together: one folder of numbered pictures, or one video, "
        "for each camera",

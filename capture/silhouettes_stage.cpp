@@ -31,8 +31,8 @@ StageSpec Spec() {
   spec.name = "silhouettes";
   spec.version = "4";
   spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
-  spec.title = "Masks of the films",
-  .inputs = {
+  spec.title = "Masks of the films";
+  spec.inputs = {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera, and background/CAMERA.jpg "
        "where there is a picture of the empty set",

@@ -23,8 +23,8 @@ StageSpec Spec() {
   spec.name = "locate";
   spec.version = "8";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
-  spec.title = "Camera of the shot",
-  .inputs = {
+  spec.title = "Camera of the shot";
+  spec.inputs = {
       {"frames", "folder", "the animation's meshes (frame_0000.ply, ...)", "", true, false},
       {"mesh", "file", "instead: the mesh of each pose that the film shows", "", true, true},
       {"textures", "path", "the texture, or a folder whose first picture it is", "", true, false},

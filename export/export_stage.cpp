@@ -152,8 +152,7 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
 double RateOf(const fs::path& frames, const ExportOptions& options) {
   if (options.fps > 0) return options.fps;
   const double own = keypose::FrameRateOf(frames);
-  const bool usable =
-      own >= keypose::exporting::kLeastRate && own <= keypose::exporting::kMostRate;
+  const bool usable = own >= keypose::exporting::kLeastRate && own <= keypose::exporting::kMostRate;
   return usable ? own : kUsualRate;
 }
 
@@ -193,15 +192,15 @@ int main(int argc, char** argv) {
   spec.name = "export";
   spec.version = "10";
   spec.summary = "Writes the animation in the formats of other programs.";
-  spec.title = "Export",
-  .inputs = {{"frames", "folder", "frame_0000.ply, ... of one connectivity, and distortion.json",
-              "", false, false},
-             {"textures", "path",
-              "of each key on the timeline, in order, in the frames' UV layout; or one for "
-              "all; or a folder with one for each frame",
-              "", true, true},
-             {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
-              true, false}};
+  spec.title = "Export";
+  spec.inputs = {{"frames", "folder",
+                  "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
+                 {"textures", "path",
+                  "of each key on the timeline, in order, in the frames' UV layout; or one for "
+                  "all; or a folder with one for each frame",
+                  "", true, true},
+                 {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
+                  true, false}};
   spec.outputs = {{"animation", "folder", "the files of each format, textures/, animation.json",
                    "animation", false, false}};
   spec.cores = 0;

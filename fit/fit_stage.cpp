@@ -40,21 +40,22 @@ StageSpec Spec() {
   spec.name = "fit";
   spec.version = "10";
   spec.summary = "Bends the template into a few photographs of another pose.";
-  spec.title = "Bent into photographs",
-  .measurements = {{"matches", "features matched to the template"},
-                   {"outline_gap_px", "distance of outlines and masks", "px"},
-                   {"correlation", "correlation of grey values"},
-                   {"volume_ratio", "volume over the template's", "", 0.9, 1.1},
-                   {"unseen", "surface in no photograph", "share", -kAnyNumber, 0.4}},
-  .inputs = {{"template", "file", "the unwrapped template (.obj)", ""},
-             {"texture", "file",
-              "the template's texture; without one, outlines and picks alone are fitted", "", true},
-             {"images", "folder", "photographs of the pose, from capture", ""},
-             {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
-             {"stiffness", "file",
-              "the template with painted greys (.ply), or a number for each vertex", "", true},
-             {"landmarks", "file", "picks in photographs of the pose, after picks of the template",
-              "", true, true}};
+  spec.title = "Bent into photographs";
+  spec.measurements = {{"matches", "features matched to the template"},
+                       {"outline_gap_px", "distance of outlines and masks", "px"},
+                       {"correlation", "correlation of grey values"},
+                       {"volume_ratio", "volume over the template's", "", 0.9, 1.1},
+                       {"unseen", "surface in no photograph", "share", -kAnyNumber, 0.4}};
+  spec.inputs = {
+      {"template", "file", "the unwrapped template (.obj)", ""},
+      {"texture", "file",
+       "the template's texture; without one, outlines and picks alone are fitted", "", true},
+      {"images", "folder", "photographs of the pose, from capture", ""},
+      {"rig", "folder", "the template's cameras, from sfm: the lens, and the rig", ""},
+      {"stiffness", "file", "the template with painted greys (.ply), or a number for each vertex",
+       "", true},
+      {"landmarks", "file", "picks in photographs of the pose, after picks of the template", "",
+       true, true}};
   spec.outputs = {
       {"fitted", "file", "the template in the pose (.obj or .ply)", "fitted.obj"},
       {"model", "folder", "the cameras of the pose's photographs (COLMAP)", "model", true},

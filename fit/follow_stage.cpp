@@ -33,12 +33,12 @@ StageSpec Spec() {
   spec.name = "follow";
   spec.version = "2";
   spec.summary = "Bends a moving mesh, frame by frame, until it agrees with the films.";
-  spec.title = "Surface from the films",
-  .measurements = {{"iou_before_mean", "overlap with the masks before bending, mean", "IoU"},
-                   {"iou_mean", "overlap with the masks, mean", "IoU"},
-                   {"iou_least", "overlap with the masks, least", "IoU"},
-                   {"flipped", "faces turned over", "", -kAnyNumber, 0}},
-  .inputs = MovingMeshPorts();
+  spec.title = "Surface from the films";
+  spec.measurements = {{"iou_before_mean", "overlap with the masks before bending, mean", "IoU"},
+                       {"iou_mean", "overlap with the masks, mean", "IoU"},
+                       {"iou_least", "overlap with the masks, least", "IoU"},
+                       {"flipped", "faces turned over", "", -kAnyNumber, 0}};
+  spec.inputs = MovingMeshPorts();
   spec.inputs.push_back({"texture", "file",
                          "the mesh's own texture, which is then compared with the films too", "",
                          true, false});

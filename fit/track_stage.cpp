@@ -44,14 +44,14 @@ StageSpec Spec() {
   spec.name = "track";
   spec.version = "9";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
-  spec.title = "Tracked body",
-  .measurements = {{"frames", "frames"},
-                   {"cameras", "cameras"},
-                   {"iou_mean", "overlap with the masks, mean", "IoU", 0.9},
-                   {"iou_least", "overlap with the masks, least", "IoU"},
-                   {"limbs_found_again", "limbs lost and found again"},
-                   {"actor_height_m", "height of the actor", "m"}},
-  .inputs = {
+  spec.title = "Tracked body";
+  spec.measurements = {{"frames", "frames"},
+                       {"cameras", "cameras"},
+                       {"iou_mean", "overlap with the masks, mean", "IoU", 0.9},
+                       {"iou_least", "overlap with the masks, least", "IoU"},
+                       {"limbs_found_again", "limbs lost and found again"},
+                       {"actor_height_m", "height of the actor", "m"}};
+  spec.inputs = {
       {"video", "folder",
        "one folder of numbered pictures, or one video, for each camera; masks/ and background/ "
        "beside them",

@@ -30,8 +30,8 @@ StageSpec Spec() {
   spec.name = "interpolate";
   spec.version = "7";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
-  spec.title = "In-betweens",
-  .inputs = {
+  spec.title = "In-betweens";
+  spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
       {"timeline", "file",
        "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume",

@@ -36,13 +36,14 @@ StageSpec Spec() {
   spec.name = "animate";
   spec.version = "2";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
-  spec.title = "Motion of a clip",
-  .inputs = {{"clip", "file", "motion clip (.bvh)", "", false, false},
-             {"mesh", "file", "the rig's mesh, in the pose in which it is bound", "", false, false},
-             {"skeleton", "file", "the rig's bones (.mhskel or .tgf)", "", false, false},
-             {"weights", "file", "the bones' weights (.mhw or .dmat)", "", false, false},
-             {"joints", "file", "table of the clip's joints and the rig's bones (.json)", "", true,
-              false}};
+  spec.title = "Motion of a clip";
+  spec.inputs = {
+      {"clip", "file", "motion clip (.bvh)", "", false, false},
+      {"mesh", "file", "the rig's mesh, in the pose in which it is bound", "", false, false},
+      {"skeleton", "file", "the rig's bones (.mhskel or .tgf)", "", false, false},
+      {"weights", "file", "the bones' weights (.mhw or .dmat)", "", false, false},
+      {"joints", "file", "table of the clip's joints and the rig's bones (.json)", "", true,
+       false}};
   spec.outputs = {
       {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false},
       {"reference", "file", "the mesh as it is bound, upright (.ply)", "reference.ply", true,

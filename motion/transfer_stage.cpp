@@ -42,10 +42,11 @@ StageSpec Spec() {
   spec.name = "transfer";
   spec.version = "4";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
-  spec.title = "Moving scan",
-  .measurements = {{"marks", "marks"},
-                   {"volume_deviation", "largest change of volume", "share", -kAnyNumber, 0.02}},
-  .inputs = {
+  spec.title = "Moving scan";
+  spec.measurements = {
+      {"marks", "marks"},
+      {"volume_deviation", "largest change of volume", "share", -kAnyNumber, 0.02}};
+  spec.inputs = {
       {"template", "folder", "frames of the moving template: frame_0000.ply, ...", "", false,
        false},
       {"target", "file", "the mesh that shall move", "", false, false},

@@ -35,7 +35,8 @@ StageSpec Spec() {
   spec.name = "video3d";
   spec.version = "3";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
-  spec.title = "Painted by the films", .inputs = MovingMeshPorts();
+  spec.title = "Painted by the films";
+  spec.inputs = MovingMeshPorts();
   spec.inputs.push_back(
       {"texture", "file", "the mesh's own texture, for what no camera ever sees", "", true, false});
   spec.inputs.push_back(

@@ -133,12 +133,12 @@ int main(int argc, char** argv) {
   spec.summary =
       "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured "
       "cloud.";
-  spec.title = "Depth",
-  .measurements = {{"points", "dense points"},
-                   {"cpu_seconds", "CPU time", "s"},
-                   {"completeness_mean", "completeness"}},
-  .inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
-             {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
+  spec.title = "Depth";
+  spec.measurements = {{"points", "dense points"},
+                       {"cpu_seconds", "CPU time", "s"},
+                       {"completeness_mean", "completeness"}};
+  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
+                 {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
   spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"},
                   {.name = "picture",
                    .kind = "file",

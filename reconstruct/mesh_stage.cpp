@@ -76,11 +76,12 @@ int main(int argc, char** argv) {
   spec.name = "mesh";
   spec.version = "5";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
-  spec.title = "Surface", .measurements = {{"faces", "Poisson faces"}},
-  .inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
-             {"images", "folder", "photographs and masks, which show windows; with model", "", true,
-              false},
-             {"model", "folder", "COLMAP model of the cameras", "", true, false}};
+  spec.title = "Surface";
+  spec.measurements = {{"faces", "Poisson faces"}};
+  spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
+                 {"images", "folder", "photographs and masks, which show windows; with model", "",
+                  true, false},
+                 {"model", "folder", "COLMAP model of the cameras", "", true, false}};
   spec.outputs = {
       {"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
   spec.cores = 1;

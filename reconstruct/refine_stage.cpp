@@ -52,15 +52,15 @@ int main(int argc, char** argv) {
   spec.name = "refine";
   spec.version = "3";
   spec.summary = "Moves the surface along its normals to the best photometric consistency.";
-  spec.title = "Fine detail",
-  .measurements = {{"moved_95_footprints", "shift of the surface by the photographs, 95 %", "px"},
-                   {"outline_gap_px", "distance of outlines and masks", "px"},
-                   {"evidence", "surface determined by photographs", "share", 0.08},
-                   {"shading_error_after", "difference of its brightness to the photographs",
-                    "share"}},
-  .inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
-             {"model", "folder", "COLMAP model of the cameras, as sfm makes it"},
-             {"surface", "file", "triangle mesh, as mesh makes it"}};
+  spec.title = "Fine detail";
+  spec.measurements = {
+      {"moved_95_footprints", "shift of the surface by the photographs, 95 %", "px"},
+      {"outline_gap_px", "distance of outlines and masks", "px"},
+      {"evidence", "surface determined by photographs", "share", 0.08},
+      {"shading_error_after", "difference of its brightness to the photographs", "share"}};
+  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
+                 {"model", "folder", "COLMAP model of the cameras, as sfm makes it"},
+                 {"surface", "file", "triangle mesh, as mesh makes it"}};
   spec.outputs = {{"refined", "file", "the surface's faces and colours, moved", "refined.ply"}};
   spec.memory_gib = 2;
   spec.common = {"max_size", "rounds", "shading"};

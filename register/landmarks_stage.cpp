@@ -28,8 +28,8 @@ StageSpec Spec() {
   spec.summary =
       "Suggests pairs of landmarks between two poses; a person confirms them. (To bind picks to "
       "their mesh: keypose landmarks bind --help.)";
-  spec.title = "Landmarks",
-  .inputs = {
+  spec.title = "Landmarks";
+  spec.inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
       {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},

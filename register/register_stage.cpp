@@ -34,22 +34,21 @@ StageSpec Spec() {
   spec.name = "register";
   spec.version = "6";
   spec.summary = "Bends the template onto a pose: same vertices and faces, new positions.";
-  spec.title = "Registration",
-  .measurements = {{"flipped", "flipped triangles"},
-                   {"flipped_clearly", "clearly flipped triangles"},
-                   {"degenerate", "degenerate triangles", "", -kAnyNumber, 0},
-                   {"iterations", "iterations"},
-                   {"landmarks", "landmarks"},
-                   {"landmark_mean_over_diag", "landmark residual, mean", "diagonal", -kAnyNumber,
-                    0.03},
-                   {"landmark_max_over_diag", "landmark residual, largest", "diagonal"},
-                   {"surface_rms_over_diag", "distance to the target, rms", "diagonal", -kAnyNumber,
-                    0.004},
-                   {"target_coverage", "target covered", "share"},
-                   {"self_intersections_gained", "self-intersections gained"},
-                   {"stretch_low", "stretch, 1 %", "", 0.4},
-                   {"stretch_high", "stretch, 99 %", "", -kAnyNumber, 2.5}},
-  .inputs = {
+  spec.title = "Registration";
+  spec.measurements = {
+      {"flipped", "flipped triangles"},
+      {"flipped_clearly", "clearly flipped triangles"},
+      {"degenerate", "degenerate triangles", "", -kAnyNumber, 0},
+      {"iterations", "iterations"},
+      {"landmarks", "landmarks"},
+      {"landmark_mean_over_diag", "landmark residual, mean", "diagonal", -kAnyNumber, 0.03},
+      {"landmark_max_over_diag", "landmark residual, largest", "diagonal"},
+      {"surface_rms_over_diag", "distance to the target, rms", "diagonal", -kAnyNumber, 0.004},
+      {"target_coverage", "target covered", "share"},
+      {"self_intersections_gained", "self-intersections gained"},
+      {"stretch_low", "stretch, 1 %", "", 0.4},
+      {"stretch_high", "stretch, 99 %", "", -kAnyNumber, 2.5}};
+  spec.inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
       {"landmarks", "file", "pairs, or picks of source and target", "", true, true},

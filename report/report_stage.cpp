@@ -38,8 +38,8 @@ StageSpec Spec() {
   spec.version = "16";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
-  spec.title = "Report",
-  .inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
+  spec.title = "Report";
+  spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
   spec.memory_gib = 2;
   return spec;

@@ -25,15 +25,15 @@ StageSpec Spec() {
   spec.version = "8";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
-  spec.title = "Textures",
-  .measurements = {{"unseen_fraction", "texels unseen", "share", -kAnyNumber, 0.25},
-                   {"views_used", "views used"},
-                   {"mean_views_per_texel", "views a texel"},
-                   {"psnr_gain_db", "PSNR to photographs", "dB"},
-                   {"held_out_psnr_db", "PSNR to photographs left out", "dB"},
-                   {"held_out_psnr_gain_db", "... after one gain per channel", "dB"},
-                   {"held_out_ssim", "SSIM to photographs left out"}},
-  .inputs = {
+  spec.title = "Textures";
+  spec.measurements = {{"unseen_fraction", "texels unseen", "share", -kAnyNumber, 0.25},
+                       {"views_used", "views used"},
+                       {"mean_views_per_texel", "views a texel"},
+                       {"psnr_gain_db", "PSNR to photographs", "dB"},
+                       {"held_out_psnr_db", "PSNR to photographs left out", "dB"},
+                       {"held_out_psnr_gain_db", "... after one gain per channel", "dB"},
+                       {"held_out_ssim", "SSIM to photographs left out"}};
+  spec.inputs = {
       {"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
       {"images", "folder", "photographs and masks, as capture makes them", "", true},
       {"model", "folder", "COLMAP model with the cameras", "", true},

@@ -19,14 +19,15 @@ StageSpec Spec() {
   spec.summary =
       "Fills surface that a pose's photographs do not show from the other poses' textures, in "
       "the pose's own light.";
-  spec.title = "Texture gaps",
-  .measurements = {{"unseen_fraction", "texels unseen in all poses", "share", -kAnyNumber, 0.25}},
-  .inputs = {{"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
-             {"texture", "file", "the pose's own texture, from bake", ""},
-             {"confidence", "file", "how well photographs show its texels, from bake", ""},
-             {"textures", "file", "textures of the other poses; the pose's own one is ignored", "",
-              true, true},
-             {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
+  spec.title = "Texture gaps";
+  spec.measurements = {
+      {"unseen_fraction", "texels unseen in all poses", "share", -kAnyNumber, 0.25}};
+  spec.inputs = {{"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
+                 {"texture", "file", "the pose's own texture, from bake", ""},
+                 {"confidence", "file", "how well photographs show its texels, from bake", ""},
+                 {"textures", "file", "textures of the other poses; the pose's own one is ignored",
+                  "", true, true},
+                 {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
   spec.outputs = {{"completed", "file", "the completed texture (.png)", "texture.png"}};
   spec.memory_gib = 2;
   return spec;
