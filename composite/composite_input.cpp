@@ -87,7 +87,9 @@ void ReadLooks(StageContext& stage, CompositeInput* input) {
         "composite: the frames have no texture coordinates, so the textures cannot be laid on; "
         "make the frames from the unwrapped template, or leave the textures out for a character of "
         "one colour");
-  looks.faces = first.faces, looks.uvs = first.uvs, looks.uv_faces = first.uv_faces;
+  looks.faces = first.faces;
+  looks.uvs = first.uvs;
+  looks.uv_faces = first.uv_faces;
   const std::vector<fs::path> paths = stage.Inputs("textures");
   std::vector<std::string> contents;
   std::vector<int> of_key;
@@ -170,10 +172,14 @@ void LookAtKind(StageContext& stage, CompositeInput* input) {
     deep += stored.bits > 8;
     const double share = stored.alpha ? TransparentShare(picture.path) : 0;
     keyed += share > 0;
-    if (share > most) most = share, clearest = PrintableName(picture.path.filename());
+    if (share > most) {
+      most = share;
+      clearest = PrintableName(picture.path.filename());
+    }
   }
   kind = KindOf(input->film.front().path);
-  kind.bits = deep > 0 ? 16 : 8, kind.keyed = keyed > 0;
+  kind.bits = deep > 0 ? 16 : 8;
+  kind.keyed = keyed > 0;
   if (deep > 0 && deep < SizeOf(input->film))
     stage.Warn(fmt::format(
         "composite: {} of {} filmed frames have more than 8 bits, the others 8; what is rendered "
@@ -276,7 +282,10 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
     RequireSize(path, input->shot.camera, "the plate");
     input->given_plate = ReadLevels(path);
     WarnOfShallowPlate(stage, *input, path);
-    if (input->film.empty()) input->kind = KindOf(path), input->kind.ending = ".png";
+    if (input->film.empty()) {
+      input->kind = KindOf(path);
+      input->kind.ending = ".png";
+    }
   }
 }
 
@@ -337,7 +346,9 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
 
 Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
   Film film;
-  film.given_plate = input.given_plate, film.holdout = input.holdout, film.set = input.set;
+  film.given_plate = input.given_plate;
+  film.holdout = input.holdout;
+  film.set = input.set;
   if (input.moving_plates)
     film.plate_at = [plates = input.moving_plates.get()](int animation) {
       return plates->At(animation);
@@ -352,7 +363,8 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
     for (int a = 0; a < SizeOf(geometry.anchors()); ++a) {
       const ShotFrame& located = input.shot.frames[geometry.anchors()[a].shot_frame];
       if (located.frame != input.film[i].frame) continue;
-      picture.anchor = a, picture.keyed = !located.pose.empty();
+      picture.anchor = a;
+      picture.keyed = !located.pose.empty();
     }
     film.pictures.push_back(picture);
   }

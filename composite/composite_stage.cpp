@@ -143,12 +143,9 @@ void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
       worst->figures.psnr_db, worst->picture, edge);
   const bool good = worst->figures.psnr_db >= 28 && edge <= 1,
              usable = worst->figures.psnr_db >= 22 && edge <= 2.5;
-  stage.Verdict(
-      "shot",
-      good     ? "good"
-      : usable ? "look"
-               : "wrong",
-      good ? figures : figures + "; look at compare/, and locate the shot again where it is off");
+  if (good) return stage.Verdict("shot", "good", figures);
+  stage.Verdict("shot", usable ? "look" : "wrong",
+                figures + "; look at compare/, and locate the shot again where it is off");
 }
 
 /// Of rendered pictures.
@@ -181,9 +178,11 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   ReportLessons(stage, lessons);
   OutputOptions output;
   output.compose = {options.samples, options.shutter, options.shadow, options.grain};
-  output.ending = EndingOf(options.format, input), output.video = options.video;
+  output.ending = EndingOf(options.format, input);
+  output.video = options.video;
   NoteEndings(stage, input, output.ending);
-  output.compare = options.compare, output.blender = options.blender;
+  output.compare = options.compare;
+  output.blender = options.blender;
   const std::filesystem::path folder = stage.Output("pictures");
   const Written written =
       WriteShot(folder, input, geometry, film, lessons, output, stage.progress());

@@ -200,8 +200,10 @@ void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs:
                LocateInput& input) {
   const ImageInfo info = ReadImageInfo(first);
   Camera& camera = input.camera;
-  camera.width = info.width, camera.height = info.height;
-  camera.cx = info.width / 2.0, camera.cy = info.height / 2.0;
+  camera.width = info.width;
+  camera.height = info.height;
+  camera.cx = info.width / 2.0;
+  camera.cy = info.height / 2.0;
   const double longer = std::max(info.width, info.height);
   double focal_35mm = kUsualFocal35mm;
   if (options.focal_35mm > 0) {
@@ -296,7 +298,8 @@ void AddPlates(const Companions& companions, LocateInput& input) {
 /// A rate that the user gives wins over the video's own.
 void SetRate(StageContext& stage, double given, LocateInput& input) {
   const double own = input.film->fps();
-  input.fps = given > 0 ? given : own > 0 ? own : kUsualFps;
+  input.fps = own > 0 ? own : kUsualFps;
+  if (given > 0) input.fps = given;
   if (own > 0 && std::abs(input.fps / own - 1) > 1e-3)
     stage.Warn(
         fmt::format("locate: the video has {:g} pictures a second, but they are taken for {:g}; if "

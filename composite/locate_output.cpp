@@ -24,7 +24,8 @@ constexpr int kJitterStep = 23;    // of the vertices
 Camera WholeCamera(const LocateInput& input, const Camera& found) {
   Camera camera = input.camera;
   const double factor = found.fx / input.shot.camera.fx;
-  camera.fx *= factor, camera.fy *= factor;
+  camera.fx *= factor;
+  camera.fy *= factor;
   camera.k1 = found.k1;
   return camera;
 }
@@ -182,7 +183,8 @@ void ReportShot(StageContext& stage, const LocateInput& input, const LocatedShot
                     {"drift_p95_px", drift.p95},
                     {"drift_p95_over_diag", share}});
     contour += frame.contour_px / input.scale / SizeOf(located.frames);
-    iou = std::min(iou, frame.iou), drift_share = std::max(drift_share, share);
+    iou = std::min(iou, frame.iou);
+    drift_share = std::max(drift_share, share);
     features += frame.method == "features";
   }
   stage.ReportJson("frames", list.dump());

@@ -64,7 +64,8 @@ MovingPlate MovingPlates::At(int animation) {
   if (!first || !second) return {Read(*(first ? first : second))};
   const double share = 1.0 * (picture - before) / (after - before);
   PlateBetweenTwo between = PlateBetween(Read(*first), Read(*second), share);
-  ++made, doubtful = std::max(doubtful, between.doubtful);
+  ++made;
+  doubtful = std::max(doubtful, between.doubtful);
   const double kept = share * share + (1 - share) * (1 - share);
   return {std::move(between.picture), static_cast<float>(1 - kept), between.doubtful};
 }

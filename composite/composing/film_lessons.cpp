@@ -181,10 +181,16 @@ class Lesson {
     for (const Looked& look : looked_) {
       const ImageF alpha = film_.alpha(look.picture->film);
       for (std::size_t i = 0; i < sum.data.size(); ++i)
-        if (look.away.data[i] <= 127) sum.data[i] += alpha.data[i], count.data[i] += 1;
+        if (look.away.data[i] <= 127) {
+          sum.data[i] += alpha.data[i];
+          count.data[i] += 1;
+        }
     }
     double all = 0, seen = 0;
-    for (std::size_t i = 0; i < sum.data.size(); ++i) all += sum.data[i], seen += count.data[i];
+    for (std::size_t i = 0; i < sum.data.size(); ++i) {
+      all += sum.data[i];
+      seen += count.data[i];
+    }
     const float most = 2 * all > seen ? 1.0f : 0.0f;
     for (std::size_t i = 0; i < sum.data.size(); ++i)
       sum.data[i] = count.data[i] > 0 ? sum.data[i] / count.data[i] : most;
@@ -210,7 +216,8 @@ class Lesson {
     const Vector3d& eye = world_from_camera.translation;
     const double height = (eye - table_.origin).dot(table_.up);
     std::vector<std::pair<Vector3d, double>> all;
-    const ImageF& brighter = other ? other->light : moves() ? look.moving_plate : given_;
+    const ImageF& plate = moves() ? look.moving_plate : given_;
+    const ImageF& brighter = other ? other->light : plate;
     for (int y = 2; y < look.light.height - 2; y += 3)
       for (int x = 2; x < look.light.width - 2; x += 3) {
         if (*look.away.at(x, y) > 127 || (other && *other->away.at(x, y) > 127)) continue;
@@ -224,8 +231,10 @@ class Lesson {
         if (full > kLeastLight && light > 0) all.emplace_back(place, 1 - light / full);
       }
     const std::size_t step = std::max<std::size_t>(1, all.size() / kShadowSamples);
-    for (std::size_t i = step / 2; i < all.size(); i += step)
-      samples.places.push_back(all[i].first), samples.lost.push_back(all[i].second);
+    for (std::size_t i = step / 2; i < all.size(); i += step) {
+      samples.places.push_back(all[i].first);
+      samples.lost.push_back(all[i].second);
+    }
     return samples;
   }
 
@@ -351,7 +360,10 @@ class Lesson {
     double least = std::numeric_limits<double>::infinity();
     for (const double sigma : {0.0, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.7}) {
       const double error = ErrorOf(*look, Blurred(layer, sigma));
-      if (error < least) least = error, lessons_.blur_px = sigma;
+      if (error < least) {
+        least = error;
+        lessons_.blur_px = sigma;
+      }
     }
   }
 

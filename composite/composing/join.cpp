@@ -54,7 +54,10 @@ double EdgeShift(const Image8& rendered, const Image8& filmed, const Eigen::Vect
   double best = 0, least = SumOfSquares(mine, ProfileOf(filmed, at, normal, 0, kProfile));
   for (double shift = -kMostShift; shift <= kMostShift + 1e-9; shift += kShiftStep) {
     const double cost = SumOfSquares(mine, ProfileOf(filmed, at, normal, shift, kProfile));
-    if (cost < least) least = cost, best = shift;
+    if (cost < least) {
+      least = cost;
+      best = shift;
+    }
   }
   return best;
 }
@@ -78,7 +81,8 @@ void MeasureEdges(const Image8& rendered, const Image8& filmed, const ImageF& co
       ++all;
       const double shift = EdgeShift(rendered, filmed, {x + 0.5, y + 0.5}, normal.normalized());
       if (std::isnan(shift)) continue;
-      sum += std::abs(shift), ++measured;
+      sum += std::abs(shift);
+      ++measured;
     }
   if (measured) figures->edge_px = sum / measured;
   if (all) figures->edge_share = static_cast<double>(measured) / all;
@@ -113,7 +117,8 @@ double PsnrWithin(const Image8& a, const Image8& b, const int box[4]) {
     for (int x = box[0]; x < box[2]; ++x)
       for (int c = 0; c < 3; ++c) {
         const double d = static_cast<double>(a.at(x, y)[c]) - b.at(x, y)[c];
-        sum += d * d, ++count;
+        sum += d * d;
+        ++count;
       }
   if (count == 0 || sum == 0) return 99;
   return std::min(99.0, 10 * std::log10(255.0 * 255.0 * count / sum));
@@ -122,12 +127,15 @@ double PsnrWithin(const Image8& a, const Image8& b, const int box[4]) {
 JoinFigures MeasureJoin(const Image8& rendered, const Image8& filmed, const ImageF& coverage) {
   JoinFigures figures;
   int* box = figures.box;
-  box[0] = coverage.width, box[1] = coverage.height;
+  box[0] = coverage.width;
+  box[1] = coverage.height;
   for (int y = 0; y < coverage.height; ++y)
     for (int x = 0; x < coverage.width; ++x) {
       if (*coverage.at(x, y) < 0.5f) continue;
-      box[0] = std::min(box[0], x), box[2] = std::max(box[2], x + 1);
-      box[1] = std::min(box[1], y), box[3] = std::max(box[3], y + 1);
+      box[0] = std::min(box[0], x);
+      box[2] = std::max(box[2], x + 1);
+      box[1] = std::min(box[1], y);
+      box[3] = std::max(box[3], y + 1);
     }
   if (box[2] == 0) return {};
   for (int k = 0; k < 2; ++k) {

@@ -129,7 +129,9 @@ Ground ShotGeometry::Table() const {
     high = high.cwiseMax(points.colwise().maxCoeff().transpose());
   }
   Ground table;
-  table.up = up, table.right = up.unitOrthogonal(), table.back = up.cross(table.right);
+  table.up = up;
+  table.right = up.unitOrthogonal();
+  table.back = up.cross(table.right);
   const Eigen::Vector3d middle = 0.5 * (low + high);
   table.origin = middle + (height - middle.dot(up)) * up;
   table.diagonal = std::max((high - low).norm(), 1e-9);

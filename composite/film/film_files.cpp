@@ -46,7 +46,8 @@ FilmFiles::FilmFiles(const fs::path& film) : film_(film) {
     return;
   }
   const MovieHeader header = ReadMovieHeader(film);
-  fps_ = header.fps, codec_ = header.codec;
+  fps_ = header.fps;
+  codec_ = header.codec;
   scratch_ = NewFolder();
   for (int i = 0; i < header.frames; ++i)
     pictures_.push_back({i, scratch_ / fmt::format("{:04}.png", i), i});
@@ -60,7 +61,8 @@ FilmFiles::~FilmFiles() {
 void FilmFiles::Decode(const std::vector<int>& frames, Progress* progress) {
   if (!is_video()) return;
   FrameSource source;
-  source.video = film_, source.frames = SizeOf(pictures_);
+  source.video = film_;
+  source.frames = SizeOf(pictures_);
   FrameReader reader(source);
   int done = 0;
   for (const int frame : frames) {

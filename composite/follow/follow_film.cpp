@@ -119,8 +119,10 @@ class Follower {
             break;
           }
       }
-    for (const auto& [to, from] : grown)
-      faces_.hits[to] = faces_.hits[from], faces_.ring[to] = ring;
+    for (const auto& [to, from] : grown) {
+      faces_.hits[to] = faces_.hits[from];
+      faces_.ring[to] = ring;
+    }
   }
 
   bool Counts(std::size_t i) const {
@@ -162,7 +164,8 @@ class Follower {
     double evidence = 0, seen = 0;
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
       const auto& sum = sums[f];
-      evidence += sum.trace(), seen += sum.trace() > 0;
+      evidence += sum.trace();
+      seen += sum.trace() > 0;
       for (int i = 0; i < 6; ++i)
         for (int k = 0; k < 6; ++k) {
           const int row = 2 * faces(f, i / 2) + i % 2, column = 2 * faces(f, k / 2) + k % 2;
@@ -187,7 +190,9 @@ class Follower {
       };
       const Vector2d g = 0.5 * (slope(made_) + slope(filmed_));
       const double residual = made_.at(x, y)[c] - filmed_.at(x, y)[c];
-      products += g * g.transpose(), pull += residual * g, square += residual * residual;
+      products += g * g.transpose();
+      pull += residual * g;
+      square += residual * residual;
     }
     const double scale2 = 3 * FollowTuning::kOutlier * FollowTuning::kOutlier;
     const double w = std::pow(scale2 / (scale2 + square), 2);
@@ -206,10 +211,12 @@ class Follower {
     for (const auto& [a, b] : edges_)
       for (int k = 0; k < 2; ++k) {
         const int i = 2 * a + k, j = 2 * b + k;
-        entries->emplace_back(i, i, stiffness), entries->emplace_back(j, j, stiffness);
+        entries->emplace_back(i, i, stiffness);
+        entries->emplace_back(j, j, stiffness);
         entries->emplace_back(std::max(i, j), std::min(i, j), -stiffness);
         const double pull = stiffness * (shifts_(a, k) - shifts_(b, k));
-        (*right)[i] -= pull, (*right)[j] += pull;
+        (*right)[i] -= pull;
+        (*right)[j] += pull;
       }
     for (Eigen::Index v = 0; v < points_.rows(); ++v)
       for (int k = 0; k < 2; ++k) {
@@ -254,7 +261,9 @@ class Follower {
     for (Eigen::Index v = 0; v < points_.rows(); ++v) {
       if (!seen_[v]) continue;
       const double size = shifts_.row(v).norm();
-      result.mean_px += size, result.most_px = std::max(result.most_px, size), ++count;
+      result.mean_px += size;
+      result.most_px = std::max(result.most_px, size);
+      ++count;
     }
     if (count > 0) result.mean_px /= count;
     return result;

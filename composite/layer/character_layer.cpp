@@ -65,7 +65,8 @@ ImageF RenderLayer(const Character& character, const PointsX3& points, const Ray
             turn * rays.At(x, y, (i % along + 0.5) / along, (i / along + 0.5) / along);
         const RayScene::Hit hit = scene.Cast(eye, ray, 0, to_table(ray));
         if (hit.face < 0 || (props && props->Occluded(eye, ray, 0, hit.distance))) continue;
-        sum += LightAt(character, gains, hit), ++hits;
+        sum += LightAt(character, gains, hit);
+        ++hits;
       }
       float* pixel = layer.at(x, y);
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(sum[c] / (along * along));

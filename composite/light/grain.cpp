@@ -18,7 +18,9 @@ constexpr double kMostAlike = 0.6;
 /// Stored levels are whole numbers: a median of their differences knows no fractions. A hash of the
 /// place spreads each over its level.
 float Spread(std::uint64_t key) {
-  key ^= key >> 31, key *= 0x9e3779b97f4a7c15ULL, key ^= key >> 29;
+  key ^= key >> 31;
+  key *= 0x9e3779b97f4a7c15ULL;
+  key ^= key >> 29;
   return static_cast<float>(key & 0xffff) / 65536.0f - 0.5f;
 }
 
@@ -76,11 +78,12 @@ void FillBins(const std::array<double, Grain::kBins>& known, double otherwise,
     (*sigma)[bin] = otherwise;
     for (int away = 0; away < Grain::kBins; ++away) {
       const int low = bin - away, high = bin + away;
-      const double found = low >= 0 && known[low] >= 0               ? known[low]
-                           : high < Grain::kBins && known[high] >= 0 ? known[high]
-                                                                     : -1;
-      if (found < 0) continue;
-      (*sigma)[bin] = found;
+      if (low >= 0 && known[low] >= 0)
+        (*sigma)[bin] = known[low];
+      else if (high < Grain::kBins && known[high] >= 0)
+        (*sigma)[bin] = known[high];
+      else
+        continue;
       break;
     }
   }
@@ -127,7 +130,8 @@ std::optional<Grain> MeasureGrain(const Image8& a, const Image8& b, const Image8
         known[bin] = SigmaOf(far.by_level[bin], share_b);
     const double over_all = SigmaOf(far.all, share_b);
     FillBins(known, over_all, &grain.sigma[c]);
-    far_sum += over_all * over_all, near_sum += std::pow(SigmaOf(near.all, share_b), 2);
+    far_sum += over_all * over_all;
+    near_sum += std::pow(SigmaOf(near.all, share_b), 2);
   }
   if (far_sum > 0) grain.neighbours = std::clamp(1 - near_sum / far_sum, 0.0, kMostAlike);
   return grain;

@@ -79,8 +79,14 @@ TwoWeights Solve(const Rows& rows, const Eigen::VectorXd& lamp) {
     const double determinant = ss * ll - sl * sl;
     best.sky = determinant > 1e-12 * ss * ll ? (sy * ll - ly * sl) / determinant : sy / ss;
     best.lamp = determinant > 1e-12 * ss * ll ? (ly * ss - sy * sl) / determinant : 0;
-    if (best.sky < 0) best.sky = 0, best.lamp = ly / ll;
-    if (best.lamp < 0) best.lamp = 0, best.sky = sy / ss;
+    if (best.sky < 0) {
+      best.sky = 0;
+      best.lamp = ly / ll;
+    }
+    if (best.lamp < 0) {
+      best.lamp = 0;
+      best.sky = sy / ss;
+    }
     best.sky = std::clamp(best.sky, 0.0, kMostStrength);
     best.lamp = std::clamp(best.lamp, 0.0, kMostStrength);
     const Eigen::ArrayXd residual = (best.sky * rows.sky + best.lamp * lamp - rows.lost).array();
@@ -134,7 +140,9 @@ class LampSearch {
     const TwoWeights found =
         Solve(rows_, HiddenFrom(frames_, ground_, lamp, rays, rows_.lost.size()));
     if (found.cost >= cost_) return;
-    cost_ = found.cost, place_ = place, weights_ = found;
+    cost_ = found.cost;
+    place_ = place;
+    weights_ = found;
   }
 
   const std::vector<ShadowSamples>& frames_;

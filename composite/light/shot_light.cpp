@@ -69,7 +69,8 @@ bool SolveChannel(const std::vector<ObservedGains>& frames, int channel,
         const double w = frame.weights[v] * robust;
         normal.noalias() += w * h * h.transpose();
         right += w * frame.gains(v, channel) * h;
-        total += frame.weights[v], error += frame.weights[v] * std::min(residual * residual, 1.0);
+        total += frame.weights[v];
+        error += frame.weights[v] * std::min(residual * residual, 1.0);
       }
     if (total <= 0) return false;
     for (int k = 1; k < 9; ++k) normal(k, k) += kRidge * total;
@@ -94,11 +95,16 @@ PointsX3 SpreadRest(const PointsX3& rest, const Eigen::VectorXd& weights,
     PointsX3 sum = PointsX3::Constant(rest.rows(), 3, kPull);
     Eigen::VectorXd total = Eigen::VectorXd::Constant(rest.rows(), kPull);
     for (const auto& [a, b] : edges) {
-      sum.row(a) += kSpread * now.row(b), sum.row(b) += kSpread * now.row(a);
-      total[a] += kSpread, total[b] += kSpread;
+      sum.row(a) += kSpread * now.row(b);
+      sum.row(b) += kSpread * now.row(a);
+      total[a] += kSpread;
+      total[b] += kSpread;
     }
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-      if (weights[v] > 0) sum.row(v) += weights[v] * rest.row(v), total[v] += weights[v];
+      if (weights[v] > 0) {
+        sum.row(v) += weights[v] * rest.row(v);
+        total[v] += weights[v];
+      }
       now.row(v) = sum.row(v) / total[v];
     }
   }

@@ -82,11 +82,15 @@ FilmPlan PlanFilm(const FilmedShot& shot, const std::vector<int>& film_frames,
     if (shown >= 0 && shown < animation.frame_count) picture.animation = shown;
     if (filmed != film_frames.end()) {
       before = static_cast<int>(filmed - film_frames.begin());
-      picture.kind = PictureKind::kFilmed, picture.filmed = before, ++plan.filmed;
+      picture.kind = PictureKind::kFilmed;
+      picture.filmed = before;
+      ++plan.filmed;
     } else if (picture.animation >= 0) {
       ++plan.between;
     } else {
-      picture.kind = PictureKind::kHeld, picture.filmed = before, ++plan.held;
+      picture.kind = PictureKind::kHeld;
+      picture.filmed = before;
+      ++plan.held;
     }
     plan.pictures.push_back(picture);
   }

@@ -56,7 +56,8 @@ std::array<float, 3> Moved(const ImageF& picture, const cv::Mat& flow, double sh
     const auto way =
         Sampled<2>(picture.width, picture.height, from_x, from_y,
                    [&](int px, int py, int c) { return double{flow.at<cv::Vec2f>(py, px)[c]}; });
-    from_x = x - share * way[0], from_y = y - share * way[1];
+    from_x = x - share * way[0];
+    from_y = y - share * way[1];
   }
   return Sampled<3>(picture.width, picture.height, from_x, from_y,
                     [&](int px, int py, int c) { return double(picture.at(px, py)[c]); });

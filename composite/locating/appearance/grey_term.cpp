@@ -31,7 +31,8 @@ ImageF Halved(const ImageF& image) {
 }
 
 float Bilinear(const ImageF& image, double x, double y) {
-  x = std::clamp(x, 0.0, image.width - 1.0), y = std::clamp(y, 0.0, image.height - 1.0);
+  x = std::clamp(x, 0.0, image.width - 1.0);
+  y = std::clamp(y, 0.0, image.height - 1.0);
   const int x0 = std::min(static_cast<int>(x), image.width - 2);
   const int y0 = std::min(static_cast<int>(y), image.height - 2);
   const float u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);
@@ -60,7 +61,9 @@ Drawn Draw(const Figure& figure, const GreyTexture& texture, const Placement& at
   drawn.height = std::max(0, drawn.box.y1 - drawn.box.y0);
   const std::size_t count = static_cast<std::size_t>(drawn.width) * drawn.height;
   drawn.face.assign(count, -1);
-  drawn.u.assign(count, 0), drawn.v.assign(count, 0), drawn.grey.assign(count, 0);
+  drawn.u.assign(count, 0);
+  drawn.v.assign(count, 0);
+  drawn.grey.assign(count, 0);
   const Eigen::Vector3d eye = view.Center();
   const Eigen::Matrix3d turn = at.camera_from_mesh.rotation.conjugate().toRotationMatrix();
   const double depth = (at.camera_from_mesh * figure.center).z();
@@ -76,7 +79,8 @@ Drawn Draw(const Figure& figure, const GreyTexture& texture, const Placement& at
           if (hit.face < 0) continue;
           const int i = drawn.at(x, static_cast<int>(y));
           drawn.face[i] = hit.face;
-          drawn.u[i] = static_cast<float>(hit.u), drawn.v[i] = static_cast<float>(hit.v);
+          drawn.u[i] = static_cast<float>(hit.u);
+          drawn.v[i] = static_cast<float>(hit.v);
           drawn.grey[i] = texture.At(hit.face, hit.u, hit.v, level);
         }
       },
@@ -178,8 +182,9 @@ GreyMatches Compared(const Figure& figure, const Drawn& drawn, const std::vector
       const int i = drawn.at(x, y), up = i - drawn.width, down = i + drawn.width;
       if (!valid[i] || !valid[i - 1] || !valid[i + 1] || !valid[up] || !valid[down]) continue;
       const double drawn_here = static_cast<double>(a[i]), filmed_here = static_cast<double>(b[i]);
-      ab += drawn_here * filmed_here, aa += drawn_here * drawn_here,
-          bb += filmed_here * filmed_here;
+      ab += drawn_here * filmed_here;
+      aa += drawn_here * drawn_here;
+      bb += filmed_here * filmed_here;
       // The mean of both gradients: steps then converge quadratically (Benhimane & Malis 2004).
       const Eigen::Vector2d gradient(
           static_cast<double>(a[i + 1] - a[i - 1] + b[i + 1] - b[i - 1]) / 4,

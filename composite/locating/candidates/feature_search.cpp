@@ -106,7 +106,8 @@ std::optional<FeatureCandidate> PlaceByFeatures(const SurfaceFeatures& features,
     if (!pose.found || (best && pose.inliers.size() <= best->inliers.size())) continue;
     FeatureCandidate candidate;
     candidate.placement = {camera, pose.camera_from_world};
-    candidate.placement.camera.fx *= factor, candidate.placement.camera.fy *= factor;
+    candidate.placement.camera.fx *= factor;
+    candidate.placement.camera.fy *= factor;
     candidate.rms_px = pose.rms_px;
     for (const int i : pose.inliers)
       candidate.inliers.push_back(

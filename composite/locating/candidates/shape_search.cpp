@@ -236,7 +236,8 @@ ShapeSearch::ShapeSearch(const Figure& figure, double angular_radius)
     drawing.camera_from_mesh = LookingFrom(figure, static_cast<int>(d), distance);
     const Raster64 raster = DrawnFrom(figure, drawing.camera_from_mesh);
     const Moments moments = MomentsOf(raster);
-    drawing.centroid = moments.centroid, drawing.radius = moments.radius();
+    drawing.centroid = moments.centroid;
+    drawing.radius = moments.radius();
     drawing.cells = PolarCells([&](const Eigen::Vector2d& p) { return raster.At(p); }, moments);
     drawing.squares = static_cast<double>(drawing.cells.squaredNorm());
   });

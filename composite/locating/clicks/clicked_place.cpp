@@ -76,7 +76,9 @@ Placement Refined(Placement at, const PointsX3& points, const std::vector<Click>
     const Placement next = equations.Moved(step);
     const double next_error = ClickError(next, points, clicks);
     if (next_error <= error) {
-      at = next, error = next_error, damping = std::max(damping / 10, 1e-12);
+      at = next;
+      error = next_error;
+      damping = std::max(damping / 10, 1e-12);
       if (step.norm() < 1e-12) break;
     } else {
       damping = std::max(damping, 1e-9) * 10;
@@ -100,7 +102,10 @@ void RequireAgreement(const Placement& at, const PointsX3& points,
         Refined({at.camera, SolvedPose(at.camera, PlacesOf(points, others), others)}, points,
                 others, false);
     const double error = ClickError(without, points, others);
-    if (error < least) least = error, worst = clicks[i].name;
+    if (error < least) {
+      least = error;
+      worst = clicks[i].name;
+    }
   }
   throw InputError(fmt::format(
       "locate: the clicks do not agree: they lie {:.0f} pixels (root mean square) from where any "

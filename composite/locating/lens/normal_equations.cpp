@@ -73,7 +73,9 @@ void NormalEquations::AddPrior(int i, double distance, double weight) {
 }
 
 void NormalEquations::Add(const NormalEquations& other) {
-  h_ += other.h_, g_ += other.g_, cost_ += other.cost_;
+  h_ += other.h_;
+  g_ += other.g_;
+  cost_ += other.cost_;
 }
 
 Step NormalEquations::Solve(const std::array<bool, kUnknowns>& free_unknowns,
@@ -100,7 +102,8 @@ Placement NormalEquations::Moved(const Step& step) const {
   moved.camera_from_mesh = {(turn * pose.rotation).normalized(),
                             center + turn * (pose.translation - center_in_camera_)};
   const double factor = std::exp(step[kLogFocal]);
-  moved.camera.fx *= factor, moved.camera.fy *= factor;
+  moved.camera.fx *= factor;
+  moved.camera.fy *= factor;
   moved.camera.k1 += step[kK1];
   return moved;
 }

@@ -63,8 +63,10 @@ double OutlineMatches::Mean(double reach_px) const {
 
 double OutlineMatches::MeanMatched() const {
   double sum = 0, length = 0;
-  for (const OutlineMatch& match : matches)
-    sum += match.length_px * std::abs(match.distance_px), length += match.length_px;
+  for (const OutlineMatch& match : matches) {
+    sum += match.length_px * std::abs(match.distance_px);
+    length += match.length_px;
+  }
   return length > 0 ? sum / length : 0;
 }
 

@@ -106,9 +106,11 @@ bool FindEdge(const ImageF& luma, const SilhouettePoint& point, double& offset) 
   int best = -1;
   for (int k = 1; k < 2 * kEdgeReach; ++k) {
     if (slopes[k] < slopes[k - 1] || slopes[k] < slopes[k + 1]) continue;
-    if (slopes[k] > greatest)
-      second = greatest, greatest = slopes[k], best = k;
-    else
+    if (slopes[k] > greatest) {
+      second = greatest;
+      greatest = slopes[k];
+      best = k;
+    } else
       second = std::max(second, slopes[k]);
   }
   if (best < 0 || greatest < kLeastEdge || second > 0.7 * greatest) return false;

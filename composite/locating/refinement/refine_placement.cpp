@@ -34,7 +34,8 @@ Step Limited(Step step) {
 Placement AtWholeSize(const Placement& whole, const Placement& scaled, double start_focal) {
   Placement result{whole.camera, scaled.camera_from_mesh};
   const double factor = scaled.camera.fx / start_focal;
-  result.camera.fx *= factor, result.camera.fy *= factor;
+  result.camera.fx *= factor;
+  result.camera.fy *= factor;
   result.camera.k1 = scaled.camera.k1;
   return result;
 }
@@ -53,7 +54,12 @@ NormalEquations EquationsAmong(const std::vector<SharedFrame>& frames, const Sha
 Eigen::Vector3d LensStep(Eigen::Matrix3d h, Eigen::Vector3d g, const LensPrior& lens) {
   const std::array<bool, 3> free{lens.focal_free, lens.k1_free, lens.matte_offset_deviation > 0};
   for (int i = 0; i < 3; ++i)
-    if (!free[i]) h.row(i).setZero(), h.col(i).setZero(), h(i, i) = 1, g[i] = 0;
+    if (!free[i]) {
+      h.row(i).setZero();
+      h.col(i).setZero();
+      h(i, i) = 1;
+      g[i] = 0;
+    }
   const Eigen::Vector3d step = h.ldlt().solve(g);
   return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
@@ -98,7 +104,8 @@ LensPart Eliminated(const NormalEquations& equations) {
 Placement WithFocal(const Placement& at, double focal_px, const Eigen::Vector3d& center) {
   Placement result = at;
   const double factor = focal_px / at.camera.fx;
-  result.camera.fx *= factor, result.camera.fy *= factor;
+  result.camera.fx *= factor;
+  result.camera.fy *= factor;
   const Eigen::Vector3d c = at.camera_from_mesh * center;
   result.camera_from_mesh.translation.z() += (factor - 1) * c.z();
   return result;
@@ -132,7 +139,8 @@ double RefineShared(std::vector<SharedFrame>& frames, const RefineStep& step,
     for (SharedFrame& frame : frames) {
       equations.push_back(EquationsAmong(frames, frame, now, round, lens));
       parts.push_back(Eliminated(equations.back()));
-      h += parts.back().h, g += parts.back().g;
+      h += parts.back().h;
+      g += parts.back().g;
     }
     const Eigen::Vector3d lens_step = LensStep(h, g, lens);
     std::vector<Step> moves(frames.size());

@@ -50,7 +50,8 @@ Image8 ShrunkTo(const Image8& picture, int side) {
 
 Camera CameraFor(const Camera& camera, const Image8& picture) {
   Camera scaled = camera.Scaled(static_cast<double>(picture.width) / camera.width);
-  scaled.width = picture.width, scaled.height = picture.height;
+  scaled.width = picture.width;
+  scaled.height = picture.height;
   return scaled;
 }
 
@@ -128,7 +129,8 @@ void RefineFinely(std::vector<Trial>& trials, const PosedFigure& figure, const L
   ParallelFor(SizeOf(trials), [&](std::int64_t i) {
     LensPrior lens;
     lens.focal_free = !focal_known;
-    lens.focal_px = trials[i].at.camera.fx, lens.focal_deviation = 0.2;
+    lens.focal_px = trials[i].at.camera.fx;
+    lens.focal_deviation = 0.2;
     trials[i].at = Refined(figure.fine, evidence, trials[i].at, {12, 2.5, 8}, lens);
     Score(trials[i], figure.fine, evidence, look);
   });
@@ -252,10 +254,9 @@ FoundPlace FindPlace(const PosedFigure& figure, const LocateFrame& frame, const 
   if (!frame.matte.empty() && MatteShare(frame.matte) >= kLeastMatte)
     return Best(by_features, before, figure, frame, look, camera, focal_known);
   if (by_features) return *by_features;
-  const std::string why = !frame.matte.empty() ? "its matte is empty"
-                          : look.features
-                              ? "too few features of its picture are those of the texture"
-                              : "there is neither a texture nor a matte to find it by";
+  const char* why = look.features ? "too few features of its picture are those of the texture"
+                                  : "there is neither a texture nor a matte to find it by";
+  if (!frame.matte.empty()) why = "its matte is empty";
   throw InputError(
       fmt::format("locate: no character found in {}: {}; {}", frame.name, why, Advice(frame)));
 }

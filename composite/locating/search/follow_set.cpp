@@ -70,11 +70,13 @@ void WeighFocal(ShotFrames& frames, double focal_deviation, SetCameraInput& set)
   if (!set.focal_free) return;
   for (int i = 1; i < frames.count(); ++i) {
     const LensPart part = Eliminated(CharacterIn(frames, i));
-    set.focal_information += part.h(0, 0), set.focal_gradient += part.g[0];
+    set.focal_information += part.h(0, 0);
+    set.focal_gradient += part.g[0];
   }
   const double all = Eliminated(set.character).h(0, 0) + set.focal_information;
   set.character_weight = std::min(1.0, 1 / (std::pow(focal_deviation, 2) * all));
-  set.focal_information *= set.character_weight, set.focal_gradient *= set.character_weight;
+  set.focal_information *= set.character_weight;
+  set.focal_gradient *= set.character_weight;
   const ShotInput& input = frames.input();
   if (const double prior = input.focal_deviation; prior > 0) {
     set.focal_information += 1 / (prior * prior);
@@ -91,7 +93,8 @@ SetCameraInput SetInput(ShotFrames& frames, const std::vector<SetTrack>& tracks,
   set.first = frames[0].at;
   set.table_height = figure.points.col(2).minCoeff();
   set.character = CharacterIn(frames, 0);
-  set.center = figure.center, set.radius = figure.radius;
+  set.center = figure.center;
+  set.radius = figure.radius;
   set.focal_free = !frames.input().focal_fixed;
   WeighFocal(frames, focal_deviation, set);
   return set;

@@ -29,8 +29,10 @@ LocatedFrame FrameByClicks(ShotFrames& frames, int i, const Camera& camera, bool
   const OutlineMatches outlines =
       MatchOutlines(FindSilhouette(figure, scaled, 2), rough.outline, 4 * kReach);
   found.outlines = outlines.matches;
-  for (OutlineMatch& match : found.outlines)
-    match.pixel /= rough.scale, match.distance_px /= rough.scale;
+  for (OutlineMatch& match : found.outlines) {
+    match.pixel /= rough.scale;
+    match.distance_px /= rough.scale;
+  }
   found.contour_px = outlines.Mean(kReach) / rough.scale;
   found.iou = MaskIoU(Covered(figure, scaled), rough.matte);
   return found;
@@ -49,11 +51,13 @@ LocatedShot LocateByClicks(ShotFrames& frames) {
     shot.camera = shot.frames[0].at.camera;
   }
   const bool solved = SizeOf(input.frames[0].clicks) >= kClicksForFocal;
-  shot.focal = input.focal_fixed           ? "given"
-               : input.focal_deviation > 0 ? "exif"
-               : solved                    ? "solved"
-                                           : "kept";
-  shot.focal_deviation = input.focal_fixed ? 0 : frames.focal_known() ? input.focal_deviation : 1;
+  shot.focal = solved ? "solved" : "kept";
+  if (input.focal_deviation > 0) shot.focal = "exif";
+  shot.focal_deviation = frames.focal_known() ? input.focal_deviation : 1;
+  if (input.focal_fixed) {
+    shot.focal = "given";
+    shot.focal_deviation = 0;
+  }
   return shot;
 }
 

@@ -96,7 +96,8 @@ class Locator {
 
   void SolveLens() {
     frames_.Tell(0.6, "lens");
-    focal_ = input_.focal_fixed ? "given" : input_.focal_deviation > 0 ? "exif" : "solved";
+    focal_ = input_.focal_deviation > 0 ? "exif" : "solved";
+    if (input_.focal_fixed) focal_ = "given";
     std::vector<SharedFrame> frames = LensFrames(frames_.middle());
     matte_offset_px_ = RefineShared(frames, LensStep(kReach, 8), Prior());
     if (!input_.focal_fixed) {

@@ -27,7 +27,9 @@ ShotFrames::ShotFrames(const ShotInput& input, Progress* progress)
   Mesh first = *input.mesh;
   first.points = input.poses[input.frames[0].pose];
   SurfaceFeatureOptions options;
-  options.directions = 28, options.size = 480, options.most = 900;
+  options.directions = 28;
+  options.size = 480;
+  options.most = 900;
   SubProgress rendering(progress, 0, 0.2);
   features_ = std::make_unique<SurfaceFeatures>(first, *input.texture, options, &rendering);
 }

@@ -248,9 +248,13 @@ class SetSolver {
       if (!terms.in_front) continue;
       const double weight = WeightOf(terms);
       const Matrix23 j = terms.by_place * frame;
-      h += weight * j.transpose() * j, g += weight * j.transpose() * terms.off;
+      h += weight * j.transpose() * j;
+      g += weight * j.transpose() * terms.off;
     }
-    WithTable(place, frame, [&](const auto& of_h, const auto& of_g) { h += of_h, g += of_g; });
+    WithTable(place, frame, [&](const auto& of_h, const auto& of_g) {
+      h += of_h;
+      g += of_g;
+    });
     MovePlace(place, Damped(h).ldlt().solve(g), AnchorOf(place));
   }
 
@@ -308,7 +312,10 @@ class SetSolver {
       part.cameras.push_back({at, weight * c.transpose() * j});
       part.focal += weight * f.transpose() * j;
     }
-    WithTable(place, frame, [&](const auto& h, const auto& g) { own += h, part.g += g; });
+    WithTable(place, frame, [&](const auto& h, const auto& g) {
+      own += h;
+      part.g += g;
+    });
     part.inverse = Damped(own).inverse();
     Eliminate(part, all);
     return part;
@@ -331,8 +338,10 @@ class SetSolver {
 
   void FixUnknowns(CameraEquations& all) const {
     if (const int row = focal_row(); !input_.focal_free) {
-      all.h.row(row).setZero(), all.h.col(row).setZero();
-      all.h(row, row) = 1, all.g[row] = 0;
+      all.h.row(row).setZero();
+      all.h.col(row).setZero();
+      all.h(row, row) = 1;
+      all.g[row] = 0;
     }
     // A picture that says nothing stays where it is.
     for (Eigen::Index i = 0; i < all.h.rows(); ++i)
@@ -408,8 +417,10 @@ class SetSolver {
       for (const SetSighting& sighting : *place.track) {
         const SightingTerms terms = TermsOf(sighting, place.position);
         if (!Agrees(terms)) continue;
-        sum += terms.off.squaredNorm(), weighted += terms.information * terms.off.squaredNorm();
-        ++sightings, ++result.seen[sighting.picture];
+        sum += terms.off.squaredNorm();
+        weighted += terms.information * terms.off.squaredNorm();
+        ++sightings;
+        ++result.seen[sighting.picture];
       }
     }
     if (result.places < SetCamerasTuning::kLeastPlaces ||

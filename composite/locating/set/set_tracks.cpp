@@ -158,7 +158,10 @@ class Follower {
     std::vector<int> alive;
     std::vector<cv::Point2f> from, to, back;
     for (int i = 0; i < SizeOf(followed_); ++i)
-      if (IsAlive(followed_[i])) alive.push_back(i), from.push_back(followed_[i].at);
+      if (IsAlive(followed_[i])) {
+        alive.push_back(i);
+        from.push_back(followed_[i].at);
+      }
     if (from.empty()) return;
     std::vector<std::uint8_t> found, found_back;
     std::vector<float> errors, errors_back;
