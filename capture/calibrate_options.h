@@ -20,7 +20,8 @@ struct CalibrateOptions {
     BoardWish wish;
     if (board == "charuco") wish.kind = BoardPattern::Kind::kCharuco;
     if (board == "checkerboard") wish.kind = BoardPattern::Kind::kCheckerboard;
-    wish.columns = board_columns, wish.rows = board_rows;
+    wish.columns = board_columns;
+    wish.rows = board_rows;
     wish.square_m = board_square_mm / 1000;
     return wish;
   }
@@ -52,7 +53,8 @@ struct CalibrateOptions {
     if (board_columns == 0) return {};
     BoardPattern pattern;
     pattern.kind = BoardPattern::Kind::kCheckerboard;
-    pattern.layout.columns = board_columns, pattern.layout.rows = board_rows;
+    pattern.layout.columns = board_columns;
+    pattern.layout.rows = board_rows;
     return pattern.Problems();
   }
 };

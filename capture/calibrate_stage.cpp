@@ -134,7 +134,8 @@ class BoardFinder {
         if (i >= some) continue;
         const int frame = frames[c][static_cast<std::size_t>(i) * frames[c].size() / some];
         if (frame >= films_[c].frames()) continue;
-        survey.Add(Read(c, frame)), ++pictures;
+        survey.Add(Read(c, frame));
+        ++pictures;
       }
     if (const std::optional<BoardPattern> pattern = survey.Pattern()) {
       pattern_ = *pattern;
@@ -173,14 +174,16 @@ class BoardFinder {
     if (known.width != 0 && (known.width != picture.width || known.height != picture.height))
       throw InputError("calibrate: camera " + known.name + " changes its picture's size in frame " +
                        std::to_string(frame));
-    known.width = picture.width, known.height = picture.height;
+    known.width = picture.width;
+    known.height = picture.height;
     return picture;
   }
   BoardSighting LookAt(int camera, int frame) {
     BoardSighting sighting{camera, frame, {}, false};
     if (frame >= films_[camera].frames()) return sighting;
     FoundBoard found = LookForBoard(Read(camera, frame), pattern_);
-    sighting.corners = std::move(found.corners), sighting.partial = found.partial;
+    sighting.corners = std::move(found.corners);
+    sighting.partial = found.partial;
     return sighting;
   }
   void Roll(int frame) {
@@ -279,7 +282,8 @@ std::vector<View> LensesOfPictures(StageContext& stage, const CalibrateOptions& 
                       "moved fast",
                       camera.name, lens.rms_px));
     View view;
-    view.name = camera.name, view.camera = lens.camera;
+    view.name = camera.name;
+    view.camera = lens.camera;
     lenses.push_back(view);
   }
   stage.ReportJson("lenses", rows.dump());

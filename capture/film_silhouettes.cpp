@@ -176,7 +176,8 @@ std::vector<View> ViewsOf(StageContext& stage, const std::filesystem::path& cali
     const Image8 small = WorkingImage(picture, working_px);
     views[c] = filmed.view;
     views[c].camera = filmed.view.camera.Scaled(static_cast<double>(small.width) / picture.width);
-    views[c].camera.width = small.width, views[c].camera.height = small.height;
+    views[c].camera.width = small.width;
+    views[c].camera.height = small.height;
   }
   return views;
 }
@@ -224,8 +225,10 @@ class Comparison {
     double denied = 0, all = 1;
     for (std::size_t i = 0; i < common_.size(); ++i)
       for (std::size_t p = 0; p < masks_[camera][i].data.size(); ++p)
-        if (masks_[camera][i].data[p] > 127)
-          denied += denials_[camera][i].data[p] >= many, all += 1;
+        if (masks_[camera][i].data[p] > 127) {
+          denied += denials_[camera][i].data[p] >= many;
+          all += 1;
+        }
     return denied / all;
   }
 

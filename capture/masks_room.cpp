@@ -76,7 +76,8 @@ std::vector<int> TurnsOf(const FigureSet& figures, const Eigen::Vector3d& middle
     const CapturedImage& image = figures.set.images[figures.index[v]];
     const bool portrait = image.photograph_width < image.photograph_height;
     const bool turned = image.photograph_width > 0 && portrait != (image.width < image.height);
-    turns.push_back(floor ? TurnsToUpright(figures.views[v], middle) : turned ? 3 : 0);
+    const int back = turned ? 3 : 0;
+    turns.push_back(floor ? TurnsToUpright(figures.views[v], middle) : back);
   }
   return turns;
 }
@@ -271,9 +272,8 @@ FoundFigure TakeStanding(StageContext& stage, const FigureSet& figures, const To
   TakeTold(figures, told, space, masks);
   // A network's outline would be better; of depths' masks nothing is left for colours to learn.
   space.segmented = !agree;
-  stage.Report("figure_by", !figures.strokes.empty() ? "depths and strokes"
-                            : agree                  ? "depths and the network"
-                                                     : "depths");
+  const char* by = agree ? "depths and the network" : "depths";
+  stage.Report("figure_by", figures.strokes.empty() ? by : "depths and strokes");
   return found;
 }
 

@@ -252,9 +252,10 @@ void Run(StageContext& stage, const MasksOptions& options) {
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);
   std::vector<const Backdrop*> backdrop_of(set.images.size(), nullptr);
-  for (std::size_t i = 0; i < refined.masks.size(); ++i)
-    mask_of[posed.index[i]] = &refined.masks[i],
+  for (std::size_t i = 0; i < refined.masks.size(); ++i) {
+    mask_of[posed.index[i]] = &refined.masks[i];
     backdrop_of[posed.index[i]] = &refined.backdrops[i];
+  }
   std::vector<Image8> cells(set.images.size());
   ReportProgress(stage.progress(), 0.7, "writing images and masks");
   ParallelFor(std::ssize(cells), [&](std::int64_t k) {

@@ -168,8 +168,10 @@ class WindowGroups {
         if (grid.contradictions[grid.At(cell.x(), cell.y(), cell.z())] == 0)
           Meet(window, grid.Center(cell.x(), cell.y(), cell.z()), ray, &met);
       }
-      for (const auto& [other, opposite] : met)
-        ++all[other].pixels, all[other].opposite += opposite;
+      for (const auto& [other, opposite] : met) {
+        ++all[other].pixels;
+        all[other].opposite += opposite;
+      }
     }
     return all;
   }

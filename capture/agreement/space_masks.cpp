@@ -45,10 +45,13 @@ std::vector<float> OddsOfContradictions(const std::vector<Image8>& masks,
     for (int y = 0; y < near.rows; ++y)
       for (int x = 0; x < near.cols; ++x) {
         const std::uint8_t d = *contradictions[i].at(x, y);
-        if (*masks[i].at(x, y) > 127)
-          inside[d] += 1, all_inside += 1;
-        else if (near.at<std::uint8_t>(y, x))
-          outside[d] += 1, all_outside += 1;
+        if (*masks[i].at(x, y) > 127) {
+          inside[d] += 1;
+          all_inside += 1;
+        } else if (near.at<std::uint8_t>(y, x)) {
+          outside[d] += 1;
+          all_outside += 1;
+        }
       }
   }
   std::vector<float> odds(inside.size());

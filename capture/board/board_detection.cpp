@@ -200,6 +200,22 @@ struct Fit {
   double correlation = 0;
 };
 
+/// Of two pictures' levels, pixel by pixel.
+struct GreySums {
+  double count = 0, st = 0, ss = 0, tt = 0, s1 = 0, t1 = 0;
+
+  void Add(double s, double t) {
+    count += 1;
+    s1 += s;
+    t1 += t;
+    ss += s * s;
+    tt += t * t;
+    st += s * t;
+  }
+  double Variance() const { return (ss - s1 * s1 / count) * (tt - t1 * t1 / count); }
+  double Covariance() const { return st - s1 * t1 / count; }
+};
+
 /// Position of the patch in the photograph, by Gauss-Newton over shift, brightness and contrast.
 Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
   Fit fit;
@@ -214,7 +230,7 @@ Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
     // shown = a + b expected - b (gradient . d)
     cv::Matx44d normal = cv::Matx44d::zeros();
     cv::Vec4d right(0, 0, 0, 0);
-    double count = 0, st = 0, ss = 0, tt = 0, s1 = 0, t1 = 0;
+    GreySums sums;
     for (int y = 0; y < shown.rows; ++y)
       for (int x = 0; x < shown.cols; ++x) {
         if (!patch.inside.at<std::uint8_t>(y, x)) continue;
@@ -222,10 +238,10 @@ Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
         const cv::Vec4d row(1, t, dx.at<float>(y, x), dy.at<float>(y, x));
         normal += row * row.t();
         right += s * row;
-        count += 1, s1 += s, t1 += t, ss += s * s, tt += t * t, st += s * t;
+        sums.Add(s, t);
       }
-    const double variance = (ss - s1 * s1 / count) * (tt - t1 * t1 / count);
-    fit.correlation = variance > 0 ? -(st - s1 * t1 / count) / std::sqrt(variance) : 0;
+    const double variance = sums.Variance();
+    fit.correlation = variance > 0 ? -sums.Covariance() / std::sqrt(variance) : 0;
     bool solved = false;
     const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
     if (!solved) return {};

@@ -104,7 +104,9 @@ void Write(cairo_t* pen, double x, double y, double size_mm, const std::string& 
 void DrawRuler(cairo_t* pen, double x, double y) {
   cairo_set_line_width(pen, 0.2);
   for (int mm = 0; mm <= static_cast<int>(kRuler_mm); ++mm) {
-    const double tick = mm % 10 == 0 ? 4 : mm % 5 == 0 ? 2.8 : 1.6;
+    double tick = 1.6;
+    if (mm % 5 == 0) tick = 2.8;
+    if (mm % 10 == 0) tick = 4;
     cairo_move_to(pen, x, y - mm);
     cairo_line_to(pen, x + tick, y - mm);
     if (mm % 50 == 0) {

@@ -65,7 +65,8 @@ Agreement AgreementOf(const std::vector<SeenMarker>& markers, const BoardPattern
   for (const SeenMarker& marker : markers) {
     const auto [column, row] = pattern.SquareOf(marker.id);
     const Vector2d middle = MiddleOf(marker);
-    grid.emplace_back(column + 0.5, row + 0.5), seen.emplace_back(middle.x(), middle.y());
+    grid.emplace_back(column + 0.5, row + 0.5);
+    seen.emplace_back(middle.x(), middle.y());
     sides.push_back(SideOfMarker(marker));
   }
   std::vector<std::uint8_t> inlier;
@@ -82,7 +83,8 @@ Agreement AgreementOf(const std::vector<SeenMarker>& markers, const BoardPattern
     if (!inlier[i]) continue;
     const double share = ShareOf(markers[i], grid_from_image);
     if (share == 0) continue;
-    agreement.ids.push_back(markers[i].id), agreement.shares.push_back(share);
+    agreement.ids.push_back(markers[i].id);
+    agreement.shares.push_back(share);
   }
   if (SizeOf(agreement.ids) < kLeastMarkers) return {};
   return agreement;
@@ -152,7 +154,8 @@ void BoardSurvey::Count(const Print& print, const std::vector<SeenMarker>& marke
       Tally& tally = evidence.layouts[{columns, first_white}];
       if (tally.score < kHopeless * best) continue;
       BoardPattern pattern;
-      pattern.layout.columns = columns, pattern.first_white = first_white;
+      pattern.layout.columns = columns;
+      pattern.first_white = first_white;
       const Agreement agreement = AgreementOf(markers, pattern);
       if (agreement.ids.empty()) continue;
       tally.score += SizeOf(agreement.ids) - kLeastMarkers + 1;
@@ -196,7 +199,8 @@ void BoardSurvey::Weigh() {
     const auto& [columns, first_white] = best->first;
     const Tally& tally = best->second;
     BoardPattern pattern;
-    pattern.inverted = print.inverted, pattern.mirrored = tally.mirrored;
+    pattern.inverted = print.inverted;
+    pattern.mirrored = tally.mirrored;
     pattern.first_white = first_white;
     pattern.dictionary = SmallestDictionary(print.dictionary, tally.last + 1);
     pattern.layout.columns = columns;
@@ -216,12 +220,16 @@ std::optional<BoardPattern> BoardSurvey::Checkerboard() const {
     const int down = std::min(wish_.columns, wish_.rows) - 1;
     if (wish_.columns && inner != std::pair(across, down)) continue;
     // of sizes seen as often, the larger one: the others are parts of it
-    if (pictures >= most) most = pictures, size = inner;
+    if (pictures >= most) {
+      most = pictures;
+      size = inner;
+    }
   }
   if (most == 0 || (most == 1 && pictures_ > 1 && !wish_.columns)) return {};
   BoardPattern pattern;
   pattern.kind = BoardPattern::Kind::kCheckerboard;
-  pattern.layout.columns = size.first + 1, pattern.layout.rows = size.second + 1;
+  pattern.layout.columns = size.first + 1;
+  pattern.layout.rows = size.second + 1;
   pattern.layout.square_m = wish_.square_m;
   pattern.layout.marker_m = BoardLayout::kMarkerShare * wish_.square_m;
   return pattern;
@@ -254,7 +262,10 @@ std::string BoardSurvey::Seen() const {
   const Print* most = nullptr;
   std::set<int> ids;
   for (const auto& [print, evidence] : evidence_)
-    if (evidence.ids.size() > ids.size()) ids = evidence.ids, most = &print;
+    if (evidence.ids.size() > ids.size()) {
+      ids = evidence.ids;
+      most = &print;
+    }
   if (most)
     return fmt::format("{} markers that may be of {} (between {} and {}){}", ids.size(),
                        DictionaryName(SmallestDictionary(most->dictionary, *ids.rbegin() + 1)),

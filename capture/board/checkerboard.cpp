@@ -124,7 +124,10 @@ class GridGrower {
   }
 
  private:
-  void Put(const Cell& cell, int saddle) { cells_[cell] = saddle, used_[saddle] = true; }
+  void Put(const Cell& cell, int saddle) {
+    cells_[cell] = saddle;
+    used_[saddle] = true;
+  }
   const Point* At(int column, int row) const {
     const auto found = cells_.find({column, row});
     return found == cells_.end() ? nullptr : &saddles_[found->second].at;
@@ -155,8 +158,10 @@ class GridGrower {
     int best = -1;
     for (int i = 0; i < SizeOf(saddles_); ++i) {
       const double distance = cv::norm(saddles_[i].at - goal);
-      if (distance < least && !used_[i] && Alternates(from, saddles_[i]))
-        least = distance, best = i;
+      if (distance < least && !used_[i] && Alternates(from, saddles_[i])) {
+        least = distance;
+        best = i;
+      }
     }
     return best;
   }
@@ -170,7 +175,10 @@ class GridGrower {
       const Point way = saddles_[i].at - from.at;
       const double distance = cv::norm(way);
       if (used_[i] || distance >= least || way.dot(axis) < kWithin * distance) continue;
-      if (Alternates(from, saddles_[i])) least = distance, best = i;
+      if (Alternates(from, saddles_[i])) {
+        least = distance;
+        best = i;
+      }
     }
     return best;
   }
@@ -200,8 +208,10 @@ std::map<Cell, int> Agreeing(const std::map<Cell, int>& cells, const std::vector
   constexpr double kMost = 0.2;  // squares; lenses bend rows
   if (cells.size() < 4) return {};
   std::vector<Point> grid, seen;
-  for (const auto& [cell, saddle] : cells)
-    grid.emplace_back(cell.first, cell.second), seen.push_back(saddles[saddle].at);
+  for (const auto& [cell, saddle] : cells) {
+    grid.emplace_back(cell.first, cell.second);
+    seen.push_back(saddles[saddle].at);
+  }
   std::vector<std::uint8_t> inlier;
   if (cv::findHomography(seen, grid, cv::RANSAC, kMost, inlier, 500, 0.999).empty()) return {};
   std::map<Cell, int> kept;
@@ -218,8 +228,10 @@ struct Bounds {
 Bounds BoundsOf(const std::map<Cell, int>& cells) {
   Bounds b;
   for (const auto& [cell, saddle] : cells) {
-    b.left = std::min(b.left, cell.first), b.right = std::max(b.right, cell.first);
-    b.top = std::min(b.top, cell.second), b.bottom = std::max(b.bottom, cell.second);
+    b.left = std::min(b.left, cell.first);
+    b.right = std::max(b.right, cell.first);
+    b.top = std::min(b.top, cell.second);
+    b.bottom = std::max(b.bottom, cell.second);
   }
   return b;
 }
@@ -249,8 +261,10 @@ void Trim(std::map<Cell, int>* cells) {
 /// from the first search.
 void Complete(const cv::Mat& grey, std::map<Cell, int>* cells, std::vector<Saddle>* saddles) {
   std::vector<Point> grid, seen;
-  for (const auto& [cell, saddle] : *cells)
-    grid.emplace_back(cell.first, cell.second), seen.push_back((*saddles)[saddle].at);
+  for (const auto& [cell, saddle] : *cells) {
+    grid.emplace_back(cell.first, cell.second);
+    seen.push_back((*saddles)[saddle].at);
+  }
   if (grid.size() < 4) return;
   const cv::Mat h = cv::findHomography(grid, seen);
   if (h.empty()) return;
@@ -302,7 +316,8 @@ std::optional<GridSquare> SquareAt(const cv::Mat& grey, const Cell& cell,
                  v = (k / kSamples + 1) / (kSamples + 1.0);
     const double level =
         Level(grey, (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[3] + u * at[2]));
-    sum += level, squares += level * level;
+    sum += level;
+    squares += level * level;
   }
   square.mean = sum / kCount;
   square.deviation = std::sqrt(std::max(0.0, squares / kCount - square.mean * square.mean));
@@ -370,7 +385,8 @@ std::map<Cell, int> LargestGrid(const cv::Mat& grey, bool even, std::vector<Sadd
 CheckerGrid Ordered(const std::map<Cell, int>& cells, const std::vector<Saddle>& saddles) {
   const Bounds b = BoundsOf(cells);
   CheckerGrid grid;
-  grid.columns = b.right - b.left + 1, grid.rows = b.bottom - b.top + 1;
+  grid.columns = b.right - b.left + 1;
+  grid.rows = b.bottom - b.top + 1;
   struct Placed {
     int column, row;
     const Saddle* saddle;
@@ -465,7 +481,10 @@ CheckerGrid FindCheckerboard(const Image8& image) {
     if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
     std::vector<Saddle> saddles = SaddlesOf(small);
     const std::map<Cell, int> cells = LargestGrid(small, true, &saddles);
-    if (cells.size() > best.corners.size()) best = Ordered(cells, saddles), best_factor = factor;
+    if (cells.size() > best.corners.size()) {
+      best = Ordered(cells, saddles);
+      best_factor = factor;
+    }
     if (best.whole() && best.rows > kLeastSide) break;
     if (factor == 1 && side > whole) break;
   }

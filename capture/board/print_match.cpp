@@ -23,7 +23,8 @@ struct GridPlace {
     int columns = grid.columns, rows = grid.rows;
     for (int i = 0; i < quarters; ++i) {
       const int turned = rows - 1 - r;
-      r = c, c = turned;
+      r = c;
+      c = turned;
       std::swap(columns, rows);
     }
     return {c + column, r + row};
@@ -68,7 +69,8 @@ double CorrelationOf(const Image8& grey, const CheckerGrid& grid, const GridPlac
   std::vector<cv::Point2d> board, seen;
   for (const CheckerGrid::Corner& corner : grid.corners) {
     const auto [c, r] = place.OnBoard(grid, corner.column, corner.row);
-    board.emplace_back(c + 1, r + 1), seen.emplace_back(corner.pixel.x(), corner.pixel.y());
+    board.emplace_back(c + 1, r + 1);
+    seen.emplace_back(corner.pixel.x(), corner.pixel.y());
   }
   const cv::Mat h = cv::findHomography(board, seen);
   if (h.empty()) return 0;
@@ -81,7 +83,11 @@ double CorrelationOf(const Image8& grey, const CheckerGrid& grid, const GridPlac
           pixel.y() < grey.height - 1))
       continue;
     const double level = BrightnessAt(grey, pixel), white = bits.white[i];
-    count += 1, s += level, t += white, ss += level * level, tt += white * white;
+    count += 1;
+    s += level;
+    t += white;
+    ss += level * level;
+    tt += white * white;
     st += level * white;
   }
   const double variance = (ss - s * s / count) * (tt - t * t / count);
@@ -106,7 +112,10 @@ std::vector<BoardCorner> MatchPrint(const Image8& grey, const BoardPattern& patt
         const GridPlace place{quarters, column, row};
         const double agrees = CorrelationOf(grey, grid, place, bits);
         next = std::max(next, std::min(agrees, most));
-        if (agrees > most) most = agrees, best = place;
+        if (agrees > most) {
+          most = agrees;
+          best = place;
+        }
       }
   }
   if (most < kAgrees || most < next + kClearly) return {};

@@ -65,8 +65,10 @@ MovingRegion SalientRegion(const Image8& rgb, const AskNetwork& network) {
              cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
   const cv::Rect box = cv::boundingRect(area);
   region.area = ImageOf(area);
-  region.left = box.x, region.top = box.y;
-  region.right = box.x + box.width, region.bottom = box.y + box.height;
+  region.left = box.x;
+  region.top = box.y;
+  region.right = box.x + box.width;
+  region.bottom = box.y + box.height;
   return region;
 }
 
@@ -166,7 +168,10 @@ struct FilmMasker::Impl {
       for (std::size_t i = 0; network && regions.size() > 1 && i < regions.size(); ++i) {
         if (regions[i].amount < kRival * regions[0].amount) break;
         const double weight = regions[i].amount * SalienceOf(regions[i], middle, network);
-        if (weight > highest) highest = weight, best = i;
+        if (weight > highest) {
+          highest = weight;
+          best = i;
+        }
       }
     }
     for (std::size_t i = 0; i < regions.size(); ++i)
@@ -200,7 +205,10 @@ struct FilmMasker::Impl {
     for (std::size_t k = 0; k < masks.size(); ++k) {
       const ActorRegions actor = ChooseActor(masks[k], {});
       const double area = cv::countNonZero(MatOf(actor.mask));
-      if (area > most) most = area, best = k;
+      if (area > most) {
+        most = area;
+        best = k;
+      }
     }
     return best;
   }

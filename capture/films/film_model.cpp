@@ -42,7 +42,8 @@ bool MayBeShadow(const std::uint8_t* lab, const std::uint8_t* set) {
 /// The network's opinion as evidence; its middle values say nothing.
 float Opinion(std::uint8_t salience) {
   constexpr int kSure = 200, kSureNot = 20;
-  return salience > kSure ? 1.0F : salience < kSureNot ? -0.7F : 0.0F;
+  if (salience > kSure) return 1.0F;
+  return salience < kSureNot ? -0.7F : 0.0F;
 }
 
 int ReachOf(const Image8& area) {
@@ -118,7 +119,10 @@ float FilmModel::ModeOdds(std::size_t pixel, const std::uint8_t* lab) const {
   int best = -1;
   double nearest = radius_;
   for (int m = 0; m < kMostModes && modes[m].share > 0; ++m)
-    if (const double d = ModeDistance(modes[m].lab.data(), lab); d < nearest) nearest = d, best = m;
+    if (const double d = ModeDistance(modes[m].lab.data(), lab); d < nearest) {
+      nearest = d;
+      best = m;
+    }
   if (best >= 0) return mode_odds_[pixel * kMostModes + best];
   if (set_[pixel] < 0) return 0;
   return MayBeShadow(lab, modes[set_[pixel]].lab.data()) ? 0 : kOtherThanSet;
@@ -149,7 +153,10 @@ Image8 FilmModel::Regions(const Image8& rgb, const ImageF& odds) const {
 double FilmModel::set_known() const {
   double known = 0, all = 0;
   for (std::size_t p = 0; p < set_.size(); ++p)
-    if (area_.data[p]) known += set_[p] >= 0, all += 1;
+    if (area_.data[p]) {
+      known += set_[p] >= 0;
+      all += 1;
+    }
   return all > 0 ? known / all : 1;
 }
 
@@ -160,8 +167,11 @@ FilmLearning::FilmLearning(std::vector<Image8> rgb, std::vector<Image8> lab, Pix
       lab_(std::move(lab)),
       modes_(std::move(modes)),
       hints_(std::move(hints)) {
-  model_.options_ = options, model_.radius_ = radius, model_.area_ = area;
-  model_.modes_.width = modes_.width, model_.modes_.height = modes_.height;
+  model_.options_ = options;
+  model_.radius_ = radius;
+  model_.area_ = area;
+  model_.modes_.width = modes_.width;
+  model_.modes_.height = modes_.height;
   model_.modes_.modes = modes_.modes;
   model_.prior_ = PriorOf(area, options.odds_limit);
   for (std::size_t k = 0; k < hints_.told.size(); ++k)

@@ -18,7 +18,8 @@ class Border {
   Border(const Image8& lab, const Image8& usual, const cv::Mat& steady, const cv::Mat& moving,
          double radius)
       : lab_(lab), usual_(usual), steady_(steady), moving_(moving), radius_(radius) {
-    sum_ = cv::Mat::zeros(moving.size(), CV_32F), count_ = sum_.clone();
+    sum_ = cv::Mat::zeros(moving.size(), CV_32F);
+    count_ = sum_.clone();
     for (int y = kBeside; y + kBeside < moving.rows; ++y)
       for (int x = kBeside; x + kBeside < moving.cols; ++x) Add(x, y);
   }

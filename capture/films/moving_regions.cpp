@@ -67,7 +67,8 @@ std::vector<MovingRegion> FindMovingRegions(const PixelModes& modes) {
     const int* box = boxes.ptr<int>(i);
     if (box[cv::CC_STAT_AREA] < kSmallestRegion * static_cast<double>(moving.total())) continue;
     MovingRegion region;
-    region.left = box[cv::CC_STAT_LEFT], region.top = box[cv::CC_STAT_TOP];
+    region.left = box[cv::CC_STAT_LEFT];
+    region.top = box[cv::CC_STAT_TOP];
     region.right = region.left + box[cv::CC_STAT_WIDTH];
     region.bottom = region.top + box[cv::CC_STAT_HEIGHT];
     const cv::Mat area = components == i;
@@ -84,12 +85,11 @@ std::vector<MovingRegion> FindMovingRegions(const PixelModes& modes) {
 std::string PlaceOf(const MovingRegion& region, int width, int height) {
   const double x = 0.5 * (region.left + region.right) / width,
                y = 0.5 * (region.top + region.bottom) / height;
-  const std::string down = y < 1 / 3.0   ? "top"
-                           : y > 2 / 3.0 ? "bottom"
-                                         : "",
-                    across = x < 1 / 3.0   ? "left"
-                             : x > 2 / 3.0 ? "right"
-                                           : "";
+  const auto third = [](double at, const char* first, const char* last) -> std::string {
+    if (at < 1 / 3.0) return first;
+    return at > 2 / 3.0 ? last : "";
+  };
+  const std::string down = third(y, "top", "bottom"), across = third(x, "left", "right");
   if (down.empty() && across.empty()) return "in the middle";
   return "at the " + down + (down.empty() || across.empty() ? "" : " ") + across;
 }

@@ -33,7 +33,8 @@ double Overlap(const cv::Mat& a, const cv::Mat& b) {
 /// The middle values say nothing.
 float WeightOf(std::uint8_t salience) {
   constexpr int kSure = 200, kSureNot = 20;
-  return salience > kSure ? kYes : salience < kSureNot ? kNo : 0;
+  if (salience > kSure) return kYes;
+  return salience < kSureNot ? kNo : 0;
 }
 
 }  // namespace

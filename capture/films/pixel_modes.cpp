@@ -32,9 +32,15 @@ class PixelHistory {
     int best = -1;
     double nearest = radius_;
     for (int i = 0; i < count_; ++i)
-      if (const double d = DistanceTo(candidates_[i], lab); d < nearest) nearest = d, best = i;
+      if (const double d = DistanceTo(candidates_[i], lab); d < nearest) {
+        nearest = d;
+        best = i;
+      }
     if (best < 0 && count_ == kMostCandidates) return -1;
-    if (best < 0) best = count_++, candidates_[best].name = best;
+    if (best < 0) {
+      best = count_++;
+      candidates_[best].name = best;
+    }
     Candidate& into = candidates_[best];
     ++into.count;
     for (int c = 0; c < 3; ++c) into.mean[c] += (lab[c] - into.mean[c]) / into.count;
@@ -84,7 +90,8 @@ double ModeRadius(const std::vector<Image8>& lab) {
 PixelModes FindPixelModes(const std::vector<Image8>& lab, double radius) {
   PixelModes found;
   if (lab.empty()) return found;
-  found.width = lab[0].width, found.height = lab[0].height;
+  found.width = lab[0].width;
+  found.height = lab[0].height;
   found.modes.resize(static_cast<std::size_t>(found.width) * found.height * kMostModes);
   for (const Image8& frame : lab) found.labels.emplace_back(frame.width, frame.height, 1, kNoMode);
   const int frames = static_cast<int>(lab.size());

@@ -61,7 +61,8 @@ Space SpaceOfBoxes(const std::vector<View>& views, const std::vector<cv::Mat>& u
          views[c].camera.Unproject({box.x + 0.5 * box.width, box.y + 0.5 * box.height}))
             .normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-    a += across, b += across * views[c].Center();
+    a += across;
+    b += across * views[c].Center();
   }
   const Vector3d middle = a.ldlt().solve(b);
   double half = 0;
@@ -117,10 +118,12 @@ ViewAgreement::ViewAgreement(const std::vector<View>& views, const std::vector<I
     : views_(views), pixels_(views.size()), reach_(views.size()) {
   std::vector<cv::Mat> small;
   for (std::size_t c = 0; c < views.size(); ++c) {
-    widths_.push_back(unions[c].width), heights_.push_back(unions[c].height);
+    widths_.push_back(unions[c].width);
+    heights_.push_back(unions[c].height);
     small.push_back(Halved(unions[c]));
     views_[c].camera = views[c].camera.Scaled(0.5);
-    views_[c].camera.width = small[c].cols, views_[c].camera.height = small[c].rows;
+    views_[c].camera.width = small[c].cols;
+    views_[c].camera.height = small[c].rows;
   }
   const Space space = Met(views_, small, SpaceOfBoxes(views_, small));
   if (!((space.high - space.low).minCoeff() > 0)) return;
@@ -184,7 +187,8 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
     for (std::size_t p = 0; p < masks[k].data.size(); ++p) {
       if (!area.data[p]) continue;
       const bool actor = masks[k].data[p] > 127;
-      count[actor][denials[k].data[p]] += 1, all[actor] += 1;
+      count[actor][denials[k].data[p]] += 1;
+      all[actor] += 1;
     }
   std::vector<float> odds;
   for (std::size_t d = 0; d <= kMostDenials; ++d) {

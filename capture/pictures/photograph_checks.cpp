@@ -45,7 +45,8 @@ std::vector<SizeGroup> GroupedBySize(const std::vector<Photograph>& photographs,
     const auto [a, b] = std::pair{photographs[i].width, photographs[i].height};
     const auto [width, height] = turns[i] ? std::pair{b, a} : std::pair{a, b};
     SizeGroup& group = by_size[{width, height}];
-    group.width = width, group.height = height;
+    group.width = width;
+    group.height = height;
     group.photographs.push_back(i);
   }
   std::vector<SizeGroup> groups;

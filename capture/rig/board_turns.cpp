@@ -66,7 +66,8 @@ std::optional<Rigid3> CameraBetween(const std::map<int, Rigid3>& a, const std::m
       }
       if (sum < least) {
         if (best && Apart(*best, motion) > kAnother) next = least;
-        least = sum, best = &motion;
+        least = sum;
+        best = &motion;
       } else if (Apart(*best, motion) > kAnother) {
         next = std::min(next, sum);
       }

@@ -52,8 +52,10 @@ Fitted FitLens(const std::vector<const BoardSighting*>& sightings, const RigCame
                const BoardLayout& board) {
   std::vector<std::vector<cv::Point3f>> points;
   std::vector<std::vector<cv::Point2f>> pixels;
-  for (const BoardSighting* s : sightings)
-    points.push_back(PointsOf(*s, board)), pixels.push_back(PixelsOf(*s));
+  for (const BoardSighting* s : sightings) {
+    points.push_back(PointsOf(*s, board));
+    pixels.push_back(PixelsOf(*s));
+  }
   cv::Mat k = cv::Mat::eye(3, 3, CV_64F), d = cv::Mat::zeros(1, 5, CV_64F);
   std::vector<cv::Mat> r, t;
   std::vector<double> errors;
@@ -61,10 +63,15 @@ Fitted FitLens(const std::vector<const BoardSighting*>& sightings, const RigCame
                       cv::noArray(), errors, cv::CALIB_FIX_K3);
   Fitted fitted;
   Camera& camera = fitted.camera;
-  camera.width = size.width, camera.height = size.height;
-  camera.fx = k.at<double>(0, 0), camera.fy = k.at<double>(1, 1);
-  camera.cx = k.at<double>(0, 2) + 0.5, camera.cy = k.at<double>(1, 2) + 0.5;
-  camera.k1 = d.at<double>(0), camera.k2 = d.at<double>(1), camera.p1 = d.at<double>(2),
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.fx = k.at<double>(0, 0);
+  camera.fy = k.at<double>(1, 1);
+  camera.cx = k.at<double>(0, 2) + 0.5;
+  camera.cy = k.at<double>(1, 2) + 0.5;
+  camera.k1 = d.at<double>(0);
+  camera.k2 = d.at<double>(1);
+  camera.p1 = d.at<double>(2);
   camera.p2 = d.at<double>(3);
   fitted.rms_px = errors;
   return fitted;
@@ -113,14 +120,16 @@ CalibratedLens CalibrateLens(const std::vector<BoardSighting>& sightings, int ca
   const std::vector<const BoardSighting*> kept = Explained(used, fitted.rms_px);
   if (kept.size() < used.size() && SizeOf(kept) >= kLeastBoards) {
     lens.left_out = SizeOf(used) - SizeOf(kept);
-    used = kept, fitted = FitLens(used, size, board);
+    used = kept;
+    fitted = FitLens(used, size, board);
   }
   lens.camera = fitted.camera;
   for (int i = 0; i < SizeOf(used); ++i) {
     const int corners = SizeOf(used[i]->corners);
     lens.rms_px += fitted.rms_px[i] * fitted.rms_px[i] * corners;
     lens.worst_px = std::max(lens.worst_px, fitted.rms_px[i]);
-    lens.corners += corners, ++lens.boards;
+    lens.corners += corners;
+    ++lens.boards;
   }
   lens.rms_px = std::sqrt(lens.rms_px / lens.corners);
   lens.coverage = CornerCoverage(sightings, camera, size);

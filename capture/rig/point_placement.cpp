@@ -63,10 +63,12 @@ class Placer {
          const std::vector<KnownPoint>& points)
       : camera_(camera), points_(points), estimate_(!lens) {
     if (lens) lens_ = *lens;
-    lens_.width = camera.width, lens_.height = camera.height;
+    lens_.width = camera.width;
+    lens_.height = camera.height;
     if (!estimate_) return;
     lens_.fx = lens_.fy = std::max(camera.width, camera.height);
-    lens_.cx = camera.width / 2.0, lens_.cy = camera.height / 2.0;
+    lens_.cx = camera.width / 2.0;
+    lens_.cy = camera.height / 2.0;
   }
 
   PlacedCamera Place() {
@@ -108,7 +110,8 @@ class Placer {
 
   Camera LensOf(double focal) const {
     Camera lens = lens_;
-    lens.fx *= focal, lens.fy *= focal;
+    lens.fx *= focal;
+    lens.fy *= focal;
     return lens;
   }
   static View ViewOf(const Camera& lens, const Guess& guess) {
@@ -160,7 +163,8 @@ class Placer {
     std::vector<cv::Point2d> seen;
     for (const int i : clicks) {
       const Vector3d& x = points_[camera_.clicks[i].point].place;
-      places.emplace_back(x.x(), x.y(), x.z()), seen.push_back(rays[i]);
+      places.emplace_back(x.x(), x.y(), x.z());
+      seen.push_back(rays[i]);
     }
     const cv::Point3d a = places[1] - places[0], b = places[2] - places[0];
     if (cv::norm(a.cross(b)) < 1e-4 * cv::norm(a) * cv::norm(b) + 1e-12) return;
@@ -240,7 +244,10 @@ class Placer {
     double sum = 0;
     int count = 0;
     for (int i = 0; i < SizeOf(used); ++i)
-      if (used[i]) sum += std::pow(ErrorOf(view, i), 2), ++count;
+      if (used[i]) {
+        sum += std::pow(ErrorOf(view, i), 2);
+        ++count;
+      }
     return std::sqrt(sum / std::max(1, count));
   }
 
@@ -253,7 +260,8 @@ class Placer {
       ClickError error;
       error.point = camera_.clicks[i].point;
       error.expected = placed.view.Project(points_[error.point].place);
-      error.px = ErrorOf(placed.view, i), error.wrong = !used_[i];
+      error.px = ErrorOf(placed.view, i);
+      error.wrong = !used_[i];
       placed.clicks.push_back(error);
     }
     FindErrors(best, &placed);
@@ -340,11 +348,15 @@ std::vector<SeenPoint> SeePoints(const std::vector<ClickedPicture>& cameras,
                               view.camera.Unproject(cameras[c].clicks[i].pixel))
                                  .normalized();
         const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-        sum += across, right += across * view.Center(), ++count;
+        sum += across;
+        right += across * view.Center();
+        ++count;
       }
     if (count < 2) continue;
     SeenPoint point;
-    point.point = p, point.seen = sum.ldlt().solve(right), point.cameras = count;
+    point.point = p;
+    point.seen = sum.ldlt().solve(right);
+    point.cameras = count;
     point.apart_m = (point.seen - points[p].place).norm();
     seen.push_back(point);
   }

@@ -26,6 +26,17 @@ Motion MotionOf(const Rigid3& rigid) {
 
 Rigid3 RigidOf(const Motion& m) { return {QuaternionOf({m[0], m[1], m[2]}), {m[3], m[4], m[5]}}; }
 
+void SetLens(const std::array<double, 8>& lens, Camera* camera) {
+  camera->fx = lens[0];
+  camera->fy = lens[1];
+  camera->cx = lens[2];
+  camera->cy = lens[3];
+  camera->k1 = lens[4];
+  camera->k2 = lens[5];
+  camera->p1 = lens[6];
+  camera->p2 = lens[7];
+}
+
 /// Distance of a projected corner from where it was seen [px].
 struct CornerError {
   Eigen::Vector3d corner;
@@ -86,10 +97,7 @@ void AdjustRig(const std::vector<BoardSighting>& sightings, const BoardLayout& b
   if (!summary.IsSolutionUsable())
     throw SolverError("calibrate: the adjustment failed: " + summary.message);
   for (int c = 0; c < SizeOf(*views); ++c) {
-    Camera& camera = (*views)[c].camera;
-    const std::array<double, 8>& l = lenses[c];
-    camera.fx = l[0], camera.fy = l[1], camera.cx = l[2], camera.cy = l[3];
-    camera.k1 = l[4], camera.k2 = l[5], camera.p1 = l[6], camera.p2 = l[7];
+    SetLens(lenses[c], &(*views)[c].camera);
     (*views)[c].camera_from_world = RigidOf(cameras[c]);
   }
   for (auto& [frame, motion] : *world_from_board) motion = RigidOf(boards[frame]);

@@ -27,8 +27,11 @@ void PlaceCameras(const BoardPoses& boards, int turns, std::vector<View>* views)
     for (int a = 0; a < SizeOf(*views); ++a)
       for (int b = 0; b < SizeOf(*views); ++b)
         if (placed[a] && !placed[b])
-          if (const int shared = Shared(boards[a], boards[b]); shared > most)
-            most = shared, from = a, to = b;
+          if (const int shared = Shared(boards[a], boards[b]); shared > most) {
+            most = shared;
+            from = a;
+            to = b;
+          }
     if (to < 0) {
       std::string names;
       for (int c = 0; c < SizeOf(*views); ++c)
@@ -71,10 +74,13 @@ void Measure(const std::vector<BoardSighting>& sightings, const std::vector<RigC
     for (const BoardCorner& corner : s.corners) {
       const double error =
           (result->views[s.camera].Project(motion * board.Corner(corner.id)) - corner.pixel).norm();
-      report.rms_px += error * error, report.worst_px = std::max(report.worst_px, error);
+      report.rms_px += error * error;
+      report.worst_px = std::max(report.worst_px, error);
       sum += error * error;
     }
-    ++report.boards, report.corners += SizeOf(s.corners), count += SizeOf(s.corners);
+    ++report.boards;
+    report.corners += SizeOf(s.corners);
+    count += SizeOf(s.corners);
     for (int other = 0; other < SizeOf(cameras); ++other)
       if (other != s.camera && poses[other].count(s.frame)) {
         ++report.shared;

@@ -50,9 +50,18 @@ Image8 KindsOf(const Image8& salience) {
 /// From a mask, whose border is open.
 Image8 KindsOfMask(const Image8& mask) {
   Image8 kinds = TrimapOf(mask);
-  for (std::uint8_t& k : kinds.data)
-    k = k == kObject ? kToldFigure : k == kBackground ? kToldRoom : kToldOpen;
+  const auto told = [](std::uint8_t kind) {
+    if (kind == kObject) return kToldFigure;
+    return kind == kBackground ? kToldRoom : kToldOpen;
+  };
+  for (std::uint8_t& k : kinds.data) k = told(k);
   return kinds;
+}
+
+float OddsOfTold(int kind) {
+  if (kind == kToldFigure) return kToldOdds;
+  if (kind == kToldRoom) return -kToldOdds;
+  return kind == kToldLikelyRoom ? -kToldOdds / 2 : 0;
 }
 
 Image8 LikelyOf(const Image8& salience) {
@@ -204,11 +213,7 @@ std::vector<Image8> CarryToAll(const std::vector<Image8>& images, const std::vec
     }
   }
   for (int kind = 0; kind < kToldKinds; ++kind)
-    for (const float odds : kSpaceOdds)
-      round.odds_told.push_back(odds + (kind == kToldFigure       ? kToldOdds
-                                        : kind == kToldRoom       ? -kToldOdds
-                                        : kind == kToldLikelyRoom ? -kToldOdds / 2
-                                                                  : 0));
+    for (const float odds : kSpaceOdds) round.odds_told.push_back(odds + OddsOfTold(kind));
   round.told = &kinds;
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());

@@ -26,9 +26,9 @@ cv::Mat1b Marked(const Image8& image, const std::vector<DepthSample>& samples,
   cv::Mat1b kinds(image.height, image.width, std::uint8_t{kNotTold});
   const int half = std::max(0, static_cast<int>(std::ceil(pixel / 2 - 0.5)));
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto kind = labels[k] == SampleLabel::kFigure ? kToldFigure
-                      : labels[k] == SampleLabel::kOpen ? kToldOpen
-                                                        : kToldRoom;
+    Told kind = kToldRoom;
+    if (labels[k] == SampleLabel::kFigure) kind = kToldFigure;
+    if (labels[k] == SampleLabel::kOpen) kind = kToldOpen;
     const int x = static_cast<int>(std::floor(samples[k].pixel.x())),
               y = static_cast<int>(std::floor(samples[k].pixel.y()));
     const cv::Rect cell = cv::Rect(x - half, y - half, 2 * half + 1, 2 * half + 1) &
@@ -180,12 +180,13 @@ void AddStrokes(const std::vector<ViewStrokes>& strokes, ToldFigure& told) {
 BoardOdds KnownOdds(const ToldView& told, double figure, double room) {
   BoardOdds known{Image8(told.kinds.width, told.kinds.height, 1, 0),
                   ImageF(told.kinds.width, told.kinds.height, 1)};
+  const auto odds_of = [&](std::uint8_t kind) {
+    if (kind == kToldFigure) return figure;
+    if (kind == kToldRoom) return -room;
+    return kind == kToldLikelyRoom ? -room / 2 : 0;
+  };
   for (std::size_t p = 0; p < told.kinds.data.size(); ++p) {
-    const std::uint8_t kind = told.kinds.data[p];
-    const double odds = kind == kToldFigure       ? figure
-                        : kind == kToldRoom       ? -room
-                        : kind == kToldLikelyRoom ? -room / 2
-                                                  : 0;
+    const double odds = odds_of(told.kinds.data[p]);
     if (odds == 0) continue;
     known.on_board.data[p] = 255;
     known.odds.data[p] = static_cast<float>(odds);

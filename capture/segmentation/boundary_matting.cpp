@@ -37,7 +37,9 @@ struct Colors {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
 
   void Add(const Eigen::Vector3d& color, double w) {
-    weight += w, sum += w * color, squares += w * color.squaredNorm();
+    weight += w;
+    sum += w * color;
+    squares += w * color.squaredNorm();
   }
   Eigen::Vector3d Mean() const { return sum / weight; }
   double Variance() const { return std::max(0.0, squares / weight - Mean().squaredNorm()); }

@@ -37,8 +37,11 @@ bool SameSurroundings(const std::vector<float>& a, const std::vector<float>& b) 
   if (a.size() != b.size()) return false;
   const auto n = static_cast<double>(a.size());
   double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0, change = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    ma += a[k] / n, mb += b[k] / n, change += std::abs(a[k] - b[k]) / n;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    ma += a[k] / n;
+    mb += b[k] / n;
+    change += std::abs(a[k] - b[k]) / n;
+  }
   for (std::size_t k = 0; k < a.size(); ++k) {
     aa += (a[k] - ma) * (a[k] - ma);
     bb += (b[k] - mb) * (b[k] - mb);
@@ -253,8 +256,10 @@ std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab,
     std::array<std::size_t, 256> count{};
     std::size_t all = 0;
     for (std::size_t p = 0; p < trimap.data.size(); ++p)
-      if (trimap.data[p] == kBackground)
-        ++count[std::abs(lab.data[3 * p + c] - empty_lab.data[3 * p + c])], ++all;
+      if (trimap.data[p] == kBackground) {
+        ++count[std::abs(lab.data[3 * p + c] - empty_lab.data[3 * p + c])];
+        ++all;
+      }
     std::size_t below = count[0];
     while (usual[c] < 255 && static_cast<double>(below) < kUsual * static_cast<double>(all))
       below += count[++usual[c]];

@@ -192,9 +192,10 @@ Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>&
     if (Misfit(lab[i], empty, trimaps[i]) >= largest_misfit) return;
     backdrops[i].usual = UsualDifference(lab[i], empty, trimaps[i]);
     for (std::size_t p = 0; p < trimaps[i].data.size(); ++p)
-      if (trimaps[i].data[p] == kObject)
-        figure[i] += 1,
-            like[i] += Like(&lab[i].data[3 * p], &empty.data[3 * p], backdrops[i].usual, 0);
+      if (trimaps[i].data[p] == kObject) {
+        figure[i] += 1;
+        like[i] += Like(&lab[i].data[3 * p], &empty.data[3 * p], backdrops[i].usual, 0);
+      }
     backdrops[i].empty = std::move(empty);
   });
   const auto sum = [](const std::vector<double>& values) {

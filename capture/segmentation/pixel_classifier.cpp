@@ -32,7 +32,10 @@ struct PixelClassifier::Grower {
       const auto level = (*samples[i].features)[feature];
       counts[level][samples[i].object] += weight[samples[i].object];
     }
-    for (const auto& c : counts) total[0] += c[0], total[1] += c[1];
+    for (const auto& c : counts) {
+      total[0] += c[0];
+      total[1] += c[1];
+    }
     std::array<double, 2> below{};
     for (int threshold = 1; threshold < kFeatureLevels; ++threshold) {
       for (std::size_t k = 0; k < 2; ++k) below[k] += counts[threshold - 1][k];

@@ -27,8 +27,14 @@ double Beta(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
       const cv::Vec3b& here = image.at<cv::Vec3b>(y, x);
-      if (x > 0) sum += Difference(here, image.at<cv::Vec3b>(y, x - 1)), ++count;
-      if (y > 0) sum += Difference(here, image.at<cv::Vec3b>(y - 1, x)), ++count;
+      if (x > 0) {
+        sum += Difference(here, image.at<cv::Vec3b>(y, x - 1));
+        ++count;
+      }
+      if (y > 0) {
+        sum += Difference(here, image.at<cv::Vec3b>(y - 1, x));
+        ++count;
+      }
     }
   return sum <= 0 ? 0 : 1 / (2 * static_cast<double>(sum) / static_cast<double>(count));
 }

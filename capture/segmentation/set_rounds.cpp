@@ -129,7 +129,8 @@ EmptySetMatch FindSeenPast(const Round& round, const std::vector<Image8>& emptie
       for (std::size_t c = 0; c < 3; ++c)
         near = near && std::abs(pixels[3 * p + c] - empty[3 * p + c]) <= usual[c];
       past.pixels[i][p] = near;
-      figure[i] += trimap[p] == kObject, like[i] += near && trimap[p] == kObject;
+      figure[i] += trimap[p] == kObject;
+      like[i] += near && trimap[p] == kObject;
     }
   });
   const auto sum = [](const std::vector<double>& values) {

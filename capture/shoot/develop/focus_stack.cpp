@@ -111,8 +111,10 @@ Image8 MergeFocusStack(const std::vector<Image8>& images) {
         i == middle ? MatOf(images[i]).clone() : Aligned(images[i], reference, scale, i);
     const Pyramid levels = LaplacianOf(moved);
     if (best.empty()) {
-      for (const cv::Mat& level : levels)
-        best.push_back(level.clone()), energy.push_back(EnergyOf(level));
+      for (const cv::Mat& level : levels) {
+        best.push_back(level.clone());
+        energy.push_back(EnergyOf(level));
+      }
       continue;
     }
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) TakeSharper(levels[l], best[l], energy[l]);

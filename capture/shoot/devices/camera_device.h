@@ -36,7 +36,8 @@ class CameraDevice {
                         Patience& patience) = 0;
   /// A photograph that came without Take: by the camera's own button. Returns at once.
   virtual std::optional<Exposure> Arrived(const std::filesystem::path& into, Patience& patience) {
-    (void)into, (void)patience;
+    (void)into;
+    (void)patience;
     return std::nullopt;
   }
   /// Photographs only ever arrive: somebody else releases the shutter.
@@ -44,7 +45,9 @@ class CameraDevice {
   /// Sets the focus for photograph `i` of `count` of a focus stack, near to far. False: it cannot,
   /// and the person has to.
   virtual bool Focus(int i, int count, Patience& patience) {
-    (void)i, (void)count, (void)patience;
+    (void)i;
+    (void)count;
+    (void)patience;
     return false;
   }
   /// A small JPEG of what the camera sees; nothing if it has no live view.

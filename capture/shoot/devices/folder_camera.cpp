@@ -83,7 +83,8 @@ class FolderCamera final : public CameraDevice {
       std::error_code gone;
       const auto time = fs::last_write_time(files.front(), gone);
       if (!AllStill(files, patience.Now()) || gone || time >= oldest_time) continue;
-      oldest = files, oldest_time = time;
+      oldest = files;
+      oldest_time = time;
     }
     return oldest;
   }

@@ -113,7 +113,8 @@ void Helper::Through(const Attempt& attempt, const Attempt& connect, const char*
     } catch (const DeviceFault& fault) {
       connected = false;
       if (told != fault.what() || fault.needs_hand) announcer_.Fault(fault);
-      told = fault.what(), code = fault.code;
+      told = fault.what();
+      code = fault.code;
       if (fault.needs_hand)
         Ask(device, fault.what_to_do, "");
       else

@@ -39,8 +39,10 @@ void WriteSetupState(const fs::path& file, const SetupState& setup_state) {
                {"pose", setup_state.pose},
                {"ring", setup_state.ring},
                {"flip", setup_state.flip}};
-  if (setup_state.turning_to)
-    root["turning_to"] = *setup_state.turning_to, root["memory"] = setup_state.memory;
+  if (setup_state.turning_to) {
+    root["turning_to"] = *setup_state.turning_to;
+    root["memory"] = setup_state.memory;
+  }
   WriteDurably(file, root.dump() + "\n");
 }
 

@@ -50,7 +50,10 @@ std::optional<SideFile> NewestOther(const fs::path& photos, const std::string& p
     const fs::path file = entry.path() / "shoot.json";
     const auto time = fs::last_write_time(file, missing);
     if (missing || entry.path().filename() == pose) continue;
-    if (newest.empty() || time > newest_time) newest = file, newest_time = time;
+    if (newest.empty() || time > newest_time) {
+      newest = file;
+      newest_time = time;
+    }
   }
   if (newest.empty()) return std::nullopt;
   try {
@@ -204,19 +207,22 @@ class ShootingSession {
     }
   }
 
+  static const char* HowToLay(int flip) {
+    if (flip == 0) return "stand the figure upright";
+    if (flip == 1) return "lay the figure on its side, in the middle of the table";
+    return "turn the figure onto a side that was not below yet";
+  }
+
   /// Camera height and figure as this photograph needs them.
   void SetUp(const Shot& shot) {
     SetupState& setup_state = helper_.setup_state;
     const bool other_pose = setup_state.pose != book_->side().pose;
     if (setup_state.flip != shot.flip || (other_pose && shot.flip > 0))
-      helper_.Ask("flip",
-                  shot.flip == 0   ? "stand the figure upright"
-                  : shot.flip == 1 ? "lay the figure on its side, in the middle of the table"
-                                   : "turn the figure onto a side that was not below yet",
-                  "leave the camera where it is");
+      helper_.Ask("flip", HowToLay(shot.flip), "leave the camera where it is");
     if (setup_state.ring != shot.ring || other_pose) AskForHeight(shot, other_pose);
     if (setup_state.flip == shot.flip && setup_state.ring == shot.ring && !other_pose) return;
-    setup_state.flip = shot.flip, setup_state.ring = shot.ring,
+    setup_state.flip = shot.flip;
+    setup_state.ring = shot.ring;
     setup_state.pose = book_->side().pose;
     helper_.SaveSetupState();
   }

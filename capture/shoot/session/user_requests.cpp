@@ -28,7 +28,8 @@ void UserRequests::Handle(const Command& command) {
   std::string refusal;
   switch (command.kind) {
     case Command::Kind::kGoOn:
-      done = true, paused = false;
+      done = true;
+      paused = false;
       break;
     case Command::Kind::kPause:
       paused = rethink_ = true;
@@ -46,16 +47,15 @@ void UserRequests::Handle(const Command& command) {
       refusal = Skip(command);
       break;
     case Command::Kind::kAt:
-      if (std::isfinite(command.angle_deg.value_or(NAN)) && std::abs(*command.angle_deg) < 1e6)
-        table_is_at_deg = *command.angle_deg, rethink_ = true;
-      else
-        refusal = "that is no angle";
+      refusal = TableIsAt(command);
       break;
     case Command::Kind::kNextPose:
-      if (IsPoseName(command.pose))
-        next_pose = command.pose, rethink_ = true;
-      else
+      if (IsPoseName(command.pose)) {
+        next_pose = command.pose;
+        rethink_ = true;
+      } else {
         refusal = "a pose's name may have letters, digits, '-' and '_' only";
+      }
       break;
   }
   announcer_.Answer(command, refusal);
@@ -75,7 +75,16 @@ std::string UserRequests::WantAgain(const Command& command) {
                   *angle_deg);
   if (!shot) return "no photograph of the plan has this name or angle";
   again.push_back(*shot);
-  paused = false, rethink_ = true;
+  paused = false;
+  rethink_ = true;
+  return "";
+}
+
+std::string UserRequests::TableIsAt(const Command& command) {
+  const double angle_deg = command.angle_deg.value_or(NAN);
+  if (!std::isfinite(angle_deg) || std::abs(angle_deg) >= 1e6) return "that is no angle";
+  table_is_at_deg = angle_deg;
+  rethink_ = true;
   return "";
 }
 

@@ -62,6 +62,7 @@ class UserRequests final : public Patience {
  private:
   void Handle(const Command& command);
   std::string Skip(const Command& command);
+  std::string TableIsAt(const Command& command);
 
   Conversation& talk_;
   Announcer& announcer_;

@@ -40,7 +40,9 @@ class GrblFirmware final : public Protocol {
 
  private:
   std::string Status(const SimulatedMotor& motor) {
-    const char* state = alarm_ ? "Alarm" : held_ ? "Hold:0" : motor.moving() ? "Run" : "Idle";
+    const char* state = motor.moving() ? "Run" : "Idle";
+    if (held_) state = "Hold:0";
+    if (alarm_) state = "Alarm";
     char text[128];
     std::snprintf(text, sizeof text, "<%s|MPos:%.3f,0.000,0.000|FS:0,0", state, motor.counted_deg);
     std::string report = text;

@@ -87,13 +87,18 @@ std::unique_ptr<TurntableDevice> SimulatedSet::MakeTurntable(const std::string& 
   // A simulated controller answers at once; no need to wait for it as long as for a real one.
   if (grbl) {
     GrblTimes times;
-    times.wake_up_s = 0.5, times.reply_s = 0.4, times.ask_s = 0.01, times.stall_s = 0.5;
+    times.wake_up_s = 0.5;
+    times.reply_s = 0.4;
+    times.ask_s = 0.01;
+    times.stall_s = 0.5;
     GrblOptions fast;
     fast.speed_deg_s = options.speed_deg_s;
     return MakeGrblTurntable(port, fast, times);
   }
   StepsTimes times;
-  times.reply_s = 0.1, times.ask_s = 0.01, times.stall_s = 0.5;
+  times.reply_s = 0.1;
+  times.ask_s = 0.01;
+  times.stall_s = 0.5;
   return MakeStepsTurntable(port, times);
 }
 

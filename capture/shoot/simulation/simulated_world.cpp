@@ -56,7 +56,8 @@ void SimulatedWorld::SetCamera(int ring) {
 
 void SimulatedWorld::SetFigure(const std::string& pose, int flip) {
   const std::lock_guard lock(mutex_);
-  pose_ = pose, flip_ = flip;
+  pose_ = pose;
+  flip_ = flip;
   Save();
 }
 

@@ -121,6 +121,12 @@ class Terminal final : public Conversation {
   bool by_folder_ = false;
 };
 
+[[noreturn]] void RefuseWord(const std::string& word) {
+  const std::string near = NearestWord(word, {"again", "skip", "pause", "go", "at", "next", "end"});
+  throw InputError("'" + WithoutOddBytes(word) + "' is not known; did you mean `" + near +
+                   "`? Only Enter goes on");
+}
+
 }  // namespace
 
 Command ParseWords(const std::string& line) {
@@ -139,26 +145,27 @@ Command ParseWords(const std::string& line) {
     command.kind = Kind::kGoOn;
   } else if (word == "again") {
     needs("an angle or a photograph, as in `again 45`");
-    command.kind = Kind::kAgain, command.photograph = rest;
+    command.kind = Kind::kAgain;
+    command.photograph = rest;
   } else if (word == "skip") {
-    command.kind = Kind::kSkip, command.photograph = rest;
+    command.kind = Kind::kSkip;
+    command.photograph = rest;
   } else if (word == "pause") {
     command.kind = Kind::kPause;
   } else if (word == "at") {
     needs("an angle, as in `at 45`");
     char* end = nullptr;
-    command.kind = Kind::kAt, command.angle_deg = std::strtod(rest.c_str(), &end);
+    command.kind = Kind::kAt;
+    command.angle_deg = std::strtod(rest.c_str(), &end);
     if (*end) throw InputError("'" + rest + "' is no angle");
   } else if (word == "next") {
     needs("the pose's name, as in `next bent`");
-    command.kind = Kind::kNextPose, command.pose = rest;
+    command.kind = Kind::kNextPose;
+    command.pose = rest;
   } else if (word == "end" || word == "quit" || word == "exit") {
     command.kind = Kind::kEnd;
   } else {
-    const std::string near =
-        NearestWord(word, {"again", "skip", "pause", "go", "at", "next", "end"});
-    throw InputError("'" + WithoutOddBytes(word) + "' is not known; did you mean `" + near +
-                     "`? Only Enter goes on");
+    RefuseWord(word);
   }
   return command;
 }
