@@ -74,7 +74,10 @@ constexpr Eigen::Index kNarrow = 8, kWide = 48;  // columns solved together
 
 /// The CHOLMOD state for a solve. Threads must not share it.
 struct SolveSpace {
-  SolveSpace() { cholmod_start(&common), common.print = 0; }
+  SolveSpace() {
+    cholmod_start(&common);
+    common.print = 0;
+  }
   ~SolveSpace() {
     cholmod_free_dense(&y, &common);
     cholmod_free_dense(&e, &common);

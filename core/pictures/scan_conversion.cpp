@@ -134,7 +134,10 @@ class ScanConversion::Filling {
       for (int x = from; x <= to; ++x) {
         const int place = PlaceOf(x, y);
         if (place < 0) continue;
-        if (!stepped) MakeSteps(face), stepped = true;
+        if (!stepped) {
+          MakeSteps(face);
+          stepped = true;
+        }
         AddToPixel(face, id, x, y, static_cast<std::size_t>(place) * count_);
       }
   }
@@ -150,7 +153,10 @@ class ScanConversion::Filling {
           const std::size_t sample = static_cast<std::size_t>(place) * count_ + s;
           const int id = face_[sample];
           if (id < 0) continue;
-          if (id != of) face.emplace(scan_, id), of = id;
+          if (id != of) {
+            face.emplace(scan_, id);
+            of = id;
+          }
           hits[sample] = face->HitAt(id, Eigen::Vector2d(x, y) + scan_.pattern_[s]);
         }
       }

@@ -50,8 +50,14 @@ std::vector<Pixels> HolesOf(const Image8& mask) {
   const auto from_border = [&](int x, int y) {
     if (*label.at(x, y) == kFree) Flood(label, x, y, kFree, kOutside, nullptr);
   };
-  for (int x = 0; x < mask.width; ++x) from_border(x, 0), from_border(x, mask.height - 1);
-  for (int y = 0; y < mask.height; ++y) from_border(0, y), from_border(mask.width - 1, y);
+  for (int x = 0; x < mask.width; ++x) {
+    from_border(x, 0);
+    from_border(x, mask.height - 1);
+  }
+  for (int y = 0; y < mask.height; ++y) {
+    from_border(0, y);
+    from_border(mask.width - 1, y);
+  }
   std::vector<Pixels> holes;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)

@@ -88,7 +88,8 @@ std::vector<Edge> BoundarySides(const FacesX3& faces, const std::vector<int>& pl
     Edge side = edges[b];
     const int from = place[side.from], to = place[side.to];
     if (from == to) return;
-    side.low = std::min(from, to), side.high = std::max(from, to);
+    side.low = std::min(from, to);
+    side.high = std::max(from, to);
     side.forward = from < to;
     sides.push_back(side);
   });
@@ -109,7 +110,8 @@ Seams FindSeams(const Mesh& mesh) {
     return v;
   };
   const auto join = [&](int a, int b) {
-    a = find(a), b = find(b);
+    a = find(a);
+    b = find(b);
     seams.one[std::max(a, b)] = std::min(a, b);
   };
   ForRuns(sides, [&](std::size_t b, std::size_t e) {

@@ -124,8 +124,10 @@ Triangles::Shared Triangles::SharedCorners(int a, int b) const {
     for (int j = 0; j < 3; ++j) {
       if (faces_(a, i) != faces_(b, j)) continue;
       ++shared.count;
-      shared.last_a = i, shared.last_b = j;
-      shared.free_a -= i, shared.free_b -= j;
+      shared.last_a = i;
+      shared.last_b = j;
+      shared.free_a -= i;
+      shared.free_b -= j;
     }
   return shared;
 }

@@ -22,7 +22,8 @@ class UnionFind {
   }
   /// @return whether they were in different sets
   bool Join(int a, int b) {
-    a = Find(a), b = Find(b);
+    a = Find(a);
+    b = Find(b);
     parent_[std::max(a, b)] = std::min(a, b);
     return a != b;
   }

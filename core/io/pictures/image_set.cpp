@@ -213,7 +213,10 @@ void WriteImageSet(const ImageSet& set) {
     if (image.photograph_width > 0)
       entry["photograph"] = {image.photograph_width, image.photograph_height};
     if (image.mask_given) entry["mask_given"] = true;
-    if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
+    if (!image.trusted) {
+      entry["trusted"] = false;
+      entry["why"] = image.why;
+    }
     if (!image.group.empty()) entry["group"] = image.group;
     if (!image.board_corners.empty()) entry["board_corners"] = CornersJson(image.board_corners);
     if (image.place) entry["turntable"] = PlaceJson(*image.place);

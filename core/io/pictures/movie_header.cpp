@@ -44,7 +44,10 @@ class Bytes {
   std::optional<Bytes> Box(std::string_view kind, int n = 0) const {
     for (std::size_t at = 0; at < size();) {
       std::uint64_t length = Number(at, 4).value_or(0), head = 8;
-      if (length == 1) length = Number(at + 8, 8).value_or(0), head = 16;
+      if (length == 1) {
+        length = Number(at + 8, 8).value_or(0);
+        head = 16;
+      }
       if (length == 0) length = size() - at;
       if (length < head || length > size() - at) return {};
       if (Part(at + 4, 4) == kind && n-- == 0) return Bytes(Part(at + head, length - head));
@@ -82,7 +85,10 @@ class MovieFile {
       const std::string start = Read(at, std::min<std::uint64_t>(16, size_ - at));
       const Bytes head(start);
       std::uint64_t length = head.Number(0, 4).value_or(0), skipped = 8;
-      if (length == 1) length = head.Number(8, 8).value_or(0), skipped = 16;
+      if (length == 1) {
+        length = head.Number(8, 8).value_or(0);
+        skipped = 16;
+      }
       if (length == 0) length = size_ - at;
       const std::string kind(head.Part(4, 4));
       if (kind.size() < 4 || !IsKind(kind)) Fail("is damaged" + Again());
@@ -130,7 +136,8 @@ std::optional<Times> TimesOf(const Bytes& table) {
   for (std::uint64_t i = 0; i < *entries; ++i) {
     const auto count = table.Number(8 + 8 * i, 4), each = table.Number(12 + 8 * i, 4);
     if (!count || !each) return {};
-    times.frames += *count, times.duration += *count * *each;
+    times.frames += *count;
+    times.duration += *count * *each;
   }
   return times;
 }
@@ -145,7 +152,9 @@ class RunLengths {
       const auto count = table_ ? table_->Number(8 + 8 * entry_, 4) : std::nullopt,
                  value = table_ ? table_->Number(12 + 8 * entry_, 4) : std::nullopt;
       if (!count || !value) return 0;
-      left_ = *count, value_ = static_cast<std::uint32_t>(*value), ++entry_;
+      left_ = *count;
+      value_ = static_cast<std::uint32_t>(*value);
+      ++entry_;
     }
     --left_;
     return value_;
@@ -238,7 +247,8 @@ std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, d
   if (shown > 0 && shown < times->frames) header.frames = static_cast<int>(shown);
   header.fps = static_cast<double>(*unit) * static_cast<double>(times->frames) /
                static_cast<double>(times->duration);
-  header.width = static_cast<int>(*width), header.height = static_cast<int>(*height);
+  header.width = static_cast<int>(*width);
+  header.height = static_cast<int>(*height);
   if (IsQuarterTurned(track)) std::swap(header.width, header.height);
   header.codec = WithoutOddBytes(std::string(kinds->Part(12, 4)));
   return header;

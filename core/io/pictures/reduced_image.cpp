@@ -159,7 +159,8 @@ bool DecodePart(jpeg_decompress_struct& info, JpegErrors& errors, const std::str
   if (setjmp(errors.back)) return false;
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   if (jpeg_read_header(&info, TRUE) != JPEG_HEADER_OK || !Decodes(info, channels)) return false;
-  info.scale_num = static_cast<unsigned>(eighths), info.scale_denom = 8;
+  info.scale_num = static_cast<unsigned>(eighths);
+  info.scale_denom = 8;
   info.out_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_start_decompress(&info);
   std::uint8_t* row = allocate(info.output_width, info.output_height);

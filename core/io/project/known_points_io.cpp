@@ -67,10 +67,12 @@ void ReadPointCameras(const json& root, const std::filesystem::path& path, const
       constexpr double kMost = 1e5;
       for (const double side : size)
         if (!(side >= 1 && side <= kMost)) pick.Fail("has a `size` that no picture has");
-      camera.width = static_cast<int>(size[0]), camera.height = static_cast<int>(size[1]);
+      camera.width = static_cast<int>(size[0]);
+      camera.height = static_cast<int>(size[1]);
     } else if (!camera.picture.empty()) {
       const Image8 picture = ReadImage(path.parent_path() / camera.picture, 1);
-      camera.width = picture.width, camera.height = picture.height;
+      camera.width = picture.width;
+      camera.height = picture.height;
     } else {
       pick.Fail("needs `size`, its pictures' width and height, or `picture`");
     }
@@ -126,7 +128,9 @@ KnownPoints ReadKnownPoints(const std::filesystem::path& path) {
 
 std::string KnownPointsText(const KnownPoints& points) {
   nlohmann::ordered_json root{{"schema", 1}, {"unit", "m"}};
-  root["points"] = json::array(), root["cameras"] = json::array(), root["clicks"] = json::array();
+  root["points"] = json::array();
+  root["cameras"] = json::array();
+  root["clicks"] = json::array();
   for (const KnownPoint& p : points.points)
     root["points"].push_back(
         {{"name", p.name}, {"place", {p.place.x(), p.place.y(), p.place.z()}}});

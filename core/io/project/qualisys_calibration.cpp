@@ -79,8 +79,10 @@ void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* cam
   camera->width = PixelsTo(Attribute(a, "sensorMinU", where, 0), Attribute(a, "sensorMaxU", where));
   camera->height =
       PixelsTo(Attribute(a, "sensorMinV", where, 0), Attribute(a, "sensorMaxV", where));
-  camera->fx = pixels("focalLengthU"), camera->fy = pixels("focalLengthV");
-  camera->cx = pixels("centerPointU") + 0.5, camera->cy = pixels("centerPointV") + 0.5;
+  camera->fx = pixels("focalLengthU");
+  camera->fy = pixels("focalLengthV");
+  camera->cx = pixels("centerPointU") + 0.5;
+  camera->cy = pixels("centerPointV") + 0.5;
   camera->k1 = Attribute(a, "radialDistortion1", where, 0);
   camera->k2 = Attribute(a, "radialDistortion2", where, 0);
   camera->p1 = Attribute(a, "tangentalDistortion1", where, 0);
@@ -96,8 +98,10 @@ void CutToWindow(const Attributes& window, const std::string& where, Camera* cam
   const bool inside = left >= 0 && top >= 0 && right > left && bottom > top &&
                       right < camera->width && bottom < camera->height;
   if (!inside) return;
-  camera->width = SideOf(right - left + 1), camera->height = SideOf(bottom - top + 1);
-  camera->cx -= left, camera->cy -= top;
+  camera->width = SideOf(right - left + 1);
+  camera->height = SideOf(bottom - top + 1);
+  camera->cx -= left;
+  camera->cy -= top;
 }
 
 Eigen::Matrix3d Rows(const Eigen::Matrix3d& matrix, int convention) {
@@ -114,7 +118,8 @@ double AxesMiss(const std::vector<QualisysCamera>& cameras, int convention) {
   };
   for (const QualisysCamera& c : cameras) {
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis(c) * axis(c).transpose();
-    sum += across, right += across * c.center;
+    sum += across;
+    right += across * c.center;
   }
   const Eigen::Vector3d meeting = sum.ldlt().solve(right);
   double miss = 0;
@@ -131,7 +136,10 @@ void PlaceQualisys(std::vector<QualisysCamera>& cameras, RigCalibration* rig) {
     if (AxesMiss(cameras, convention) < AxesMiss(cameras, best)) best = convention;
   for (QualisysCamera& c : cameras) {
     Eigen::Matrix3d rows = Rows(c.matrix, best);
-    if (best & 2) rows.row(1) *= -1, rows.row(2) *= -1;
+    if (best & 2) {
+      rows.row(1) *= -1;
+      rows.row(2) *= -1;
+    }
     const Eigen::Quaterniond turn = ExactRotation(rows, c.view.name);
     c.view.camera_from_world = {turn, -(turn * (c.center / 1000))};
     rig->views.push_back(c.view);

@@ -75,18 +75,27 @@ void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
       Numbers(FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix", "intrinsics"}));
   if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
   // OpenCV counts pixels from the centre of the first one.
-  camera->fx = k[0], camera->fy = k[4], camera->cx = k[2] + 0.5, camera->cy = k[5] + 0.5;
+  camera->fx = k[0];
+  camera->fy = k[4];
+  camera->cx = k[2] + 0.5;
+  camera->cy = k[5] + 0.5;
   const std::vector<double> d =
       Numbers(FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion", "dist"}));
   const auto at = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
-  camera->k1 = at(0), camera->k2 = at(1), camera->p1 = at(2), camera->p2 = at(3);
+  camera->k1 = at(0);
+  camera->k2 = at(1);
+  camera->p1 = at(2);
+  camera->p2 = at(3);
   for (std::size_t i = 4; i < d.size(); ++i)
     if (std::abs(d[i]) > 1e-9) {
       notes->push_back(where + ": only k1, k2, p1, p2 of its distortion are used");
       break;
     }
   const std::vector<double> size = Numbers(FirstOf(node, {"image_size", "resolution", "size"}));
-  if (size.size() == 2) camera->width = SideOf(size[0]), camera->height = SideOf(size[1]);
+  if (size.size() == 2) {
+    camera->width = SideOf(size[0]);
+    camera->height = SideOf(size[1]);
+  }
   if (const YAML::Node w = FirstOf(node, {"image_width", "width"})) camera->width = w.as<int>();
   if (const YAML::Node h = FirstOf(node, {"image_height", "height"})) camera->height = h.as<int>();
 }
@@ -173,9 +182,12 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
                          "from world (12 numbers)");
     View view;
     view.name = name;
-    view.camera.fx = n[0], view.camera.fy = n[4];
-    view.camera.cx = n[2] + 0.5, view.camera.cy = n[5] + 0.5;
-    view.camera.k1 = n[9], view.camera.k2 = n[10];
+    view.camera.fx = n[0];
+    view.camera.fy = n[4];
+    view.camera.cx = n[2] + 0.5;
+    view.camera.cy = n[5] + 0.5;
+    view.camera.k1 = n[9];
+    view.camera.k2 = n[10];
     // a skew shifts a pixel at the picture's top or bottom by this much
     largest_skew_px = std::max(largest_skew_px, std::abs(n[1] / n[4] * n[5]));
     Eigen::Matrix3d r;
@@ -241,14 +253,16 @@ RigCalibration ReadCalibration(const fs::path& path, bool lens_only) {
   if (fs::is_directory(path)) {
     ReadFolder(path, lens_only, &rig);
   } else if (path.extension() == ".json") {
-    rig.views = ReadPoses(path), rig.format = "COLMAP model";
+    rig.views = ReadPoses(path);
+    rig.format = "COLMAP model";
   } else {
     const std::string text = ReadFile(path);
     const std::string file = PrintableName(path.filename());
     const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-    if (IsYaml(path) || text.starts_with("%YAML"))
-      AddYamlFile(path, lens_only, &rig), rig.format = "OpenCV YAML";
-    else if (first != std::string::npos && text[first] == '<')
+    if (IsYaml(path) || text.starts_with("%YAML")) {
+      AddYamlFile(path, lens_only, &rig);
+      rig.format = "OpenCV YAML";
+    } else if (first != std::string::npos && text[first] == '<')
       AddQualisys(text, file, &rig);
     else
       ReadMatrices(text, file, &rig);
@@ -334,10 +348,12 @@ bool NumberedBefore(const std::string& a, const std::string& b) {
       if (ie - i != je - j) return ie - i < je - j;
       const int order = a.compare(i, ie - i, b, j, je - j);
       if (order != 0) return order < 0;
-      i = ie, j = je;
+      i = ie;
+      j = je;
     } else {
       if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
+      ++i;
+      ++j;
     }
   }
   return a.size() - i < b.size() - j;

@@ -99,17 +99,21 @@ class ShotFields {
 
 Camera CameraFrom(const ShotFields& root, const ShotFields& lens, const std::string& where) {
   Camera camera;
-  camera.width = root.Whole("width", 1, 1 << 20), camera.height = root.Whole("height", 1, 1 << 20);
+  camera.width = root.Whole("width", 1, 1 << 20);
+  camera.height = root.Whole("height", 1, 1 << 20);
   constexpr double kMost = 1e7;
   camera.fx = camera.fy = lens.Has("f") ? lens.Number("f", 0.01, kMost) : 0;
   if (lens.Has("fx") || !lens.Has("f")) camera.fx = lens.Number("fx", 0.01, kMost);
   if (lens.Has("fy") || !lens.Has("f")) camera.fy = lens.Number("fy", 0.01, kMost);
-  camera.cx = lens.Number("cx", -kMost, kMost), camera.cy = lens.Number("cy", -kMost, kMost);
+  camera.cx = lens.Number("cx", -kMost, kMost);
+  camera.cy = lens.Number("cy", -kMost, kMost);
   const auto distortion = [&](const char* name) {
     return lens.Has(name) ? lens.Number(name, -kMost, kMost) : 0;
   };
-  camera.k1 = distortion("k1"), camera.k2 = distortion("k2");
-  camera.p1 = distortion("p1"), camera.p2 = distortion("p2");
+  camera.k1 = distortion("k1");
+  camera.k2 = distortion("k2");
+  camera.p1 = distortion("p1");
+  camera.p2 = distortion("p2");
   RequireUsableCamera(camera, where);
   return camera;
 }

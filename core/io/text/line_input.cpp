@@ -29,7 +29,10 @@ bool WasInterrupted() { return interrupted != 0; }
 std::optional<std::string> LineInput::Taken() {
   const std::size_t end = arrived_.find('\n');
   if (end == std::string::npos && !(ended_ && !arrived_.empty())) {
-    if (arrived_.size() > kLongest) arrived_.clear(), drops_ = true;
+    if (arrived_.size() > kLongest) {
+      arrived_.clear();
+      drops_ = true;
+    }
     return std::nullopt;
   }
   std::string line = arrived_.substr(0, end);
