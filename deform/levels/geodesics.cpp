@@ -156,9 +156,10 @@ GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways 
     neighbors_[arc.to].push_back(arc.from);
   }
   offset_.assign(static_cast<std::size_t>(points.rows()) + 1, 0);
-  for (const Arc& arc : arcs)
-    ++offset_[static_cast<std::size_t>(arc.from) + 1],
-        ++offset_[static_cast<std::size_t>(arc.to) + 1];
+  for (const Arc& arc : arcs) {
+    ++offset_[static_cast<std::size_t>(arc.from) + 1];
+    ++offset_[static_cast<std::size_t>(arc.to) + 1];
+  }
   std::partial_sum(offset_.begin(), offset_.end(), offset_.begin());
   ways_.resize(2 * arcs.size());
   std::vector<int> fill = offset_;

@@ -177,7 +177,10 @@ Eigen::SparseMatrix<double> PoissonSystem::Impl::LowerLaplacian() const {
   std::copy(start.begin(), start.end(), h.outerIndexPtr());
   Eigen::Index at = 0;
   for (const auto& block : blocks)
-    for (const auto& [row, value] : block) h.innerIndexPtr()[at] = row, h.valuePtr()[at++] = value;
+    for (const auto& [row, value] : block) {
+      h.innerIndexPtr()[at] = row;
+      h.valuePtr()[at++] = value;
+    }
   return h;
 }
 
@@ -255,7 +258,9 @@ void PoissonSystem::Impl::Fit(FrameRows& solved, const std::vector<RowTargets>& 
       for (std::int64_t r = begin; r < end; ++r) {
         const double* row = solved.Row(r) + t;
         double* point = frame + 3 * static_cast<std::ptrdiff_t>(solver.unknowns()[r]);
-        point[0] = row[0], point[1] = row[solved.stride], point[2] = row[2 * solved.stride];
+        point[0] = row[0];
+        point[1] = row[solved.stride];
+        point[2] = row[2 * solved.stride];
       }
     }
   });

@@ -112,12 +112,17 @@ void PoissonSystem::Impl::AddCentroidRows() {
     for (const auto& term : row.terms) touched[parts[term.first]] = 1;
   std::vector<int> place(part_count, -1);
   for (int p = 0; p < part_count; ++p)
-    if (touched[p]) place[p] = SizeOf(touched_parts), touched_parts.push_back(p);
+    if (touched[p]) {
+      place[p] = SizeOf(touched_parts);
+      touched_parts.push_back(p);
+    }
   part_sums = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(touched_parts));
   double scale = 0;
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (const auto& [vertex, weight] : rows[r].terms)
-      part_sums(r, place[parts[vertex]]) += weight, scale = std::max(scale, std::abs(weight));
+    for (const auto& [vertex, weight] : rows[r].terms) {
+      part_sums(r, place[parts[vertex]]) += weight;
+      scale = std::max(scale, std::abs(weight));
+    }
   // Finds the parts that the rows place, by elimination of columns. A part without a pivot can
   // still be shifted and gets a centroid row.
   std::vector<char> needs(part_count, 0);
@@ -244,7 +249,11 @@ class PoissonSystem::FloorSearch {
   void LearnCompliance() {
     std::vector<int> fresh;
     for (int i : active_)
-      if (place_[i] < 0) place_[i] = SizeOf(known_), known_.push_back(i), fresh.push_back(i);
+      if (place_[i] < 0) {
+        place_[i] = SizeOf(known_);
+        known_.push_back(i);
+        fresh.push_back(i);
+      }
     const Eigen::Index k0 = own_.rows(), k1 = std::ssize(known_);
     own_.conservativeResize(k1, k1);
     cross_.conservativeResize(s_.coupled, k1);
@@ -305,10 +314,15 @@ class PoissonSystem::FloorSearch {
     for (Eigen::Index r = 0; r < a; ++r)
       if (found[m + r] <= 0 || only_add) next.push_back(active_[r]);
     bool changed = std::ssize(next) != a;
-    for (int i : active_) z_[i] = height_, seen[i] = 1;
+    for (int i : active_) {
+      z_[i] = height_;
+      seen[i] = 1;
+    }
     for (int i : candidates_)
-      if (!seen[i] && z_[i] < height_ - 1e-12 * (1 + std::abs(height_)))
-        next.push_back(i), changed = true;
+      if (!seen[i] && z_[i] < height_ - 1e-12 * (1 + std::abs(height_))) {
+        next.push_back(i);
+        changed = true;
+      }
     if (changed) {
       std::sort(next.begin(), next.end());
       active_ = std::move(next);
