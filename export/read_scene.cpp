@@ -39,7 +39,8 @@ void TakeLayout(const fs::path& path, Scene& scene) {
         "export: the layout " + PrintableName(path) +
         (layout.has_uvs() ? " has other faces than the frames" : " has no texture coordinates") +
         "; pass what `keypose unwrap` made of their first frame");
-  first.uvs = layout.uvs, first.uv_faces = layout.uv_faces;
+  first.uvs = layout.uvs;
+  first.uv_faces = layout.uv_faces;
 }
 
 // PNG and JPEG files are embedded unchanged; other formats become PNG, since glTF allows only these

@@ -140,7 +140,10 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
                               options.height, Up(options));
     const double seen =
         MotionSeen(frames, normals, view.camera_from_world.rotation.toRotationMatrix());
-    if (seen > most * (1 + 1e-9)) most = seen, best = azimuth;
+    if (seen > most * (1 + 1e-9)) {
+      most = seen;
+      best = azimuth;
+    }
   }
   return best;
 }

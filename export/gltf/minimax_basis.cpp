@@ -153,7 +153,10 @@ Shape MinimaxShape(const Eigen::MatrixXd& with_base, const Path& path, double en
   double smallest = std::numeric_limits<double>::infinity(), exponent = 2;
   for (int step = 0; step < kSteps; ++step) {
     const Eigen::VectorXd distances = (with_base * shape - path).rowwise().norm();
-    if (distances.maxCoeff() < smallest) smallest = distances.maxCoeff(), best = shape;
+    if (distances.maxCoeff() < smallest) {
+      smallest = distances.maxCoeff();
+      best = shape;
+    }
     if (smallest <= enough) break;
     exponent = std::min(kGrowth * exponent, kLargestExponent);
     const Shape fitted = FitShape(with_base, path, Multipliers(distances, exponent));
