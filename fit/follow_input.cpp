@@ -60,7 +60,8 @@ void FollowInput::ReadFirst(StageContext& stage) {
     if (!SameFaces(layout.faces, given_.faces))
       throw InputError("follow: " + name +
                        " has other faces than the frames; unwrap frame_0000.ply itself");
-    given_.uvs = layout.uvs, given_.uv_faces = layout.uv_faces;
+    given_.uvs = layout.uvs;
+    given_.uv_faces = layout.uv_faces;
   }
   CloseSeams();
   if (!stage.Has("texture")) return;
@@ -78,7 +79,8 @@ void FollowInput::CloseSeams() {
   kept_.resize(static_cast<std::size_t>(whole.mesh.vertex_count()));
   for (int v = given_.vertex_count() - 1; v >= 0; --v) kept_[of_given_[v]] = v;
   mesh_ = std::move(whole.mesh);
-  mesh_.uvs = given_.uvs, mesh_.uv_faces = given_.uv_faces;
+  mesh_.uvs = given_.uvs;
+  mesh_.uv_faces = given_.uv_faces;
 }
 
 PointsX3 FollowInput::Points(int frame) const {

@@ -143,7 +143,8 @@ void TrackInput::CountFrames(StageContext& stage) {
 }
 
 void TrackInput::MakeCameras() {
-  cameras_.clear(), known_.clear();
+  cameras_.clear();
+  known_.clear();
   known_.resize(views_.size());
   for (const View& view : views_) {
     const double side = std::max(view.camera.width, view.camera.height);

@@ -38,7 +38,8 @@ std::string AnglesCsv(const std::vector<TrackedFrame>& frames, double fps, doubl
     before = root;
     DofVector q = frame.pose.q, variance = frame.deviations.cwiseAbs2();
     q.segment<3>(3) = turn;
-    q.head<3>() *= units_per_metre, variance.head<3>() *= units_per_metre * units_per_metre;
+    q.head<3>() *= units_per_metre;
+    variance.head<3>() *= units_per_metre * units_per_metre;
     text += std::to_string(f) + "," + Number(f / fps);
     for (int i = 0; i < kDofs; ++i) text += "," + Number(q[i]);
     for (int i = 0; i < kDofs; ++i) text += "," + Number(variance[i]);

@@ -38,7 +38,8 @@ GreyPyramid MakeGreyPyramid(const Image8& picture, int levels) {
 }
 
 float SampleGrey(const ImageF& image, double x, double y) {
-  x = std::clamp(x, 0.0, image.width - 1.0), y = std::clamp(y, 0.0, image.height - 1.0);
+  x = std::clamp(x, 0.0, image.width - 1.0);
+  y = std::clamp(y, 0.0, image.height - 1.0);
   const int x0 = std::min(static_cast<int>(x), image.width - 2),
             y0 = std::min(static_cast<int>(y), image.height - 2);
   const float u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);

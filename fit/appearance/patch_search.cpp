@@ -84,7 +84,11 @@ class Matcher {
       const int x = columns_[i] + dx, y = rows_[i] + dy;
       if (!Inside(x, y)) continue;
       const float a = patch_[i].value, b = *pictures_.photo.at(x, y) - kGrey;
-      sa += a, saa += a * a, sb += b, sbb += b * b, sab += a * b;
+      sa += a;
+      saa += a * a;
+      sb += b;
+      sbb += b * b;
+      sab += a * b;
       ++count;
     }
     if (count < PatchSearchTuning::kLeastPixels * SizeOf(patch_)) return -1;
@@ -113,7 +117,8 @@ class ShiftTable {
  public:
   ShiftTable(Matcher& matcher, const PatchSearch& search)
       : reach_(static_cast<int>(search.reach_px)) {
-    best_.assign(side() * side(), -1), turn_.assign(side() * side(), 0);
+    best_.assign(side() * side(), -1);
+    turn_.assign(side() * side(), 0);
     const int turns = static_cast<int>(search.most_turn / PatchSearchTuning::kTurnStep);
     for (int t = -turns; t <= turns; ++t) {
       const double turn = t * PatchSearchTuning::kTurnStep;
@@ -123,7 +128,10 @@ class ShiftTable {
           if (dx * dx + dy * dy > search.reach_px * search.reach_px) continue;
           const double value = matcher.At(dx, dy);
           const std::size_t i = Index(dx, dy);
-          if (value > best_[i]) best_[i] = value, turn_[i] = turn;
+          if (value > best_[i]) {
+            best_[i] = value;
+            turn_[i] = turn;
+          }
         }
     }
   }
@@ -133,7 +141,8 @@ class ShiftTable {
     const std::size_t i = std::max_element(best_.begin(), best_.end()) - best_.begin();
     found.shift = {static_cast<double>(i % side()) - reach_,
                    static_cast<double>(i / side()) - reach_};
-    found.turn = turn_[i], found.correlation = best_[i];
+    found.turn = turn_[i];
+    found.correlation = best_[i];
     if (found.correlation < search.least_correlation) return found;
     const double second = BestApart(found.shift);
     found.found = 1 - found.correlation <= search.best_ratio * (1 - second);
@@ -191,7 +200,8 @@ std::vector<FoundPatch> RefinePatches(const std::vector<SeenVertex>& seen,
         for (int dx = -kRefineReach; dx <= kRefineReach; ++dx) {
           const double value = matcher.At(middle.x() + dx, middle.y() + dy);
           if (value <= best.correlation) continue;
-          best.correlation = value, best.turn = tried;
+          best.correlation = value;
+          best.turn = tried;
           best.shift = (middle + Eigen::Vector2i(dx, dy)).cast<double>();
         }
     }

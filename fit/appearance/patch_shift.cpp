@@ -63,7 +63,9 @@ class Aligner {
       : patch_(patch), photo_(photo), options_(options) {
     PreparePlanes();
     const Eigen::Index n = SizeOf(patch_);
-    render_.resize(n), values_.resize(n), gradients_.resize(n, 2);
+    render_.resize(n);
+    values_.resize(n);
+    gradients_.resize(n, 2);
     for (Eigen::Index k = 0; k < n; ++k) {
       const Pixel& p = patch_[k];
       render_[k] = root_[k] * p.value;

@@ -22,7 +22,8 @@ Box BoundsInPicture(const PointsX3& points, const Pinhole& camera, const Rigid3&
     const Eigen::Vector3d x = pose * points.row(i).transpose();
     if (x.z() <= 0) return all;
     const Eigen::Array2d pixel = camera.Project(x).array();
-    low = low.min(pixel), high = high.max(pixel);
+    low = low.min(pixel);
+    high = high.max(pixel);
   }
   const auto clamped = [](double v, int most) {
     return static_cast<int>(std::clamp<double>(v, 0, most));
@@ -111,7 +112,8 @@ double Overlap(const TexturedRender& render, const GreyMask& mask) {
   std::int64_t both = 0, either = 0;
   for (std::size_t i = 0; i < mask.data.size(); ++i) {
     const bool hit = render.face.data[i] >= 0, inside = InMask(mask.data[i]);
-    both += hit && inside, either += hit || inside;
+    both += hit && inside;
+    either += hit || inside;
   }
   return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }

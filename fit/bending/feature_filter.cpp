@@ -65,7 +65,8 @@ std::vector<int> SmoothMatches(const PointsX3& rest, const std::vector<FeatureMa
     for (const KdTree::Neighbor& near : tree.Nearest(places.row(i).transpose(), kNeighbours + 1)) {
       if (near.index == i) continue;
       const Eigen::Vector2d move = matches[near.index].pixel - shown[near.index];
-      x.push_back(move.x()), y.push_back(move.y());
+      x.push_back(move.x());
+      y.push_back(move.y());
     }
     if (x.empty()) continue;
     const Eigen::Vector2d median(UpperMedian(x), UpperMedian(y));

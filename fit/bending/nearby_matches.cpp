@@ -25,7 +25,10 @@ Image8 PictureOf(const TexturedRender& render) {
   double sum = 0;
   int hit = 0;
   for (std::size_t i = 0; i < render.face.data.size(); ++i)
-    if (render.face.data[i] >= 0) sum += render.grey.data[i], ++hit;
+    if (render.face.data[i] >= 0) {
+      sum += render.grey.data[i];
+      ++hit;
+    }
   const double mean = hit > 0 ? sum / hit : 0;
   Image8 picture(render.grey.width, render.grey.height, 1);
   for (std::size_t i = 0; i < picture.data.size(); ++i)
@@ -48,7 +51,10 @@ Candidate BestNear(const PictureFeatures& photo, const Eigen::Vector2d& pixel,
     if ((photo.pixels[i] - pixel).squaredNorm() <= reach_px * reach_px)
       near.emplace_back(photo.descriptors.row(i).dot(descriptor), i);
   for (const auto& [similarity, i] : near)
-    if (similarity > best.similarity) best.similarity = similarity, best.feature = i;
+    if (similarity > best.similarity) {
+      best.similarity = similarity;
+      best.feature = i;
+    }
   for (const auto& [similarity, i] : near)
     if ((photo.pixels[i] - photo.pixels[best.feature]).norm() > NearbyMatchesTuning::kApart)
       best.second = std::max(best.second, similarity);

@@ -32,13 +32,17 @@ std::array<VertexModel, kSegmentVertices> MakeVertices() {
   for (int ring = 0; ring < kRings; ++ring)
     for (int around = 0; around < kAround; ++around) {
       VertexModel& v = vertices[RingVertex(ring, around)];
-      v.along = AlongOf(ring), v.cap = CapOf(v.along);
+      v.along = AlongOf(ring);
+      v.cap = CapOf(v.along);
       const double at = v.along * (kStations - 1);
-      v.station = std::min(static_cast<int>(at), kStations - 2), v.next = at - v.station;
+      v.station = std::min(static_cast<int>(at), kStations - 2);
+      v.next = at - v.station;
       v.angle = 2 * kPi * around / kAround;
       v.waves[0] = 1;
-      for (int m = 1; 2 * m < kHarmonics; ++m)
-        v.waves[2 * m - 1] = std::cos(m * v.angle), v.waves[2 * m] = std::sin(m * v.angle);
+      for (int m = 1; 2 * m < kHarmonics; ++m) {
+        v.waves[2 * m - 1] = std::cos(m * v.angle);
+        v.waves[2 * m] = std::sin(m * v.angle);
+      }
     }
   vertices[kSegmentVertices - 2] = {0, 0, 0, 0, 0, {}};
   vertices[kSegmentVertices - 1] = {1, kStations - 2, 1, 0, 0, {}};

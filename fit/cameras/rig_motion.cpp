@@ -56,7 +56,10 @@ int Assign(const std::vector<Sightings>& sightings, const std::vector<View>& rig
     for (int j = 0; j < SizeOf(rig); ++j) {
       const int inliers =
           sightings[i].Inliers(Compose(rig[j].camera_from_world, motion.rig_from_template));
-      if (inliers > motion.inliers[i]) motion.inliers[i] = inliers, motion.rig_view[i] = j;
+      if (inliers > motion.inliers[i]) {
+        motion.inliers[i] = inliers;
+        motion.rig_view[i] = j;
+      }
     }
     if (motion.inliers[i] < kLeastOnRig) motion.rig_view[i] = -1;
     motion.agreeing += motion.rig_view[i] >= 0;

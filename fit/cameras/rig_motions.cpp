@@ -30,7 +30,10 @@ int LeastMotion(const std::vector<RigMotion>& trials, const std::vector<int>& su
     if (sums[t] < enough) continue;
     const Rigid3& motion = trials[t].rig_from_template;
     const double angle = Eigen::Quaterniond::Identity().angularDistance(motion.rotation);
-    if (angle < least) least = angle, best = t;
+    if (angle < least) {
+      least = angle;
+      best = t;
+    }
   }
   return best;
 }

@@ -47,8 +47,10 @@ Small SmallOf(const PreparedView& view) {
   Camera& c = small.camera;
   c.width = std::max(1, static_cast<int>(full.width * factor));
   c.height = std::max(1, static_cast<int>(full.height * factor));
-  c.fx = full.fx * factor, c.fy = full.fy * factor;
-  c.cx = (full.cx + 0.5) * factor, c.cy = (full.cy + 0.5) * factor;
+  c.fx = full.fx * factor;
+  c.fy = full.fy * factor;
+  c.cx = (full.cx + 0.5) * factor;
+  c.cy = (full.cy + 0.5) * factor;
   small.mask.resize(static_cast<std::size_t>(c.width) * c.height);
   small.colors.resize(SizeOf(small.mask), 3);
   for (int y = 0; y < c.height; ++y)
@@ -74,8 +76,10 @@ Spread SpreadOf(int width, int height, const Inside& inside) {
   Spread spread;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      if (inside(y * width + x))
-        spread.area += 1, spread.center += Eigen::Vector2d(x + 0.5, y + 0.5);
+      if (inside(y * width + x)) {
+        spread.area += 1;
+        spread.center += Eigen::Vector2d(x + 0.5, y + 0.5);
+      }
   if (spread.area > 0) spread.center /= spread.area;
   return spread;
 }

@@ -74,12 +74,15 @@ FollowedFrames::FollowedFrames(const FollowedMesh& mesh, const FollowSource& sou
   double all_before = 0, all_after = 0;
   for (std::size_t p = 0; p < parts; ++p) {
     double sum_before = 0, sum_after = 0;
-    for (std::size_t f = 0; f < offsets.size(); ++f)
-      sum_before += before[f][p], sum_after += after[f][p];
+    for (std::size_t f = 0; f < offsets.size(); ++f) {
+      sum_before += before[f][p];
+      sum_after += after[f][p];
+    }
     const double growth = sum_after / sum_before;
     growth_.push_back(
         growth > 0 && std::isfinite(growth) ? growth : std::numeric_limits<double>::quiet_NaN());
-    all_before += sum_before, all_after += sum_after;
+    all_before += sum_before;
+    all_after += sum_after;
   }
   if (all_before > 0) ratio_ = all_after / all_before;
 }

@@ -17,7 +17,8 @@ FollowedMesh::FollowedMesh(const PointsX3& first, const FacesX3& faces, int most
   }
   if (coarse_) {
     down_ = MakeProlongation(first, *coarse_);
-    cell_of_ = coarse_->up, fine_of_ = coarse_->fine;
+    cell_of_ = coarse_->up;
+    fine_of_ = coarse_->fine;
   } else {
     cell_of_.resize(static_cast<std::size_t>(first.rows()));
     std::iota(cell_of_.begin(), cell_of_.end(), 0);
@@ -45,7 +46,10 @@ std::vector<Eigen::Matrix3d> FollowedMesh::TurnsOf(const PointsX3& coarse) const
       const Eigen::Vector3d now = coarse.row(b) - coarse.row(a),
                             then = coarse_first_.row(b) - coarse_first_.row(a);
       const Eigen::Matrix3d moment = now * then.transpose();
-      for (const int v : {a, b}) moments[v] += moment, sizes[v] += then.squaredNorm();
+      for (const int v : {a, b}) {
+        moments[v] += moment;
+        sizes[v] += then.squaredNorm();
+      }
     }
   // Edges of a flat fan do not tell on which side its normal is.
   const PointsX3 normals = VertexNormals(coarse, faces);

@@ -42,8 +42,10 @@ double LimbChain::Radius() const {
   const auto bin_of = [&](int i) {
     return std::min(kBins - 1, static_cast<int>(kBins * limb_.along[i] / limb_.length));
   };
-  for (int i = 0; i < SizeOf(limb_.vertices); ++i)
-    middle[bin_of(i)] += rest_.row(i), ++count[bin_of(i)];
+  for (int i = 0; i < SizeOf(limb_.vertices); ++i) {
+    middle[bin_of(i)] += rest_.row(i);
+    ++count[bin_of(i)];
+  }
   double sum = 0;
   for (int i = 0; i < SizeOf(limb_.vertices); ++i)
     sum += (rest_.row(i) - middle[bin_of(i)] / count[bin_of(i)]).norm();
@@ -80,7 +82,8 @@ void LimbChain::PlaceJoints(const PointsX3& now) {
     double weight = 0;
     for (Eigen::Index i = 0; i < now.rows(); ++i) {
       const double w = Nearness(2 * (limb_.along[i] - joint_along_[j]) / radius);
-      sum += w * now.row(i).transpose(), weight += w;
+      sum += w * now.row(i).transpose();
+      weight += w;
     }
     joint_.push_back(sum / weight);
   }

@@ -133,7 +133,10 @@ LimbPictures::LimbPictures(const std::vector<SmallPicture>& pictures, const Face
   std::vector<int> place(points.rows(), -1);
   for (Eigen::Index i = 0; i < faces_.size(); ++i) {
     int& v = faces_.data()[i];
-    if (place[v] < 0) place[v] = SizeOf(vertices_), vertices_.push_back(v);
+    if (place[v] < 0) {
+      place[v] = SizeOf(vertices_);
+      vertices_.push_back(v);
+    }
     v = place[v];
   }
   limb_colors_ = colors(vertices_, Eigen::all);

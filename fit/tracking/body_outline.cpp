@@ -108,7 +108,10 @@ class ContourFinder {
     if ((facing_[a] > 0) == (facing_[b] > 0)) return;
     OutlineSample sample;
     sample.share = facing_[a] / (facing_[a] - facing_[b]);
-    sample.segment = segment_, sample.a = a, sample.b = b, sample.length = length;
+    sample.segment = segment_;
+    sample.a = a;
+    sample.b = b;
+    sample.length = length;
     const auto mix = [&](const Vector3d& p, const Vector3d& q) {
       return Vector3d((1 - sample.share) * p + sample.share * q);
     };

@@ -70,7 +70,10 @@ Statistics FindStatistics(const std::vector<FittedFrame>& frames) {
   ParallelFor(kDofs, [&](std::int64_t i) { each[i] = FindMotionNoise(courses[i]); });
   Statistics all;
   std::array<double, kDofs> noises;
-  for (int i = 0; i < kDofs; ++i) all.jerks[i] = each[i].jerk, noises[i] = each[i].noise;
+  for (int i = 0; i < kDofs; ++i) {
+    all.jerks[i] = each[i].jerk;
+    noises[i] = each[i].noise;
+  }
   all.noise = UpperMedian(noises);
   return all;
 }
@@ -117,7 +120,8 @@ CalmedTake CalmTake(const std::vector<FittedFrame>& frames, double strength) {
   for (const FittedFrame& frame : frames) take.poses.push_back(frame.pose);
   if (SizeOf(frames) < kLeastFrames) return take;
   Statistics statistics = FindStatistics(frames);
-  take.noise = std::sqrt(statistics.noise), take.jerks = statistics.jerks;
+  take.noise = std::sqrt(statistics.noise);
+  take.jerks = statistics.jerks;
   statistics.noise *= strength * strength;
   double largest = 1;
   for (take.rounds = 0; take.rounds < kCalmRounds && largest > kLargestStep; ++take.rounds) {

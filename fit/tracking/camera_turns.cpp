@@ -54,22 +54,28 @@ std::vector<TurnSystem> Systems(const std::vector<TurnFrame>& frames, const Body
   std::vector<TurnSystem> sums(cameras);
   for (const std::vector<TurnSystem>& frame : each)
     for (std::size_t c = 0; c < cameras; ++c) {
-      sums[c].matrix += frame[c].matrix, sums[c].right += frame[c].right;
-      sums[c].cost += frame[c].cost, sums[c].measured += frame[c].measured;
+      sums[c].matrix += frame[c].matrix;
+      sums[c].right += frame[c].right;
+      sums[c].cost += frame[c].cost;
+      sums[c].measured += frame[c].measured;
     }
   return sums;
 }
 
 double CostOf(const std::vector<TurnSystem>& systems) {
   double cost = 0, measured = 0;
-  for (const TurnSystem& s : systems) cost += s.cost, measured += s.measured;
+  for (const TurnSystem& s : systems) {
+    cost += s.cost;
+    measured += s.measured;
+  }
   return measured > 0 ? cost / measured : 0;
 }
 
 void FollowPoses(const BodyShape& shape, std::vector<TurnFrame>* frames) {
   const LocalSurface surface = SurfaceOf(shape);
   PoseOptions options;
-  options.rounds = 2, options.priors = {RestPrior()};
+  options.rounds = 2;
+  options.priors = {RestPrior()};
   ParallelFor(SizeOf(*frames), [&](std::int64_t f) {
     TurnFrame& frame = (*frames)[f];
     frame.pose = SolvePose(frame.silhouettes, shape, surface, frame.pose, options).pose.Recharted();
@@ -95,7 +101,8 @@ void TakeOutMove(const std::vector<Vector3d>& centers, const Vector3d& body,
     for (std::size_t c = 0; c < turns->size(); ++c) {
       const Matrix3d e = effect(c);
       const double weight = 1 / std::max(kLeast, ((*turns)[c] - e * move).norm());
-      matrix += weight * e.transpose() * e, right += weight * e.transpose() * (*turns)[c];
+      matrix += weight * e.transpose() * e;
+      right += weight * e.transpose() * (*turns)[c];
     }
     move = matrix.ldlt().solve(right);
   }
@@ -120,7 +127,8 @@ Rigid3 TurnedBy(const Rigid3& camera_from_world, const Vector3d& turn) {
 CameraTurns FindCameraTurns(std::vector<TurnFrame> frames, const BodyShape& shape) {
   const std::size_t cameras = frames[0].silhouettes.size();
   CameraTurns found;
-  found.turns.assign(cameras, Vector3d::Zero()), found.shift_px.assign(cameras, 0);
+  found.turns.assign(cameras, Vector3d::Zero());
+  found.shift_px.assign(cameras, 0);
   FollowPoses(shape, &frames);
   std::vector<TurnSystem> systems = Systems(frames, shape);
   for (const TurnSystem& s : systems)

@@ -63,7 +63,10 @@ class LimbFollower {
     for (int i = 2; i < count; ++i) {
       const int f = step > 0 ? i : count - 1 - i;
       if (!open && Bend(f - step) < jump) continue;
-      if (!open) open.emplace().begin = f, open->step = step;
+      if (!open) {
+        open.emplace().begin = f;
+        open->step = step;
+      }
       if (Extend(f, &*open)) continue;
       Take(*open, 0);
       open.reset();
@@ -78,11 +81,13 @@ class LimbFollower {
     if (!found) return;
     Course back = *found, on = *std::move(found);
     back.step = -1;
-    Extend(&back), Extend(&on);
+    Extend(&back);
+    Extend(&on);
     searched_to_ = f + SizeOf(on.frames) - 1;
     const double gain = back.best_gain + on.best_gain - back.first_gain;
     if (gain < RetrackingTuning::kSure * frames_[f].evidence.cost) return;
-    Take(back, 0), Take(on, 1);
+    Take(back, 0);
+    Take(on, 1);
   }
 
   const Retracking& retracking() const { return retracking_; }
@@ -102,8 +107,10 @@ class LimbFollower {
     const TrackedFrame& known = frames_[f];
     course->gain += RetrackingTuning::kBetter * known.evidence.cost - frame.evidence.cost;
     course->frames.push_back(std::move(frame));
-    if (course->gain > course->best_gain)
-      course->best_gain = course->gain, course->best = SizeOf(course->frames);
+    if (course->gain > course->best_gain) {
+      course->best_gain = course->gain;
+      course->best = SizeOf(course->frames);
+    }
     const bool merged = Apart(course->frames.back().pose, known.pose) < RetrackingTuning::kMerged;
     const bool hopeless =
         course->gain < course->best_gain - RetrackingTuning::kHopeless * known.evidence.cost;
@@ -117,7 +124,8 @@ class LimbFollower {
                                             RetrackingTuning::kCandidates)) {
       if (start.q == frames_[f].pose.q) continue;
       Course course;
-      course.begin = f, course.found = true;
+      course.begin = f;
+      course.found = true;
       const bool apart = Append(f, Solved(f, start, {RestPrior()}), &course);
       course.first_gain = course.gain;
       if (apart && course.gain > (best ? best->gain : 0)) best = std::move(course);
@@ -229,7 +237,8 @@ Retracking RetrackLimbs(const BodyShape& shape,
   const LocalSurface surface = SurfaceOf(shape);
   Retracking sum;
   const auto add = [&](const Retracking& retracking) {
-    sum.solved += retracking.solved, sum.changed += retracking.changed;
+    sum.solved += retracking.solved;
+    sum.changed += retracking.changed;
   };
   for (const int step : {-1, 1})
     for (const Limb limb : kLimbs) {

@@ -22,7 +22,8 @@ Image8 MaskRuns::Mask() const {
   std::uint8_t value = 0;
   for (const std::uint32_t run : runs_) {
     std::fill_n(at, run, value);
-    at += run, value ^= 1;
+    at += run;
+    value ^= 1;
   }
   return mask;
 }

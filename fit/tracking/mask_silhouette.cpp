@@ -26,7 +26,8 @@ Box MaskBox(const Image8& mask, std::int64_t* pixels) {
     const auto count = std::count(row, row + mask.width, 1);
     if (count == 0) continue;
     *pixels += count;
-    box.y0 = std::min(box.y0, y), box.y1 = y + 1;
+    box.y0 = std::min(box.y0, y);
+    box.y1 = y + 1;
     box.x0 = std::min(box.x0, static_cast<int>(std::find(row, row + mask.width, 1) - row));
     int last = mask.width;
     while (!row[last - 1]) --last;
@@ -49,13 +50,19 @@ Box LitBox(const Image8& mask) {
         std::memcpy(&eight, mask.at(x, y), 8);  // of known size: one instruction
       else
         std::memcpy(&eight, mask.at(x, y), mask.width - x);
-      columns[x / 8] |= eight, row |= eight;
+      columns[x / 8] |= eight;
+      row |= eight;
     }
-    if (row & kHighBits) box.y0 = std::min(box.y0, y), box.y1 = y + 1;
+    if (row & kHighBits) {
+      box.y0 = std::min(box.y0, y);
+      box.y1 = y + 1;
+    }
   }
   for (int i = 0; i < SizeOf(columns); ++i)
-    if (columns[i] & kHighBits)
-      box.x0 = std::min(box.x0, 8 * i), box.x1 = std::min(mask.width, 8 * i + 8);
+    if (columns[i] & kHighBits) {
+      box.x0 = std::min(box.x0, 8 * i);
+      box.x1 = std::min(mask.width, 8 * i + 8);
+    }
   return box;
 }
 
@@ -97,9 +104,12 @@ SilhouetteCamera::SilhouetteCamera(const View& view, double scale) : view_(view)
   pinhole_.height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
   const double sx = static_cast<double>(pinhole_.width) / camera.width,
                sy = static_cast<double>(pinhole_.height) / camera.height;
-  pinhole_.fx = camera.fx * sx, pinhole_.fy = camera.fy * sy;
-  pinhole_.cx = camera.cx * sx - 0.5, pinhole_.cy = camera.cy * sy - 0.5;
-  rows_.resize(pinhole_.height), columns_.resize(pinhole_.width);
+  pinhole_.fx = camera.fx * sx;
+  pinhole_.fy = camera.fy * sy;
+  pinhole_.cx = camera.cx * sx - 0.5;
+  pinhole_.cy = camera.cy * sy - 0.5;
+  rows_.resize(pinhole_.height);
+  columns_.resize(pinhole_.width);
   source_.reserve(static_cast<std::size_t>(pinhole_.width) * pinhole_.height * 4);
   for (int y = 0; y < pinhole_.height; ++y)
     for (int x = 0; x < pinhole_.width; ++x)
@@ -110,7 +120,8 @@ SilhouetteCamera::SilhouetteCamera(const View& view, double scale) : view_(view)
         const int px = static_cast<int>(p.x()), py = static_cast<int>(p.y());
         source_.push_back(inside ? py * camera.width + px : -1);
         if (!inside) continue;
-        rows_[y].low = std::min(rows_[y].low, py), rows_[y].high = std::max(rows_[y].high, py);
+        rows_[y].low = std::min(rows_[y].low, py);
+        rows_[y].high = std::max(rows_[y].high, py);
         columns_[x].low = std::min(columns_[x].low, px);
         columns_[x].high = std::max(columns_[x].high, px);
       }
@@ -191,8 +202,10 @@ Silhouette MakeSilhouette(const SilhouetteCamera& camera, int index, const Image
   silhouette.pinhole = camera.pinhole();
   if (silhouette.empty()) return silhouette;
   Pinhole& crop = silhouette.pinhole;
-  crop.width = box.x1 - box.x0, crop.height = box.y1 - box.y0;
-  crop.cx -= box.x0, crop.cy -= box.y0;
+  crop.width = box.x1 - box.x0;
+  crop.height = box.y1 - box.y0;
+  crop.cx -= box.x0;
+  crop.cy -= box.y0;
   silhouette.field = FieldOf(reduced, box, crop, silhouette.camera_from_world);
   FindOutline(points, &silhouette);
   return silhouette;

@@ -16,7 +16,8 @@ int NearestSample(const std::vector<OutlineSample>& samples, const Silhouette::P
     const double squared = (samples[i].pixel - point.pixel).squaredNorm();
     if (squared >= least || samples[i].normal.dot(point.normal) < OutlineTuning::kAgreement)
       continue;
-    least = squared, nearest = i;
+    least = squared;
+    nearest = i;
   }
   return nearest;
 }

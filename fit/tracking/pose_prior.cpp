@@ -66,15 +66,23 @@ std::pair<double, double> NearestShares(const Vector3d& p1, const Vector3d& q1, 
   const double c = d1.dot(r), b = d1.dot(d2), denominator = a * e - b * b;
   double s = denominator > 1e-12 * a * e ? std::clamp((b * f - c * e) / denominator, 0.0, 1.0) : 0;
   double t = (b * s + f) / e;
-  if (t < 0) t = 0, s = std::clamp(-c / a, 0.0, 1.0);
-  if (t > 1) t = 1, s = std::clamp((b - c) / a, 0.0, 1.0);
+  if (t < 0) {
+    t = 0;
+    s = std::clamp(-c / a, 0.0, 1.0);
+  }
+  if (t > 1) {
+    t = 1;
+    s = std::clamp((b - c) / a, 0.0, 1.0);
+  }
   return {s, t};
 }
 
 }  // namespace
 
 PoseSystem& PoseSystem::operator+=(const PoseSystem& other) {
-  matrix += other.matrix, gradient += other.gradient, cost += other.cost;
+  matrix += other.matrix;
+  gradient += other.gradient;
+  cost += other.cost;
   return *this;
 }
 

@@ -276,15 +276,21 @@ Coverage CoverageOf(const std::vector<Silhouette>& silhouettes, const LocalSurfa
       views[v].mask_only += in_mask && !in_body;
       if (!in_body) continue;
       for (std::size_t l = 0; l < kLimbs.size(); ++l)
-        if (!(raster.bits[i] & ~SegmentsOf(kLimbs[l])))
-          views[v].limb[l] += 1, views[v].limb_outside[l] += !in_mask;
+        if (!(raster.bits[i] & ~SegmentsOf(kLimbs[l]))) {
+          views[v].limb[l] += 1;
+          views[v].limb_outside[l] += !in_mask;
+        }
     }
   });
   Coverage sum;
   for (const Coverage& view : views) {
-    sum.both += view.both, sum.body_only += view.body_only, sum.mask_only += view.mask_only;
-    for (std::size_t l = 0; l < kLimbs.size(); ++l)
-      sum.limb[l] += view.limb[l], sum.limb_outside[l] += view.limb_outside[l];
+    sum.both += view.both;
+    sum.body_only += view.body_only;
+    sum.mask_only += view.mask_only;
+    for (std::size_t l = 0; l < kLimbs.size(); ++l) {
+      sum.limb[l] += view.limb[l];
+      sum.limb_outside[l] += view.limb_outside[l];
+    }
   }
   return sum;
 }
@@ -335,7 +341,8 @@ Vector3d MiddleOfMasks(const std::vector<Silhouette>& silhouettes, double* radiu
     const Vector3d ray = s.camera_from_world.rotation.conjugate() *
                          s.pinhole.Ray(s.pinhole.width / 2.0, s.pinhole.height / 2.0).normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-    sum += across, right += across * s.center;
+    sum += across;
+    right += across * s.center;
   }
   const Vector3d middle = sum.ldlt().solve(right);
   *radius = 0;
@@ -407,14 +414,19 @@ CoarseHull FindCoarseHull(const std::vector<Silhouette>& silhouettes,
       }
   });
   CoarseHull hull;
-  hull.low.setConstant(1e30), hull.high.setConstant(-1e30), hull.middle.setZero();
+  hull.low.setConstant(1e30);
+  hull.high.setConstant(-1e30);
+  hull.middle.setZero();
   for (const std::vector<Vector3d>& layer : layers)
     for (const Vector3d& x : layer) {
-      hull.low = hull.low.cwiseMin(x), hull.high = hull.high.cwiseMax(x);
-      hull.middle += x, ++hull.voxels;
+      hull.low = hull.low.cwiseMin(x);
+      hull.high = hull.high.cwiseMax(x);
+      hull.middle += x;
+      ++hull.voxels;
     }
   hull.middle /= std::max(1, hull.voxels);
-  hull.low.array() -= voxel / 2, hull.high.array() += voxel / 2;
+  hull.low.array() -= voxel / 2;
+  hull.high.array() += voxel / 2;
   return hull;
 }
 
@@ -449,7 +461,9 @@ std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes,
     if (SizeOf(chosen) == 8) break;
   }
   PoseOptions options;
-  options.rounds = 10, options.first_reach = 40, options.priors = {RestPrior()};
+  options.rounds = 10;
+  options.first_reach = 40;
+  options.priors = {RestPrior()};
   int done = 0;
   for (Start& start : chosen) {
     if (progress && progress->cancelled()) throw Cancelled();
@@ -457,13 +471,17 @@ std::vector<BodyPose> SearchPoses(const std::vector<Silhouette>& silhouettes,
     for (const Limb limb : kLimbs) {
       double least = CoverageOf(silhouettes, surface, Posed(start.pose, shape)).Difference();
       PoseOptions near = options;
-      near.rounds = 5, near.first_reach = 20;
+      near.rounds = 5;
+      near.first_reach = 20;
       for (const BodyPose& candidate :
            SearchLimb(silhouettes, shape, surface, start.pose, limb, 2)) {
         const BodyPose solved = SolvePose(silhouettes, shape, surface, candidate, near).pose;
         const double difference =
             CoverageOf(silhouettes, surface, Posed(solved, shape)).Difference();
-        if (difference < 0.995 * least) least = difference, start.pose = solved;
+        if (difference < 0.995 * least) {
+          least = difference;
+          start.pose = solved;
+        }
       }
     }
     start.difference = CoverageOf(silhouettes, surface, Posed(start.pose, shape)).Difference();

@@ -83,16 +83,20 @@ void Tracker::FindLost(const std::vector<Silhouette>& silhouettes, const PoseOpt
                        PoseFit* fit, TrackedFrame* frame) {
   for (const Limb limb : Suspects(frame->coverage)) {
     const auto l = static_cast<std::size_t>(limb);
-    searched_[l] = frame_, in_vain_[l] = RelativeDifference(frame->coverage);
+    searched_[l] = frame_;
+    in_vain_[l] = RelativeDifference(frame->coverage);
     // What was, is no guide to a limb that was lost.
     PoseOptions free = options;
-    free.priors = {RestPrior()}, free.first_reach = 2 * OutlineTuning::kReach;
+    free.priors = {RestPrior()};
+    free.first_reach = 2 * OutlineTuning::kReach;
     for (const BodyPose& candidate :
          SearchLimb(silhouettes, shape_, surface_, fit->pose, limb, kCandidates)) {
       const PoseFit solved = SolvePose(silhouettes, shape_, surface_, candidate, free);
       const Coverage coverage = CoverageOf(silhouettes, surface_, Posed(solved.pose, shape_));
       if (coverage.Difference() > TrackerTuning::kFound * frame->coverage.Difference()) continue;
-      *fit = solved, frame->coverage = coverage, in_vain_[l] = 0;
+      *fit = solved;
+      frame->coverage = coverage;
+      in_vain_[l] = 0;
       if (frame->found.empty() || frame->found.back() != limb) frame->found.push_back(limb);
     }
   }
@@ -112,7 +116,8 @@ void Tracker::TurnBentBackwards(const std::vector<Silhouette>& silhouettes,
     if (coverage.Difference() > TrackerTuning::kAsGood * frame->coverage.Difference() ||
         BentBackwards(solved.pose, limb) > 0.5 * bent)
       continue;
-    *fit = solved, frame->coverage = coverage;
+    *fit = solved;
+    frame->coverage = coverage;
     frame->found.push_back(limb);
   }
 }
@@ -132,7 +137,8 @@ TrackedFrame Tracker::Next(const std::vector<Silhouette>& silhouettes) {
   const double follow = difference < usual_ ? kFall : kRise;
   usual_ = usual_ == 0 ? difference : usual_ + follow * (std::min(difference, 2 * usual_) - usual_);
   TrackedFrame fitted = FrameOf(fit, shape_);
-  fitted.coverage = frame.coverage, fitted.found = frame.found;
+  fitted.coverage = frame.coverage;
+  fitted.found = frame.found;
   frame = std::move(fitted);
   // A limb that jumped has no speed: the jump must not go on.
   if (frame.found.empty())
