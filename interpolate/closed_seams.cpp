@@ -28,7 +28,10 @@ std::vector<int> JoinedVertices(const std::vector<PointsX3>& keys, const FacesX3
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = faces(f, k), b = faces(f, (k + 1) % 3);
-      if (a != b && one[a] == one[b]) one[a] = a, one[b] = b;
+      if (a != b && one[a] == one[b]) {
+        one[a] = a;
+        one[b] = b;
+      }
     }
   return one;
 }

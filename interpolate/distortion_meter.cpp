@@ -147,10 +147,14 @@ SegmentDistortion DistortionMeter::SegmentOf(int span) const {
   segment.from_frame = schedule_.key_frames[span];
   segment.to_frame = schedule_.key_frames[span + 1];
   SegmentValues area, volume, linear_area, linear_volume;
-  for (SegmentValues* v : {&area, &linear_area})
-    v->first = key_areas_[span], v->last = key_areas_[span + 1];
-  for (SegmentValues* v : {&volume, &linear_volume})
-    v->first = key_volumes_[span], v->last = key_volumes_[span + 1];
+  for (SegmentValues* v : {&area, &linear_area}) {
+    v->first = key_areas_[span];
+    v->last = key_areas_[span + 1];
+  }
+  for (SegmentValues* v : {&volume, &linear_volume}) {
+    v->first = key_volumes_[span];
+    v->last = key_volumes_[span + 1];
+  }
   for (int f = segment.from_frame + 1; f < segment.to_frame; ++f) {
     if (schedule_.frames[f].key >= 0) continue;  // a held key is no in-between
     ++segment.in_betweens;

@@ -161,11 +161,14 @@ void ReportDistortion(StageContext& stage, const DistortionReport& report,
   stage.Report("linear_volume_sd", first.linear_volume.sd);
   double area = 0, volume = 0, move = 0;
   int on_table = 0;
-  for (const SegmentDistortion& s : report.segments)
-    area = std::max(area, s.area.path_deviation),
+  for (const SegmentDistortion& s : report.segments) {
+    area = std::max(area, s.area.path_deviation);
     volume = std::max(volume, s.volume.path_deviation);
-  for (const FrameDistortion& f : report.frames)
-    move = std::max(move, f.volume_move), on_table = std::max(on_table, f.on_table);
+  }
+  for (const FrameDistortion& f : report.frames) {
+    move = std::max(move, f.volume_move);
+    on_table = std::max(on_table, f.on_table);
+  }
   stage.Report("area_path_deviation", area);
   stage.Report("volume_path_deviation", volume);
   stage.Report("volume_move_over_diag", move);

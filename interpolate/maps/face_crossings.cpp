@@ -67,8 +67,10 @@ void Smooth(const FacesX3& faces, const std::vector<char>& wanted, int times, Po
     PointsX3 sums = PointsX3::Zero(points.rows(), 3);
     Eigen::VectorXd counts = Eigen::VectorXd::Zero(points.rows());
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k)
-        sums.row(faces(f, k)) += points.row(faces(f, (k + 1) % 3)), counts[faces(f, k)] += 1;
+      for (int k = 0; k < 3; ++k) {
+        sums.row(faces(f, k)) += points.row(faces(f, (k + 1) % 3));
+        counts[faces(f, k)] += 1;
+      }
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       if (wanted[i]) points.row(i) = 0.5 * points.row(i) + 0.5 / counts[i] * sums.row(i);
   }

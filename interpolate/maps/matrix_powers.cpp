@@ -22,7 +22,8 @@ std::optional<Eigen::Matrix3d> SquareRoot(const Eigen::Matrix3d& m) {
     const Eigen::Matrix3d next = 0.5 * (scale * x + y.inverse() / scale),
                           other = 0.5 * (scale * y + x.inverse() / scale);
     const double change = (next - x).norm();
-    x = next, y = other;
+    x = next;
+    y = other;
     if (!x.allFinite()) return std::nullopt;
     if (round > 2 && change < 1e-15 * x.norm()) break;
   }
@@ -81,8 +82,11 @@ Eigen::Matrix3d MatrixExponential::At(double t) const {
     const double share = t / n, next_a = share * (a * trace_ + b),
                  next_b = share * (c - a * minors_);
     c = share * a * determinant_;
-    a = next_a, b = next_b;
-    sum_a += a, sum_b += b, sum_c += c;
+    a = next_a;
+    b = next_b;
+    sum_a += a;
+    sum_b += b;
+    sum_c += c;
     left *= size / n;
   }
   return sum_a * mm_ + sum_b * m_ + sum_c * Eigen::Matrix3d::Identity();

@@ -232,9 +232,10 @@ struct ArapInterpolator::Impl {
         const bool corrected = volumes && volumes->closed_parts()[p] && std::isfinite(wanted[p]);
         double step = corrected ? StepToVolume(sum.volume, wanted[p]) : 0.0;
         const double move = std::abs(step) * (sum.longest + sum.field.norm());
-        if (!(move <= near_step))
-          step = 0, facts[k].reset();
-        else if (facts[k])
+        if (!(move <= near_step)) {
+          step = 0;
+          facts[k].reset();
+        } else if (facts[k])
           facts[k]->volume_move = std::max(facts[k]->volume_move, move);
         moves[k].push_back(
             {step, centroids->At(p, times[k]) - bodies[k] * (sum.point + step * sum.field)});

@@ -84,8 +84,11 @@ FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSys
   SegmentMaps maps = FaceMapsOf(v, u, system.faces());
   if (still) {
     // A pose repeated in consecutive keys does not move, not even by rounding errors.
-    for (FaceMap& map : maps.faces)
-      map.rotation.setIdentity(), map.stretch.setIdentity(), map.turn.setZero();
+    for (FaceMap& map : maps.faces) {
+      map.rotation.setIdentity();
+      map.stretch.setIdentity();
+      map.turn.setZero();
+    }
   } else {
     turns = FollowTurns(system, maps, overrides, reversed);
     if (stretch == Stretch::kBalanced) SetGrowth(system, maps);
@@ -94,8 +97,10 @@ FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSys
   paths.emplace(v, u, system.faces(), maps, stretch);
   centroids.emplace(v, u, system.parts(), system.part_count(), maps.body_turn);
   body_turn = maps.body_turn;
-  for (const FaceMap& map : maps.faces)
-    growth.push_back(map.growth), degenerate.push_back(map.degenerate ? 1 : 0);
+  for (const FaceMap& map : maps.faces) {
+    growth.push_back(map.growth);
+    degenerate.push_back(map.degenerate ? 1 : 0);
+  }
 }
 
 void FacePaths::Pair::Evaluate(const std::vector<double>& ways, EdgeBatch& edges) const {
@@ -174,18 +179,23 @@ std::vector<std::vector<FacePaths::MotionPair>> FacePaths::SmoothMotions(
   std::vector<std::vector<MotionPair>> wanted = own;
   const auto smooth = [&](auto Motion::*part, Eigen::Index f) {
     EndVelocities<std::decay_t<decltype(Motion().*part)>> velocities;
-    for (const auto& motions : own)
-      velocities.start.push_back(motions[f].start.*part),
-          velocities.end.push_back(motions[f].end.*part);
+    for (const auto& motions : own) {
+      velocities.start.push_back(motions[f].start.*part);
+      velocities.end.push_back(motions[f].end.*part);
+    }
     velocities = SmoothVelocities(schedule, velocities);
-    for (int k = 0; k < spans; ++k)
-      wanted[k][f].start.*part = velocities.start[k], wanted[k][f].end.*part = velocities.end[k];
+    for (int k = 0; k < spans; ++k) {
+      wanted[k][f].start.*part = velocities.start[k];
+      wanted[k][f].end.*part = velocities.end[k];
+    }
   };
   ParallelFor(
       face_count_,
       [&](std::int64_t f) {
-        smooth(&Motion::angular, f), smooth(&Motion::growth, f), smooth(&Motion::shear, f),
-            smooth(&Motion::area, f);
+        smooth(&Motion::angular, f);
+        smooth(&Motion::growth, f);
+        smooth(&Motion::shear, f);
+        smooth(&Motion::area, f);
       },
       256);
   return wanted;
@@ -199,9 +209,10 @@ FacePaths::Pace FacePaths::PaceOf(const std::vector<EndEdges>& starts,
   double start = 0, start_norm = 0, end = 0, end_norm = 0;
   for (Eigen::Index f = 0; f < face_count_; ++f) {
     const double weight = DoubledArea(starts[f].at) + DoubledArea(ends[f].at);
-    start += weight * wanted[f].start.Dot(own[f].start),
-        start_norm += weight * own[f].start.Dot(own[f].start);
-    end += weight * wanted[f].end.Dot(own[f].end), end_norm += weight * own[f].end.Dot(own[f].end);
+    start += weight * wanted[f].start.Dot(own[f].start);
+    start_norm += weight * own[f].start.Dot(own[f].start);
+    end += weight * wanted[f].end.Dot(own[f].end);
+    end_norm += weight * own[f].end.Dot(own[f].end);
   }
   // Up to a slope of 3 sigma does not reverse.
   return {start_norm > 0 ? std::clamp(start / start_norm, 0.0, 3.0) : 1.0,
@@ -279,8 +290,10 @@ void FacePaths::SmoothCentroids(const Schedule& schedule, int part_count) {
       own.end.push_back(rate(1));
     }
     EndVelocities<Eigen::Vector3d> bends = SmoothVelocities(schedule, own);
-    for (std::size_t k = 0; k < pairs_.size(); ++k)
-      bends.start[k] -= paces_[k].start * own.start[k], bends.end[k] -= paces_[k].end * own.end[k];
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      bends.start[k] -= paces_[k].start * own.start[k];
+      bends.end[k] -= paces_[k].end * own.end[k];
+    }
     centroid_bends_.push_back(std::move(bends));
   }
 }
@@ -327,7 +340,10 @@ void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& e
   if (bends_.empty()) return;
   std::vector<HermiteWeights> weights;
   std::vector<Eigen::Matrix3d> bodies;
-  for (const double way : ways) weights.emplace_back(way), bodies.push_back(BodyTurn(span, way));
+  for (const double way : ways) {
+    weights.emplace_back(way);
+    bodies.push_back(BodyTurn(span, way));
+  }
   ParallelFor(
       face_count_,
       [&](std::int64_t f) {

@@ -223,9 +223,10 @@ std::vector<ComputedFrame> KeySource::At(int span, const std::vector<double>& wa
   s.paths->Evaluate(span, ways, edges);
   std::vector<RowTargets> targets;
   std::vector<Eigen::Matrix3d> turns;
-  for (const double way : ways)
-    targets.push_back(held.rows.At(span, way, *s.paths)),
-        turns.push_back(s.paths->BodyTurn(span, way));
+  for (const double way : ways) {
+    targets.push_back(held.rows.At(span, way, *s.paths));
+    turns.push_back(s.paths->BodyTurn(span, way));
+  }
   return s.Finish(held, span, ways, held.system.Solve(edges, targets, turns));
 }
 

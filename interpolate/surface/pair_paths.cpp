@@ -51,7 +51,8 @@ Eigen::Matrix2d ShearOf(const FaceMap& map, Eigen::Vector3d& tilt) {
     tilt = map.remainder;
     return map.stretch;
   }
-  w /= length, along /= length;
+  w /= length;
+  along /= length;
   const Eigen::Vector3d within = along * normal;
   tilt = LogOf(q * Eigen::Quaterniond(w, -within[0], -within[1], -within[2]));
   const double cosine = w * w - along * along, sine = 2 * w * along;

@@ -71,7 +71,10 @@ struct PaperInterpolator::Impl {
       for (Eigen::Index f = 0; f < faces.rows(); ++f) {
         const int low = std::min({part[faces(f, 0)], part[faces(f, 1)], part[faces(f, 2)]});
         for (int k = 0; k < 3; ++k)
-          if (part[faces(f, k)] != low) part[faces(f, k)] = low, changed = true;
+          if (part[faces(f, k)] != low) {
+            part[faces(f, k)] = low;
+            changed = true;
+          }
       }
     }
   }

@@ -148,11 +148,16 @@ std::vector<std::vector<RowFrames::PartSums>> RowFrames::Sums(
       const double* s = by_patch.data() + (k * groups + t / 4) * kSums * 4 + t % 4;
       PartSums& sum = sums[t][patches_[k].part];
       for (int c = 0; c < 4; ++c) sum.volume[c] += s[4 * c] / 6;
-      for (int c = 0; c < 3; ++c) sum.point[c] += s[4 * (4 + c)], sum.field[c] += s[4 * (7 + c)];
+      for (int c = 0; c < 3; ++c) {
+        sum.point[c] += s[4 * (4 + c)];
+        sum.field[c] += s[4 * (7 + c)];
+      }
       sum.longest = std::max(sum.longest, std::sqrt(s[40]));
     }
-    for (std::size_t p = 0; p < count.size(); ++p)
-      sums[t][p].point /= count[p], sums[t][p].field /= count[p];
+    for (std::size_t p = 0; p < count.size(); ++p) {
+      sums[t][p].point /= count[p];
+      sums[t][p].field /= count[p];
+    }
   }
   return sums;
 }

@@ -119,8 +119,10 @@ class Reader {
           (points_.row(faces_(f, 0)) + points_.row(faces_(f, 1)) + points_.row(faces_(f, 2)))
               .transpose() /
           3;
-      if ((middle - center).squaredNorm() < least)
-        least = (middle - center).squaredNorm(), nearest = static_cast<int>(f);
+      if ((middle - center).squaredNorm() < least) {
+        least = (middle - center).squaredNorm();
+        nearest = static_cast<int>(f);
+      }
     }
     return nearest;
   }

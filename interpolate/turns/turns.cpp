@@ -274,9 +274,10 @@ class TurnLift {
     FindHalfTurns(tree, loose);
     for (const auto& [face, parent] : tree.steps) {
       Eigen::Vector3d& turn = maps_.faces[face].turn;
-      if (loose[face])
-        relative_[face] = relative_[parent], turn = maps_.faces[parent].turn;
-      else
+      if (loose[face]) {
+        relative_[face] = relative_[parent];
+        turn = maps_.faces[parent].turn;
+      } else
         turn = face == parent
                    ? LogOf(relative_[face])
                    : TurnAfter(maps_.faces[parent].turn, relative_[parent], relative_[face]);
@@ -326,8 +327,10 @@ class TurnLift {
     for (std::size_t at = 0; at < cluster.size(); ++at)
       for (int next : neighbours_[cluster[at]])
         if (next >= 0 && !in[next] &&
-            RotationDifference(relative_[cluster[at]], relative_[next]) < Tuning::kClusterSine2)
-          in[next] = 1, cluster.push_back(next);
+            RotationDifference(relative_[cluster[at]], relative_[next]) < Tuning::kClusterSine2) {
+          in[next] = 1;
+          cluster.push_back(next);
+        }
     return cluster;
   }
 

@@ -43,7 +43,10 @@ PointsX3 BodyPaths::Means(const PointsX3& points) const {
   PointsX3 sum = PointsX3::Zero(bodies_, 3);
   Eigen::VectorXd count = Eigen::VectorXd::Zero(sum.rows());
   for (Eigen::Index i = 0; i < points_; ++i)
-    if (body_[i] >= 0) sum.row(body_[i]) += points.row(i), count[body_[i]] += 1;
+    if (body_[i] >= 0) {
+      sum.row(body_[i]) += points.row(i);
+      count[body_[i]] += 1;
+    }
   return count.cwiseInverse().asDiagonal() * sum;
 }
 
@@ -80,8 +83,10 @@ std::vector<Cubic> VolumesAlong(const PointsX3& p, const PointsX3& z, const Face
     int& origin = about[solid.body_of_face[f]];
     if (origin < 0) origin = faces(f, 0);
     std::array<Eigen::Vector3d, 3> a, d;
-    for (int k = 0; k < 3; ++k)
-      a[k] = p.row(faces(f, k)) - p.row(origin), d[k] = z.row(faces(f, k)) - z.row(origin);
+    for (int k = 0; k < 3; ++k) {
+      a[k] = p.row(faces(f, k)) - p.row(origin);
+      d[k] = z.row(faces(f, k)) - z.row(origin);
+    }
     const Eigen::Vector3d aa = a[1].cross(a[2]), ad = a[1].cross(d[2]) + d[1].cross(a[2]),
                           dd = d[1].cross(d[2]);
     std::array<double, 4>& c = volumes[solid.body_of_face[f]].c;

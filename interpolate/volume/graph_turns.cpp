@@ -94,7 +94,10 @@ std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours,
           Eigen::Vector4d sum = sums[i];
           int count = 1;
           for (int n : neighbours[i])
-            if (n >= 0) sum += sums[n], ++count;
+            if (n >= 0) {
+              sum += sums[n];
+              ++count;
+            }
           next[i] = sum / count;
         },
         1024);
@@ -146,9 +149,10 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root,
   lifted.turns.resize(count);
   lifted.remainders.assign(count, Eigen::Vector3d::Zero());
   std::vector<double> ranks(count);
-  for (std::size_t i = 0; i < count; ++i)
-    lifted.turns[i] = LogOf(rotations[i]),
+  for (std::size_t i = 0; i < count; ++i) {
+    lifted.turns[i] = LogOf(rotations[i]);
     ranks[i] = lifted.turns[i].norm() + (doubtful[i] ? kLast : 0);
+  }
   ranks[root] = -1;
   std::vector<int> roots(count);
   std::iota(roots.begin(), roots.end(), 0);

@@ -149,9 +149,10 @@ class PointUntangler {
     for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
       for (int k = 0; k < 4; ++k) star_[solid.tets(t, k)].push_back(static_cast<int>(t));
     double before = 0, after = 0;
-    for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
-      before += shapes[t].volume,
-          after += shapes[t].volume * MapOf(shapes[t], points, solid.tets, t).determinant();
+    for (Eigen::Index t = 0; t < solid.tets.rows(); ++t) {
+      before += shapes[t].volume;
+      after += shapes[t].volume * MapOf(shapes[t], points, solid.tets, t).determinant();
+    }
     shrink_ = after > 0 ? std::cbrt(before / after) : 1;
   }
 

@@ -44,7 +44,8 @@ bool WriteAll(int fd, const void* data, std::size_t size) {
     const ssize_t written = write(fd, at, size);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return false;
-    at += written, size -= static_cast<std::size_t>(written);
+    at += written;
+    size -= static_cast<std::size_t>(written);
   }
   return true;
 }
@@ -55,7 +56,8 @@ bool ReadAll(int fd, void* data, std::size_t size) {
     const ssize_t got = read(fd, at, size);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return false;
-    at += got, size -= static_cast<std::size_t>(got);
+    at += got;
+    size -= static_cast<std::size_t>(got);
   }
   return true;
 }
@@ -113,7 +115,8 @@ std::optional<TetgenMesh> RunTetgen(const PointsX3& points, const FacesX3& faces
   const pid_t child = fork();
   if (child < 0) {
     const int fault = errno;
-    close(ends[0]), close(ends[1]);
+    close(ends[0]);
+    close(ends[1]);
     throw ToolError(std::string("interpolate: TetGen's process cannot be started: ") +
                     std::strerror(fault));
   }

@@ -86,8 +86,10 @@ std::vector<TetMap> TetMapsOf(const std::vector<TetShape>& shapes, const PointsX
         map.axes = svd.matrixV();
         map.stretch = svd.singularValues();
         Eigen::Matrix3d u = svd.matrixU();
-        if ((u * map.axes.transpose()).determinant() < 0)
-          u.col(2) = -u.col(2), map.stretch[2] = -map.stretch[2];
+        if ((u * map.axes.transpose()).determinant() < 0) {
+          u.col(2) = -u.col(2);
+          map.stretch[2] = -map.stretch[2];
+        }
         map.rotation = u * map.axes.transpose();
         map.inverted = !(map.stretch[2] > kFlat * map.stretch[0]);
       },

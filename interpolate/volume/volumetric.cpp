@@ -148,9 +148,11 @@ void FilledKey::Lift() {
   rotations.resize(count);
   std::vector<char> doubtful(count);
   std::vector<double> weights(count);
-  for (std::size_t t = 0; t < count; ++t)
-    rotations[t] = maps_[t].rotation, doubtful[t] = maps_[t].inverted,
+  for (std::size_t t = 0; t < count; ++t) {
+    rotations[t] = maps_[t].rotation;
+    doubtful[t] = maps_[t].inverted;
     weights[t] = doubtful[t] ? 0 : shapes_[t].volume;
+  }
   const Body body = BodyOf(rotations, weights);
   body_turn_ = LogOf(TurnAgainst(body.node, weights, rotations));
   if (!options_.follow_turns) {
@@ -182,7 +184,10 @@ void FilledKey::ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns) {
     double sum = 0;
     for (std::size_t t = 0; t < turns.size(); ++t)
       sum += shapes_[t].volume * (principal + k * whole + turns[t]).squaredNorm();
-    if (sum < 0.999 * least) least = sum, body_turn_ = principal + k * whole;
+    if (sum < 0.999 * least) {
+      least = sum;
+      body_turn_ = principal + k * whole;
+    }
   }
 }
 
