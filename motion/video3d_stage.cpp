@@ -109,8 +109,10 @@ std::vector<View> AllViews(StageContext& stage, const Video3dInput& input,
 std::vector<View> FilmViews(StageContext& stage, const Video3dInput& input,
                             const Video3dOptions& options) {
   FreeViewOptions how;
-  how.width = options.view_width, how.height = options.view_height;
-  how.up = input.up(), how.turns = options.turns;
+  how.width = options.view_width;
+  how.height = options.view_height;
+  how.up = input.up();
+  how.turns = options.turns;
   const int frames = SizeOf(input.meshes());
   const auto standing = [&](const View& view) {
     return std::vector<View>(static_cast<std::size_t>(frames), view);
@@ -135,7 +137,8 @@ std::vector<View> FilmViews(StageContext& stage, const Video3dInput& input,
     names.push_back(view.name);
     if (view.name != options.view) continue;
     View even = view;
-    even.camera.width -= even.camera.width % 2, even.camera.height -= even.camera.height % 2;
+    even.camera.width -= even.camera.width % 2;
+    even.camera.height -= even.camera.height % 2;
     return standing(even);
   }
   throw UsageError("video3d: --view " + options.view +

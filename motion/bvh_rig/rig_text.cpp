@@ -50,7 +50,8 @@ std::vector<Bone> Sorted(std::vector<Bone> bones, const std::vector<std::string>
       bones[b].parent = parents[b].empty() ? -1 : parent->second;
       place[bones[b].name] = SizeOf(sorted);
       sorted.push_back(bones[b]);
-      done[b] = 1, grew = true;
+      done[b] = 1;
+      grew = true;
     }
   }
   for (int b = 0; b < SizeOf(bones); ++b)

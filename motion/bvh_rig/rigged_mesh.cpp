@@ -43,7 +43,10 @@ RiggedMesh LargestPart(const RiggedMesh& rig) {
   part.bones = rig.bones;
   std::vector<int> place(rig.mesh.points.rows(), -1), kept;
   for (int i = 0; i < SizeOf(place); ++i)
-    if (joined.Find(i) == largest) place[i] = SizeOf(kept), kept.push_back(i);
+    if (joined.Find(i) == largest) {
+      place[i] = SizeOf(kept);
+      kept.push_back(i);
+    }
   part.mesh.points.resize(std::ssize(kept), 3);
   for (int k = 0; k < SizeOf(kept); ++k) {
     part.mesh.points.row(k) = rig.mesh.points.row(kept[k]);

@@ -86,7 +86,10 @@ MarkTree JoinMarks(const PointsX3& points, const FacesX3& faces,
     int best = -1;
     for (int i = 0; i < count; ++i) {
       if (in[i]) continue;
-      if (between(next, i) < nearest[i]) nearest[i] = between(next, i), parent[i] = next;
+      if (between(next, i) < nearest[i]) {
+        nearest[i] = between(next, i);
+        parent[i] = next;
+      }
       if (best < 0 || nearest[i] < nearest[best]) best = i;
     }
     next = best;

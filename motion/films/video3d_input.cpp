@@ -58,7 +58,10 @@ void RequireSeen(const Mesh& mesh, const std::vector<View>& views,
   std::vector<std::string> blind;
   std::size_t one = 0;
   for (std::size_t v = 0; v < views.size(); ++v)
-    if (checks[v].pixels == 0) blind.push_back(views[v].name), one = v;
+    if (checks[v].pixels == 0) {
+      blind.push_back(views[v].name);
+      one = v;
+    }
   if (blind.empty()) return;
   const bool many = blind.size() > 1;
   std::string text = "video3d: " + std::string(many ? "cameras " : "camera ") + Listed(blind) +
@@ -113,7 +116,8 @@ void Video3dInput::ReadMeshes(StageContext& stage) {
                               "itself"
                             : " has no texture coordinates; pass the output of "
                               "`keypose unwrap`"));
-    first.uvs = layout.uvs, first.uv_faces = layout.uv_faces;
+    first.uvs = layout.uvs;
+    first.uv_faces = layout.uv_faces;
   }
   if (!first.has_uvs())
     throw InputError(
@@ -143,7 +147,8 @@ void Video3dInput::CheckPlaces(StageContext& stage) {
   double covered = 0, masked = 0;
   for (std::size_t v = 0; v < views().size(); ++v) {
     const CameraCheck& check = checks[v];
-    covered += check.covered, masked += check.masked;
+    covered += check.covered;
+    masked += check.masked;
     if (check.masked > 0 && check.covered < kBadlyPlaced * check.masked)
       stage.Warn("in camera " + views()[v].name + " only " +
                  PercentHalfUp(check.covered / check.masked) +

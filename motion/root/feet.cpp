@@ -163,7 +163,10 @@ std::vector<int> PairSoles(
     double nearest = Tuning::kPairs * target_height;
     for (int k = 0; k < SizeOf(on_template); ++k) {
       const double distance = (target_from_template(on_template[k].centre) - patch.centre).norm();
-      if (distance < nearest) nearest = distance, best = k;
+      if (distance < nearest) {
+        nearest = distance;
+        best = k;
+      }
     }
     pairs.push_back(best);
   }
@@ -206,7 +209,10 @@ PatchHold HoldRuns(const PointsX3& centres, const std::vector<char>& held,
     int end = first;
     while (end < frames && held[end]) ++end;
     const Eigen::RowVector3d at = place(first, end);
-    for (int t = first; t < end; ++t) hold.moves.row(t) = at - centres.row(t), hold.firmness[t] = 1;
+    for (int t = first; t < end; ++t) {
+      hold.moves.row(t) = at - centres.row(t);
+      hold.firmness[t] = 1;
+    }
     for (int k = 1; k <= Tuning::kEase; ++k) {
       const double share = Eased(1 - k / (Tuning::kEase + 1.0));
       for (const auto& [t, edge] : {std::pair(first - k, first), std::pair(end - 1 + k, end - 1)}) {

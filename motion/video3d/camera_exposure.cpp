@@ -37,9 +37,12 @@ Eigen::VectorXd Solve(const std::vector<LogPair>& logs, const Eigen::VectorXd& o
   for (const LogPair& pair : logs) {
     const double off = (old[pair.a] - old[pair.b] - pair.log_ratio) / kSameLight;
     const double w = robust ? pair.weight / (1 + off * off) : pair.weight;
-    normal(pair.a, pair.a) += w, normal(pair.b, pair.b) += w;
-    normal(pair.a, pair.b) -= w, normal(pair.b, pair.a) -= w;
-    right[pair.a] += w * pair.log_ratio, right[pair.b] -= w * pair.log_ratio;
+    normal(pair.a, pair.a) += w;
+    normal(pair.b, pair.b) += w;
+    normal(pair.a, pair.b) -= w;
+    normal(pair.b, pair.a) -= w;
+    right[pair.a] += w * pair.log_ratio;
+    right[pair.b] -= w * pair.log_ratio;
     total += w;
   }
   normal.diagonal().array() += kUnitGain * std::max(total / static_cast<double>(n), 1e-9);

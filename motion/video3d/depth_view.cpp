@@ -33,15 +33,21 @@ std::vector<Corner> Projected(const PointsX3& points, const View& view) {
 PixelBox BoxOf(const std::vector<Corner>& corners, const Camera& camera) {
   Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (const Corner& corner : corners)
-    if (corner.inverse > 0) low = low.cwiseMin(corner.pixel), high = high.cwiseMax(corner.pixel);
+    if (corner.inverse > 0) {
+      low = low.cwiseMin(corner.pixel);
+      high = high.cwiseMax(corner.pixel);
+    }
   // A pixel more on each side, so that the outline has pixels without surface around it.
   constexpr double kFar = 1e8;
-  low = low.cwiseMax(-kFar).cwiseMin(kFar), high = high.cwiseMax(-kFar).cwiseMin(kFar);
+  low = low.cwiseMax(-kFar).cwiseMin(kFar);
+  high = high.cwiseMax(-kFar).cwiseMin(kFar);
   PixelBox box{static_cast<int>(std::floor(low.x())) - 1, static_cast<int>(std::floor(low.y())) - 1,
                static_cast<int>(std::ceil(high.x())) + 2,
                static_cast<int>(std::ceil(high.y())) + 2};
-  box.x0 = std::max(box.x0, 0), box.y0 = std::max(box.y0, 0);
-  box.x1 = std::min(box.x1, camera.width), box.y1 = std::min(box.y1, camera.height);
+  box.x0 = std::max(box.x0, 0);
+  box.y0 = std::max(box.y0, 0);
+  box.x1 = std::min(box.x1, camera.width);
+  box.y1 = std::min(box.y1, camera.height);
   return box;
 }
 

@@ -50,7 +50,10 @@ ImageF DistanceToEdges(const Image8& edges, float most) {
       if (px >= 0 && py >= 0 && px < d.width && py < d.height)
         here = std::min(here, *d.at(px, py) + step);
     };
-    from(-1, 0, 1), from(0, -1, 1), from(-1, -1, kDiagonal), from(1, -1, kDiagonal);
+    from(-1, 0, 1);
+    from(0, -1, 1);
+    from(-1, -1, kDiagonal);
+    from(1, -1, kDiagonal);
   };
   for (int y = 0; y < d.height; ++y)
     for (int x = 0; x < d.width; ++x) pass(x, y, 1);
@@ -89,7 +92,8 @@ void FilmedView::MeasureTrust(const Image8& mask, const FilmedViewOptions& optio
     for (int x = 0; x < w; ++x) {
       const float here = *depth_.inverse.at(x, y);
       const bool actor = IsActor(mask, depth_.box.x0 + x, depth_.box.y0 + y);
-      pixels_ += here > 0, inside += here > 0 && actor;
+      pixels_ += here > 0;
+      inside += here > 0 && actor;
       bool edge = here == 0 || !actor;
       if (x > 0) edge |= Differ(here, *depth_.inverse.at(x - 1, y), per_pixel);
       if (y > 0) edge |= Differ(here, *depth_.inverse.at(x, y - 1), per_pixel);
@@ -109,7 +113,8 @@ Vector3f FilmedView::Color(const Vector2d& at) const {
   const double x = at.x() - depth_.box.x0 - 0.5, y = at.y() - depth_.box.y0 - 0.5;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
   float wx[4], wy[4];
-  CubicWeights(static_cast<float>(x - x0), wx), CubicWeights(static_cast<float>(y - y0), wy);
+  CubicWeights(static_cast<float>(x - x0), wx);
+  CubicWeights(static_cast<float>(y - y0), wy);
   Vector3f sum = Vector3f::Zero();
   for (int j = 0; j < 4; ++j) {
     const int py = std::clamp(y0 - 1 + j, 0, color_.height - 1);

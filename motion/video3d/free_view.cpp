@@ -22,9 +22,11 @@ View Looking(const Vector3d& eye, const Vector3d& at, double fov_deg,
   View view;
   view.camera_from_world = LookAt(eye, at, options.up);
   Camera& c = view.camera;
-  c.width = options.width, c.height = options.height;
+  c.width = options.width;
+  c.height = options.height;
   c.fx = c.fy = 0.5 * options.height / std::tan(0.5 * fov_deg * kDegree);
-  c.cx = 0.5 * options.width, c.cy = 0.5 * options.height;
+  c.cx = 0.5 * options.width;
+  c.cy = 0.5 * options.height;
   return view;
 }
 
@@ -39,7 +41,8 @@ std::vector<Vector3d> CalmMiddles(const std::vector<Mesh>& frames) {
     double total = 0;
     for (int g = 0; g < SizeOf(middles); ++g) {
       const double way = (g - f) / kCalmFrames, w = std::exp(-0.5 * way * way);
-      sum += w * middles[g], total += w;
+      sum += w * middles[g];
+      total += w;
     }
     calm.push_back(sum / total);
   }
@@ -132,7 +135,8 @@ std::vector<CameraKey> ParseCameraPath(const std::string& text, const std::strin
       throw InputError(what + " needs a number `frame`");
     CameraKey key;
     key.frame = entry["frame"];
-    key.eye = Place(entry, "eye", what), key.look_at = Place(entry, "look_at", what);
+    key.eye = Place(entry, "eye", what);
+    key.look_at = Place(entry, "look_at", what);
     if (entry.contains("fov_deg")) {
       if (!entry["fov_deg"].is_number() || !(entry["fov_deg"] > 1) || !(entry["fov_deg"] < 170))
         throw InputError(what + " has a `fov_deg` that is not between 1 and 170");

@@ -49,7 +49,10 @@ LevelField::LevelField(int vertex_count, const FacesX3& faces, const SurfaceTexe
       edges_(UndirectedEdges(faces)),
       degree_(Eigen::VectorXf::Zero(vertex_count)),
       factors_(LevelFactors::Zero(vertex_count, 3)) {
-  for (const auto& [a, b] : edges_) ++degree_[a], ++degree_[b];
+  for (const auto& [a, b] : edges_) {
+    ++degree_[a];
+    ++degree_[b];
+  }
 }
 
 LevelField::Ratios LevelField::Measure(const TexelColors& own, const TexelColors& other) const {
@@ -89,7 +92,10 @@ void LevelField::Smooth(const Ratios& ratios) {
       degree_ + hold + Eigen::VectorXf::Constant(hold.size(), kOverallWeight);
   const auto times = [&](const LevelFactors& x) {
     LevelFactors y = x.array().colwise() * diagonal.array();
-    for (const auto& [a, b] : edges_) y.row(a) -= x.row(b), y.row(b) -= x.row(a);
+    for (const auto& [a, b] : edges_) {
+      y.row(a) -= x.row(b);
+      y.row(b) -= x.row(a);
+    }
     return y;
   };
   LevelFactors right = ratios.logs.array().colwise() * hold.array();

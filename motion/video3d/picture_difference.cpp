@@ -21,7 +21,9 @@ void PictureDifference::Add(const Image8& render, const Image8& picture, const I
     compared_ += 1;
     for (std::size_t c = 0; c < 3; ++c) {
       const double r = render.data[4 * p + c], q = picture.data[3 * p + c];
-      channels_[c].rr += r * r, channels_[c].rp += r * q, channels_[c].pp += q * q;
+      channels_[c].rr += r * r;
+      channels_[c].rp += r * q;
+      channels_[c].pp += q * q;
     }
   }
 }

@@ -149,7 +149,8 @@ TexelColors TextureFiller::Around(int frame,
         const float sure = static_cast<float>(source.colors->sure[i]) / 255,
                     w = source.weight * sure * sure;
         sum += w * LinearAt(*source.colors, i);
-        total += w, best = std::max(best, sure);
+        total += w;
+        best = std::max(best, sure);
       }
       (*near)[i] = total > 2 * kMeanWeight;
       Put(&around, i, sum / total, best);
@@ -168,9 +169,11 @@ FilledTexture TextureFiller::Fill(int frame,
   FilledTexture filled;
   for (std::size_t i = 0; i < own.sure.size(); ++i) {
     const bool mine = own.sure[i] >= 128;
-    filled.own += mine, filled.neighbours += !mine && near[i];
+    filled.own += mine;
+    filled.neighbours += !mine && near[i];
   }
-  filled.own /= std::max(1, texels_.count()), filled.neighbours /= std::max(1, texels_.count());
+  filled.own /= std::max(1, texels_.count());
+  filled.neighbours /= std::max(1, texels_.count());
   filled.texture =
       SrgbImage(FinishTexture(atlas_, Painted(texels_, mixed, atlas_.size), options_.gutter));
   return filled;

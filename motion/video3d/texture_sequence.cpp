@@ -45,7 +45,8 @@ void BlendAll(const SequenceInput& input, const SequenceOptions& options,
               SequenceReport* report, Progress* progress) {
   const std::size_t cameras = input.views.size();
   ViewBlender blender(input.mesh.faces, texels, SizeOf(input.views), options.blend);
-  report->covered.assign(cameras, 0), report->frames_seen.assign(cameras, 0);
+  report->covered.assign(cameras, 0);
+  report->frames_seen.assign(cameras, 0);
   for (int f = 0; f < input.frames; ++f) {
     ReportProgress(progress, static_cast<double>(f) / input.frames, "blending the films");
     const FilmedFrame frame = input.read(f);
@@ -92,7 +93,8 @@ void FillAll(const SequenceInput& input, const SequenceOptions& options, Texture
     ReportProgress(progress, static_cast<double>(f) / input.frames, "filling what is hidden");
     window.MoveTo(f);
     FilledTexture filled = filler->Fill(f, [&](int frame) { return window.At(frame); });
-    report->own.push_back(filled.own), report->neighbours.push_back(filled.neighbours);
+    report->own.push_back(filled.own);
+    report->neighbours.push_back(filled.neighbours);
     ready.push_back(std::move(filled.texture));
     if (SizeOf(ready) < kWrittenAtOnce && f + 1 < input.frames) continue;
     const int first = f + 1 - SizeOf(ready);
@@ -151,7 +153,8 @@ int AdviseSequenceSize(const Mesh& mesh, const std::vector<View>& views) {
   std::sort(sizes.begin(), sizes.end());
   double below = 0, wanted = 1024;
   for (const auto& [size, weight] : sizes) {
-    wanted = size, below += weight;
+    wanted = size;
+    below += weight;
     if (below >= 0.5 * total) break;
   }
   int size = 256;

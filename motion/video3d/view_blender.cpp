@@ -96,7 +96,8 @@ ViewBlender::Blended ViewBlender::Blend(std::vector<Sighting>& seen, float* smoo
     if (one.trust <= 0) continue;
     const float w = one.trust * smoothed[v];
     blended.color += w * one.color;
-    sum += w, well += one.trust * angle;
+    sum += w;
+    well += one.trust * angle;
   }
   if (sum > 0) blended.color /= sum;
   blended.sure = sum > 0 ? std::min(1.0f, well / BlendTuning::kSeenWell) : 0;
