@@ -201,7 +201,10 @@ ExitCode InitMeshes(const InitOptions& options) {
   const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
   RequireNoProject(folder);
   for (GivenMesh& mesh : given) FindColors(&mesh, meshes.same_faces);
-  if (meshes.keep) source->texture = texture, source->colored = true;
+  if (meshes.keep) {
+    source->texture = texture;
+    source->colored = true;
+  }
   meshes.colors = ColorsOf(given, *source, meshes);
   RealDisk disk;
   for (const GivenMesh& mesh : given)

@@ -94,7 +94,8 @@ ExitCode InitPerformance(const InitOptions& options) {
   performance.scan = Copied(disk, "--scan-mesh", options.scan_mesh, folder);
   performance.texture = Copied(disk, "--texture", options.texture, folder);
   performance.marks = Copied(disk, "--marks", options.marks, folder);
-  performance.video3d = options.video3d, performance.surface = options.surface;
+  performance.video3d = options.video3d;
+  performance.surface = options.surface;
   disk.Write(folder / "pipeline.yaml", NewPerformanceText(folder, performance));
   for (const auto& [name, films] : performance.shots)
     fmt::print("{}: films stay in {}\n", name, films);

@@ -99,7 +99,10 @@ std::string PhotographMeant(const std::vector<std::string>& files, const std::st
   std::vector<std::string> found;
   for (const std::string& file : files) {
     const int match = MatchOf(file, Composed(typed));
-    if (match > best) best = match, found.clear();
+    if (match > best) {
+      best = match;
+      found.clear();
+    }
     if (match > 0 && match == best) found.push_back(file);
   }
   if (found.empty())

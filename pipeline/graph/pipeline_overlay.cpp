@@ -21,8 +21,10 @@ void OverlayStep(const StepRule& over, StepRule* step) {
     for (const auto& [name, value] : from) to[name] = value;
   };
   // What is said for all poses replaces what the default says for those of one method.
-  for (const auto& [name, value] : over.options)
-    step->scan_options.erase(name), step->fit_options.erase(name);
+  for (const auto& [name, value] : over.options) {
+    step->scan_options.erase(name);
+    step->fit_options.erase(name);
+  }
   overlay(over.options, step->options);
   overlay(over.scan_options, step->scan_options);
   overlay(over.fit_options, step->fit_options);

@@ -377,8 +377,10 @@ void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
 namespace {
 
 void Replace(const std::string& from, const std::string& to, std::string* text) {
-  for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at))
-    text->replace(at, from.size(), to), at += to.size();
+  for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at)) {
+    text->replace(at, from.size(), to);
+    at += to.size();
+  }
 }
 
 }  // namespace

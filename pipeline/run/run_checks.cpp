@@ -84,7 +84,8 @@ void AskStages(const Plan& plan, ProcessRunner& processes) {
       if (Refuses(answers[i]))
         throw UsageError(fmt::format("options of step '{}': {}", steps[i]->id,
                                      Fault(answers[i].error, steps[i]->info->stage)));
-    questions.clear(), steps.clear();
+    questions.clear();
+    steps.clear();
   };
   for (const auto& [question, step] : asked) {
     questions.push_back(question);
