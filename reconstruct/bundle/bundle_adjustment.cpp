@@ -105,8 +105,14 @@ Intrinsics FromCamera(const Camera& c) {
 }
 
 void ToCamera(const Intrinsics& in, Camera& c) {
-  c.fx = in[0], c.fy = in[0] * in[1], c.cx = in[2], c.cy = in[3];
-  c.k1 = in[4], c.k2 = in[5], c.p1 = in[6], c.p2 = in[7];
+  c.fx = in[0];
+  c.fy = in[0] * in[1];
+  c.cx = in[2];
+  c.cy = in[3];
+  c.k1 = in[4];
+  c.k2 = in[5];
+  c.p1 = in[6];
+  c.p2 = in[7];
 }
 
 void RequireValid(const Scene& scene, const std::vector<Observation>& observations,
@@ -136,7 +142,10 @@ double ErrorOf(const Scene& scene, const Observation& o) {
 double MeanError(const Scene& scene, const std::vector<Observation>& observations) {
   double sum = 0, count = 0;
   for (const Observation& o : observations)
-    if (const double error = ErrorOf(scene, o); std::isfinite(error)) sum += error, count += 1;
+    if (const double error = ErrorOf(scene, o); std::isfinite(error)) {
+      sum += error;
+      count += 1;
+    }
   return count > 0 ? sum / count : 0;
 }
 
@@ -188,8 +197,10 @@ void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering,
     problem.SetManifold(rotation, manifold);
     ordering.AddElementToGroup(rotation, 2);
     ordering.AddElementToGroup(translation, 2);
-    if (b == 0 || bodies.fixed)
-      problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);
+    if (b == 0 || bodies.fixed) {
+      problem.SetParameterBlockConstant(rotation);
+      problem.SetParameterBlockConstant(translation);
+    }
   }
 }
 
@@ -219,9 +230,10 @@ void AddCameras(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering
     problem.SetManifold(rotation, manifold);
     ordering.AddElementToGroup(rotation, 3);
     ordering.AddElementToGroup(translation, 3);
-    if (first)
-      problem.SetParameterBlockConstant(rotation),
-          problem.SetParameterBlockConstant(translation);  // the gauge, except for scale
+    if (first) {
+      problem.SetParameterBlockConstant(rotation);
+      problem.SetParameterBlockConstant(translation);
+    }  // the gauge, except for scale
     first = false;
   }
 }
@@ -284,7 +296,10 @@ std::vector<Observation> Inliers(const Scene& scene, const std::vector<Observati
   std::vector<Observation> kept;
   std::vector<int> count(scene.points.size(), 0);
   for (const Observation& o : observations)
-    if (ErrorOf(scene, o) <= max_error_px) kept.push_back(o), ++count[o.point];
+    if (ErrorOf(scene, o) <= max_error_px) {
+      kept.push_back(o);
+      ++count[o.point];
+    }
   std::erase_if(kept, [&](const Observation& o) { return count[o.point] < 2; });
   return kept;
 }
@@ -293,7 +308,10 @@ std::vector<Observation> Inliers(const Scene& scene, const std::vector<Observati
 /// observations get the new indices.
 void RebuildPoints(Scene& scene, std::vector<Observation>& observations) {
   std::vector<int> count(scene.points.size(), 0);
-  for (SparsePoint& point : scene.points) point.views.clear(), point.error_px = 0;
+  for (SparsePoint& point : scene.points) {
+    point.views.clear();
+    point.error_px = 0;
+  }
   for (const Observation& o : observations) {
     SparsePoint& point = scene.points[o.point];
     point.views.push_back(o.view);

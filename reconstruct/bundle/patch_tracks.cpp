@@ -101,7 +101,10 @@ double Center(std::vector<float>& values) {
   double sum = 0, squares = 0;
   for (const float value : values) sum += value;
   const auto mean = static_cast<float>(sum / static_cast<double>(values.size()));
-  for (float& value : values) value -= mean, squares += static_cast<double>(value) * value;
+  for (float& value : values) {
+    value -= mean;
+    squares += static_cast<double>(value) * value;
+  }
   return squares;
 }
 
@@ -320,12 +323,17 @@ PatchImage MakePatchImage(const Image8& picture, const Image8& mask, double scal
   int x0 = picture.width, y0 = picture.height, x1 = 0, y1 = 0;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (*mask.at(x, y) > 127)
-        x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y),
+      if (*mask.at(x, y) > 127) {
+        x0 = std::min(x0, x);
+        x1 = std::max(x1, x + 1);
+        y0 = std::min(y0, y);
         y1 = std::max(y1, y + 1);
+      }
   if (x0 >= x1) return {};
-  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
-  x1 = std::min(picture.width, x1 + margin), y1 = std::min(picture.height, y1 + margin);
+  x0 = std::max(0, x0 - margin);
+  y0 = std::max(0, y0 - margin);
+  x1 = std::min(picture.width, x1 + margin);
+  y1 = std::min(picture.height, y1 + margin);
   Image8 cut(x1 - x0, y1 - y0, 1), cut_mask = cut;
   for (int y = 0; y < cut.height; ++y) {
     std::copy_n(picture.at(x0, y0 + y), cut.width, cut.at(0, y));

@@ -83,7 +83,9 @@ std::vector<PreparedView> WithoutHoles(const std::vector<PreparedView>& views) {
   long holes = 0, all = 0;
   for (PreparedView& view : filled) {
     const long added = FillHoles(view.levels.front().grey);
-    view.masked_pixels += added, holes += added, all += view.masked_pixels;
+    view.masked_pixels += added;
+    holes += added;
+    all += view.masked_pixels;
   }
   if (static_cast<double>(holes) < kHardly * static_cast<double>(all)) filled.clear();
   return filled;

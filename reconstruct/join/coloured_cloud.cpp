@@ -75,8 +75,10 @@ void PolishBy(const Cloud& first, const KdTree& tree, const PointsX3& normals, c
         turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
                         : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     first_from_second.rotation = rotation * first_from_second.rotation;
-    if constexpr (kUnknowns == 7)
-      first_from_second.scale *= 1 + step(6), first_from_second.translation *= 1 + step(6);
+    if constexpr (kUnknowns == 7) {
+      first_from_second.scale *= 1 + step(6);
+      first_from_second.translation *= 1 + step(6);
+    }
     first_from_second.translation =
         rotation * first_from_second.translation + step.template segment<3>(3);
     if (step.norm() < 1e-9) break;

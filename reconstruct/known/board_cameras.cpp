@@ -76,8 +76,10 @@ std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& board,
 
 bool InOneLine(const BoardLayout& board, const std::vector<BoardCorner>& corners) {
   std::map<int, int> columns, rows;
-  for (const BoardCorner& corner : corners)
-    ++columns[corner.id % (board.columns - 1)], ++rows[corner.id / (board.columns - 1)];
+  for (const BoardCorner& corner : corners) {
+    ++columns[corner.id % (board.columns - 1)];
+    ++rows[corner.id / (board.columns - 1)];
+  }
   return columns.size() < 2 || rows.size() < 2;
 }
 
@@ -95,7 +97,10 @@ double SoughtFocal(Camera camera, const BoardLayout& board,
       const auto pose = PoseOf(camera, board, sighting->corners);
       sum += std::min(20.0, pose ? pose->rms_px : 20.0);
     }
-    if (sum < least) least = sum, best = camera.fx;
+    if (sum < least) {
+      least = sum;
+      best = camera.fx;
+    }
   }
   return best;
 }
@@ -216,7 +221,8 @@ BoardPoses PlaceByBoard(const std::vector<BoardLens>& lenses, const BoardLayout&
     add(all.too_few, part.too_few);
     add(all.rejected, part.rejected);
     const auto count = static_cast<double>(part.bodies.observations.size());
-    sum += part.rms_px * part.rms_px * count, corners += count;
+    sum += part.rms_px * part.rms_px * count;
+    corners += count;
   }
   std::sort(all.scene.views.begin(), all.scene.views.end(),
             [](const View& a, const View& b) { return a.name < b.name; });

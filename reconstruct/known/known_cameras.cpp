@@ -40,8 +40,10 @@ std::vector<View> MatchKnownPoses(const std::vector<View>& known,
                                   const std::vector<std::string>& photographs,
                                   const std::vector<Camera>& sizes) {
   std::map<std::string, std::size_t> by_name, by_stem;
-  for (std::size_t i = 0; i < photographs.size(); ++i)
-    by_name[photographs[i]] = i, by_stem.emplace(Stem(photographs[i]), i);
+  for (std::size_t i = 0; i < photographs.size(); ++i) {
+    by_name[photographs[i]] = i;
+    by_stem.emplace(Stem(photographs[i]), i);
+  }
   std::map<std::string, View> matched;
   std::string strangers;
   int count = 0;

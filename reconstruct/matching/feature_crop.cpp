@@ -43,11 +43,18 @@ ImageT<int> DistanceTo(const Image8& mask, int limit) {
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
       if (*mask.at(x, y) > 127) *distance.at(x, y) = 0;
-      relax(x, y, -1, 0), relax(x, y, -1, -1), relax(x, y, 0, -1), relax(x, y, 1, -1);
+      relax(x, y, -1, 0);
+      relax(x, y, -1, -1);
+      relax(x, y, 0, -1);
+      relax(x, y, 1, -1);
     }
   for (int y = mask.height - 1; y >= 0; --y)
-    for (int x = mask.width - 1; x >= 0; --x)
-      relax(x, y, 1, 0), relax(x, y, 1, 1), relax(x, y, 0, 1), relax(x, y, -1, 1);
+    for (int x = mask.width - 1; x >= 0; --x) {
+      relax(x, y, 1, 0);
+      relax(x, y, 1, 1);
+      relax(x, y, 0, 1);
+      relax(x, y, -1, 1);
+    }
   return distance;
 }
 
@@ -75,8 +82,10 @@ ObjectCrop CropToObject(const Image8& photo, const Image8& mask, int margin_px) 
   const ImageT<int> distance = DistanceTo(crop.mask, reach + 1);
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < distance.data.size(); ++i)
-    if (distance.data[i] > margin_px && distance.data[i] <= reach)
-      sum += crop.image.data[i], count += 1;
+    if (distance.data[i] > margin_px && distance.data[i] <= reach) {
+      sum += crop.image.data[i];
+      count += 1;
+    }
   const double far = count > 0 ? sum / count : 128;
   for (std::size_t i = 0; i < distance.data.size(); ++i) {
     const double t = std::clamp((distance.data[i] - margin_px - FeatureCropTuning::kKeep_px) /

@@ -42,7 +42,9 @@ Loops CountLoops(int images, const std::vector<PairRotation>& pairs, double loop
       const double off =
           Degrees(pairs[ik].rotation.angularDistance(pairs[jk].rotation * pairs[e].rotation));
       std::vector<int>& count = off < loop_deg ? loops.closed : loops.open;
-      ++count[e], ++count[ik], ++count[jk];
+      ++count[e];
+      ++count[ik];
+      ++count[jk];
     }
   }
   return loops;

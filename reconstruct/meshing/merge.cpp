@@ -22,11 +22,14 @@ struct Sum {
 void AddTo(const PointCloud& cloud, int i, Sum* sum) {
   const double confidence = cloud.confidence.size() ? std::max(1e-3f, cloud.confidence[i]) : 1;
   const double weight = confidence * confidence;
-  sum->point += weight * cloud.points.row(i), sum->normal += weight * cloud.normals.row(i);
+  sum->point += weight * cloud.points.row(i);
+  sum->normal += weight * cloud.normals.row(i);
   if (cloud.colors.rows()) sum->color += weight * cloud.colors.row(i).cast<double>();
   sum->weight += weight;
-  if (cloud.confidence.size())
-    sum->confidence += confidence * cloud.confidence[i], sum->confidence_weight += confidence;
+  if (cloud.confidence.size()) {
+    sum->confidence += confidence * cloud.confidence[i];
+    sum->confidence_weight += confidence;
+  }
 }
 
 void Store(const Sum& sum, int at, PointCloud* out) {
@@ -49,9 +52,10 @@ PointCloud MergeWithinCells(const PointCloud& cloud, double cell) {
   const auto count = std::ssize(starts);
   starts.push_back(keyed.size());
   PointCloud out;
-  out.points.resize(count, 3), out.normals.resize(count, 3);
-  out.colors.resize(cloud.colors.rows() ? count : 0, 3),
-      out.confidence.resize(cloud.confidence.size() ? count : 0);
+  out.points.resize(count, 3);
+  out.normals.resize(count, 3);
+  out.colors.resize(cloud.colors.rows() ? count : 0, 3);
+  out.confidence.resize(cloud.confidence.size() ? count : 0);
   ParallelBlocks(count, kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t g = begin; g < end; ++g) {
       Sum sum;

@@ -199,9 +199,11 @@ void DropOutliers(const PointFilterOptions& options, double merge_cell, Filtered
     keep[i] = near.mean_distance[i] <= limit;
     out.removed_outliers += !keep[i];
     if (keep[i] && graded &&
-        !Chosen(i,
-                std::pow(out.cloud.confidence[i] / near.confidence[i], MeshPointTuning::kThinning)))
-      keep[i] = 0, ++out.removed_thinned;
+        !Chosen(i, std::pow(out.cloud.confidence[i] / near.confidence[i],
+                            MeshPointTuning::kThinning))) {
+      keep[i] = 0;
+      ++out.removed_thinned;
+    }
     if (keep[i]) aligned.push_back(near.agreeing[i] >= MeshPointTuning::kContraryShare);
   }
   Drop(out.cloud, keep);

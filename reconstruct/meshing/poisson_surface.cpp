@@ -35,8 +35,12 @@ pcl::PointCloud<pcl::PointNormal>::Ptr ToPcl(const PointsX3& points, const Point
     const Eigen::RowVector3f n =
         normals.row(i).cast<float>() * (weights.size() ? weights[i] : 1.0f);
     auto& out = (*cloud)[i];
-    out.x = p.x(), out.y = p.y(), out.z = p.z();
-    out.normal_x = n.x(), out.normal_y = n.y(), out.normal_z = n.z();
+    out.x = p.x();
+    out.y = p.y();
+    out.z = p.z();
+    out.normal_x = n.x();
+    out.normal_y = n.y();
+    out.normal_z = n.z();
   }
   return cloud;
 }

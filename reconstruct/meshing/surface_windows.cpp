@@ -179,9 +179,14 @@ void Append(const PointCloud& walls, FilteredPoints* to) {
   cloud.normals.bottomRows(more) = walls.normals;
   to->spacing.conservativeResize(now);
   to->spacing.tail(more).setConstant(to->median_spacing);
-  if (to->weights.size()) to->weights.conservativeResize(now), to->weights.tail(more).setOnes();
-  if (cloud.confidence.size())
-    cloud.confidence.conservativeResize(now), cloud.confidence.tail(more).setOnes();
+  if (to->weights.size()) {
+    to->weights.conservativeResize(now);
+    to->weights.tail(more).setOnes();
+  }
+  if (cloud.confidence.size()) {
+    cloud.confidence.conservativeResize(now);
+    cloud.confidence.tail(more).setOnes();
+  }
   if (cloud.colors.rows()) {
     cloud.colors.conservativeResize(now, 3);
     for (int i = 0; i < more; ++i) cloud.colors.row(was + i) = cloud.colors.row(nearest[i]);
@@ -220,8 +225,10 @@ std::vector<SightLine> BlockedLines(const Mesh& surface, const std::vector<Sight
   std::set<int> views;
   std::vector<SightLine> blocked;
   for (const SightLine& line : lines)
-    if (std::binary_search(holes.begin(), holes.end(), line.hole))
-      views.insert(line.view), blocked.push_back(line);
+    if (std::binary_search(holes.begin(), holes.end(), line.hole)) {
+      views.insert(line.view);
+      blocked.push_back(line);
+    }
   if (SizeOf(views) < kViewsOfAWindow) blocked.clear();
   return blocked;
 }

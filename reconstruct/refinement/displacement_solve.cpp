@@ -160,18 +160,22 @@ Neighbors MakeNeighbors(const PointsX3& points, const FacesX3& faces) {
   Neighbors out;
   out.begin.assign(points.rows() + 1, 0);
   for (const auto& [i, j] : edges) {
-    ++out.begin[i + 1], ++out.begin[j + 1];
+    ++out.begin[i + 1];
+    ++out.begin[j + 1];
     out.mean_edge += (points.row(i) - points.row(j)).norm() / static_cast<double>(edges.size());
   }
   for (std::size_t v = 1; v < out.begin.size(); ++v) out.begin[v] += out.begin[v - 1];
-  out.vertex.resize(2 * edges.size()), out.weight.resize(2 * edges.size());
+  out.vertex.resize(2 * edges.size());
+  out.weight.resize(2 * edges.size());
   std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
   for (const auto& [i, j] : edges) {
     const double length = (points.row(i) - points.row(j)).norm();
     const float weight =
         static_cast<float>(std::clamp(out.mean_edge / std::max(length, 1e-30), 0.25, 4.0));
-    out.vertex[next[i]] = j, out.weight[next[i]++] = weight;
-    out.vertex[next[j]] = i, out.weight[next[j]++] = weight;
+    out.vertex[next[i]] = j;
+    out.weight[next[i]++] = weight;
+    out.vertex[next[j]] = i;
+    out.weight[next[j]++] = weight;
   }
   out.inverse_sum.assign(points.rows(), 0.0f);
   for (int v = 0; v < out.vertex_count(); ++v) {
@@ -191,14 +195,21 @@ int SolveDisplacement(const PointsX3& points, const PointsX3& normals, const Nei
   form.RightSide(points, normals, &r);
   const double size = std::sqrt(Dot(r, r));
   form.Apply(x, &q);
-  form.ForBlocks([&](int v) { r[v] -= q[v], z[v] = r[v] / diagonal[v], p[v] = z[v]; });
+  form.ForBlocks([&](int v) {
+    r[v] -= q[v];
+    z[v] = r[v] / diagonal[v];
+    p[v] = z[v];
+  });
   double rz = Dot(r, z);
   int round = 0;
   for (; round < kMaxRounds && std::sqrt(Dot(r, r)) > kRelativeResidual * size && rz > 0; ++round) {
     form.Apply(p, &q);
     const float alpha = static_cast<float>(rz / Dot(p, q));
-    form.ForBlocks(
-        [&](int v) { x[v] += alpha * p[v], r[v] -= alpha * q[v], z[v] = r[v] / diagonal[v]; });
+    form.ForBlocks([&](int v) {
+      x[v] += alpha * p[v];
+      r[v] -= alpha * q[v];
+      z[v] = r[v] / diagonal[v];
+    });
     const double next = Dot(r, z);
     const float beta = static_cast<float>(next / rz);
     form.ForBlocks([&](int v) { p[v] = z[v] + beta * p[v]; });

@@ -182,10 +182,14 @@ class Placer {
       const Eigen::Vector2d p = camera.Project(y), a = slope * first * spacing,
                             b = slope * second * spacing, e = slope * normal * step_;
       Placement place{&view.levels[level_].grey, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-      place.x = static_cast<float>(p.x()), place.y = static_cast<float>(p.y());
-      place.ax = static_cast<float>(a.x()), place.ay = static_cast<float>(a.y());
-      place.bx = static_cast<float>(b.x()), place.by = static_cast<float>(b.y());
-      place.ex = static_cast<float>(e.x()), place.ey = static_cast<float>(e.y());
+      place.x = static_cast<float>(p.x());
+      place.y = static_cast<float>(p.y());
+      place.ax = static_cast<float>(a.x());
+      place.ay = static_cast<float>(a.y());
+      place.bx = static_cast<float>(b.x());
+      place.by = static_cast<float>(b.y());
+      place.ex = static_cast<float>(e.x());
+      place.ey = static_cast<float>(e.y());
       const double noise = std::clamp(view.noise, kLeastNoise, 4 * kLeastNoise) / (1 << level_);
       place.noise_variance = static_cast<float>(noise * noise);
       if (WithinMask(place)) out[count++] = place;

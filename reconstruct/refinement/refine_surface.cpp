@@ -58,7 +58,10 @@ ProfileMinimum Search(const float* cost, int count, float step, float at, float 
     const float offset = static_cast<float>(k - middle) * step, away = offset - at;
     if (std::abs(away) > window) continue;
     const float value = cost[k] + pull * away * away;
-    if (value < least) least = value, best = k;
+    if (value < least) {
+      least = value;
+      best = k;
+    }
   }
   if (best < 0) return {};
   // The agreement is high for a single distinct minimum, not for one of many.
@@ -110,7 +113,7 @@ class Refiner {
     for (Eigen::Index v = 0; v < start.rows(); ++v)
       moved[v] = static_cast<float>((result_.mesh.points.row(v) - start.row(v)).norm() /
                                     result_.footprint);
-    result_.moved_median = QuantileFloor(moved, 0.5),
+    result_.moved_median = QuantileFloor(moved, 0.5);
     result_.moved_95 = QuantileFloor(std::move(moved), 0.95);
     return std::move(result_);
   }
@@ -118,7 +121,8 @@ class Refiner {
  private:
   void FindFrontier() {
     VisualHullOptions hull;
-    hull.resolution = kHullResolution, hull.outside_votes = silhouettes_.outside_votes();
+    hull.resolution = kHullResolution;
+    hull.outside_votes = silhouettes_.outside_votes();
     frontier_ = FindFrontierPoints(CarveVisualHull(views_, hull), silhouettes_, views_);
   }
 
@@ -163,7 +167,10 @@ class Refiner {
     double sum = 0;
     std::size_t count = 0;
     for (const float cost : here.cost)
-      if (cost < 1) sum += cost, ++count;
+      if (cost < 1) {
+        sum += cost;
+        ++count;
+      }
     return count ? sum / static_cast<double>(count) : 1;
   }
 
@@ -195,7 +202,7 @@ class Refiner {
     if (level == 0 && options_.shading > 0) {
       shading_ = NormalsFromShading(result_.mesh, normals_, neighbors_, views_, sights_,
                                     options_.shading_smooth);
-      result_.shading_error_before = shading_.residual_before,
+      result_.shading_error_before = shading_.residual_before;
       result_.shading_error_after = shading_.residual_after;
     }
     Values shift(chosen_.size(), 0.0f);
@@ -206,10 +213,13 @@ class Refiner {
   void Solve(const Profiles& profiles, float step, Values* shift) {
     DisplacementEnergy energy;
     energy.unit = result_.footprint;
-    energy.anchor = options_.anchor, energy.membrane = options_.membrane,
+    energy.anchor = options_.anchor;
+    energy.membrane = options_.membrane;
     energy.bending = options_.bending;
-    energy.target.resize(shift->size()), energy.weight.resize(shift->size());
-    energy.slope_normals = shading_.normals, energy.slope_weight = shading_.weight;
+    energy.target.resize(shift->size());
+    energy.weight.resize(shift->size());
+    energy.slope_normals = shading_.normals;
+    energy.slope_weight = shading_.weight;
     for (float& weight : energy.slope_weight) weight *= static_cast<float>(options_.shading);
     for (int search = 0; search < kSearches; ++search) {
       // First the whole range, then around the smooth solution.

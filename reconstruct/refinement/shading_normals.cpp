@@ -91,7 +91,9 @@ class Shading {
                    second = start.cross(first);
     Eigen::Vector2d turn = Eigen::Vector2d::Zero();
     double own = own_[v];
-    *weight = 0, *before = *after = Error(v, start, own), *normal = start;
+    *weight = 0;
+    *before = *after = Error(v, start, own);
+    *normal = start;
     if (own <= 0) return;
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
     for (int step = 0; step < kTurns; ++step) {
@@ -109,14 +111,16 @@ class Shading {
         const Vector3d row =
             Vector3d(own * slope.dot(first), own * slope.dot(second), light) / sigma;
         const double w = Robust(error / 2);
-        a += w * row * row.transpose(), b += w * error * row, ++count;
+        a += w * row * row.transpose();
+        b += w * error * row;
+        ++count;
       }
       if (count < kLeastViews) return;
       information = a.topLeftCorner<2, 2>() - a.topRightCorner<2, 1>() *
                                                   a.bottomLeftCorner<1, 2>() /
                                                   std::max(a(2, 2), 1e-12);
-      a(0, 0) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior),
-          a(1, 1) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior);
+      a(0, 0) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior);
+      a(1, 1) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior);
       b.head<2>() -= turn / (ShadingTuning::kPrior * ShadingTuning::kPrior);
       const Vector3d change = a.ldlt().solve(b);
       if (!change.allFinite()) return;
@@ -147,7 +151,8 @@ class Shading {
     double sum = 0, weights = 0;
     for (const double value : values) {
       const double w = Robust((value / median - 1) / 0.1);
-      sum += w * value, weights += w;
+      sum += w * value;
+      weights += w;
     }
     return sum / weights;
   }
@@ -166,7 +171,8 @@ class Shading {
                          ((known ? 0.1 : 0.3) * own_[v] * std::max(light_[view][0], 1e-3)))
                 : 1;
         const double size = w / (own_[v] * own_[v]);  // errors are relative
-        a += size * h * h.transpose(), b += size * seen * h;
+        a += size * h * h.transpose();
+        b += size * seen * h;
       }
       light_[view] = a.ldlt().solve(b);
     }

@@ -164,7 +164,10 @@ void Measure(const std::vector<Constraint>& contour, SurfaceTargets* targets) {
         constraint.weight * std::abs(constraint.offset / constraint.footprint);
     total += constraint.weight;
   }
-  if (total > 0) targets->gap_px /= total, targets->gap_spread_px /= total;
+  if (total > 0) {
+    targets->gap_px /= total;
+    targets->gap_spread_px /= total;
+  }
 }
 
 // Each kind is compared with its own kind only: a dent has few constraints, and would be an outlier
@@ -186,14 +189,14 @@ class OutlineSum {
     for (const Place& place : consensus.places())
       for (int i = place.begin; i < place.end; ++i) {
         const double weight = constraints[i].weight * consensus.InlierWeight(place, constraints[i]);
-        offset_[constraints[i].vertex] += weight * constraints[i].offset,
-            weight_[constraints[i].vertex] += weight;
+        offset_[constraints[i].vertex] += weight * constraints[i].offset;
+        weight_[constraints[i].vertex] += weight;
       }
   }
   void Get(SurfaceTargets* targets) const {
     for (std::size_t v = 0; v < weight_.size(); ++v) {
       if (weight_[v] < 1e-3) continue;
-      targets->offset[v] = static_cast<float>(offset_[v] / weight_[v]),
+      targets->offset[v] = static_cast<float>(offset_[v] / weight_[v]);
       targets->weight[v] = static_cast<float>(weight_[v]);
     }
   }
@@ -212,7 +215,8 @@ SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes,
                               const std::vector<FrontierPoint>& frontier,
                               const OutlineTargetOptions& options) {
   SurfaceTargets targets;
-  targets.offset.assign(mesh.vertex_count(), 0), targets.weight.assign(mesh.vertex_count(), 0);
+  targets.offset.assign(mesh.vertex_count(), 0);
+  targets.weight.assign(mesh.vertex_count(), 0);
   if (mesh.vertex_count() == 0) return targets;
   const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
   const OutlineConstraints constraints = FindOutlineConstraints(

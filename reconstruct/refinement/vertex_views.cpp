@@ -155,8 +155,10 @@ std::vector<VertexViews> ChooseViews(const PointsX3& points, const std::vector<P
                                      const std::vector<std::vector<float>>& sights) {
   std::vector<Eigen::Vector3d> centers;
   std::vector<double> focals;
-  for (const PreparedView& view : views)
-    centers.push_back(view.Center()), focals.push_back(view.camera().fx);
+  for (const PreparedView& view : views) {
+    centers.push_back(view.Center());
+    focals.push_back(view.camera().fx);
+  }
   std::vector<VertexViews> out(points.rows());
   ParallelFor(
       points.rows(),

@@ -105,9 +105,12 @@ void AddStretched(const ObjectCrop& crop, bool lies_across, const fs::path& fold
   PlacedPicture stretched = pictures.front();
   stretched.name = "tall_" + stretched.name;
   PicturePlace& place = stretched.place;
-  place.x0 *= by_x, place.pixels_x /= by_x;
-  place.y0 *= by_y, place.pixels_y /= by_y;
-  place.width *= by_x, place.height *= by_y;
+  place.x0 *= by_x;
+  place.pixels_x /= by_x;
+  place.y0 *= by_y;
+  place.pixels_y /= by_y;
+  place.width *= by_x;
+  place.height *= by_y;
   const int width = by_x * crop.image.width, height = by_y * crop.image.height;
   WritePgm(folder / "images" / stretched.name, Resized(crop.image, width, height));
   WriteGreyMaskPng(folder / "masks" / (stretched.name + ".png"),

@@ -31,7 +31,8 @@ std::vector<Image8> SmallMasks(const ImageSet& set) {
     const CapturedImage& image = set.images[i];
     if (image.mask.empty()) return;
     Camera size;
-    size.width = image.width, size.height = image.height;
+    size.width = image.width;
+    size.height = image.height;
     size = size.Scaled(ShrinkFactor(image.width, image.height));
     masks[i] = Resized(ReadImage(set.MaskPath(static_cast<int>(i)), 1), size.width, size.height);
   });

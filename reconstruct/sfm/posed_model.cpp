@@ -250,7 +250,8 @@ std::vector<View> KnownViews(StageContext& stage, const ImageSet& set) {
   for (const CapturedImage& image : set.images) {
     names.push_back(image.name);
     sizes.emplace_back();
-    sizes.back().width = image.width, sizes.back().height = image.height;
+    sizes.back().width = image.width;
+    sizes.back().height = image.height;
   }
   return MatchKnownPoses(ReadPoses(stage.Input("poses")), names, sizes);
 }

@@ -90,7 +90,10 @@ void TurnWithOthers(const Scene& scene, PrintTurns& found) {
       for (std::size_t other = 0; other < views; ++other)
         if (shared[v][other] > 0 && near(found.turn[k], found.turn[other]))
           with += shared[v][other];
-      if (shared[v][k] > 0 && with > most) most = with, found.turn[v] = found.turn[k];
+      if (shared[v][k] > 0 && with > most) {
+        most = with;
+        found.turn[v] = found.turn[k];
+      }
     }
   }
 }

@@ -50,12 +50,14 @@ void RequireSources(const std::vector<PreparedView>& views, std::vector<std::vec
 void Append(const PointCloud& more, PointCloud* cloud) {
   const int before = static_cast<int>(cloud->points.rows()),
             added = static_cast<int>(more.points.rows());
-  cloud->points.conservativeResize(before + added, 3),
-      cloud->normals.conservativeResize(before + added, 3);
-  cloud->colors.conservativeResize(before + added, 3),
-      cloud->confidence.conservativeResize(before + added);
-  cloud->points.bottomRows(added) = more.points, cloud->normals.bottomRows(added) = more.normals;
-  cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
+  cloud->points.conservativeResize(before + added, 3);
+  cloud->normals.conservativeResize(before + added, 3);
+  cloud->colors.conservativeResize(before + added, 3);
+  cloud->confidence.conservativeResize(before + added);
+  cloud->points.bottomRows(added) = more.points;
+  cloud->normals.bottomRows(added) = more.normals;
+  cloud->colors.bottomRows(added) = more.colors;
+  cloud->confidence.tail(added) = more.confidence;
 }
 
 // Depth bounds are as coarse as the grid; this removes points that the masks exclude, accurate to

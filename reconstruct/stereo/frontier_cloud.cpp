@@ -75,7 +75,9 @@ PointCloud FrontierCloud(const std::vector<FrontierPoint>& frontier,
                          const std::vector<PreparedView>& views) {
   PointCloud cloud;
   const auto count = std::ssize(frontier);
-  cloud.points.resize(count, 3), cloud.normals.resize(count, 3), cloud.colors.resize(count, 3);
+  cloud.points.resize(count, 3);
+  cloud.normals.resize(count, 3);
+  cloud.colors.resize(count, 3);
   cloud.confidence.setOnes(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const FrontierPoint& touch = frontier[i];

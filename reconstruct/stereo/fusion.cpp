@@ -210,14 +210,16 @@ class Fuser {
       const Eigen::Vector3d to_camera = centers_[view] - x;
       const double weight = std::max(0.05, n.dot(to_camera.normalized())) / to_camera.squaredNorm();
       const std::uint8_t* rgb = views_[view].color.data.data() + pixel * 3;
-      point += weight * x, normal += weight * n;
+      point += weight * x;
+      normal += weight * n;
       color += weight * Eigen::Vector3d(rgb[0], rgb[1], rgb[2]);
       match += weight * std::max(0.0, 1.0 - maps_[view].Cost(maps_[view].Find(pixel)));
       total += weight;
     }
     const double views = std::min(1.0, (group.count - 1) / 4.0);
     FusedPoint out;
-    out.point = point / total, out.normal = normal.normalized().cast<float>();
+    out.point = point / total;
+    out.normal = normal.normalized().cast<float>();
     for (int c = 0; c < 3; ++c)
       out.color[c] =
           static_cast<std::uint8_t>(std::lround(std::clamp(color[c] / total, 0.0, 255.0)));
@@ -231,12 +233,15 @@ class Fuser {
     for (const std::vector<FusedPoint>& points : points_) count += points.size();
     PointCloud cloud;
     const auto rows = static_cast<Eigen::Index>(count);
-    cloud.points.resize(rows, 3), cloud.normals.resize(rows, 3), cloud.colors.resize(rows, 3),
-        cloud.confidence.resize(rows);
+    cloud.points.resize(rows, 3);
+    cloud.normals.resize(rows, 3);
+    cloud.colors.resize(rows, 3);
+    cloud.confidence.resize(rows);
     Eigen::Index row = 0;
     for (std::vector<FusedPoint>& points : points_) {
       for (const FusedPoint& p : points) {
-        cloud.points.row(row) = p.point, cloud.normals.row(row) = p.normal.cast<double>();
+        cloud.points.row(row) = p.point;
+        cloud.normals.row(row) = p.normal.cast<double>();
         for (int c = 0; c < 3; ++c) cloud.colors(row, c) = p.color[c];
         cloud.confidence[row++] = p.confidence;
       }

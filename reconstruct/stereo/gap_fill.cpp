@@ -87,7 +87,9 @@ class Bridge {
       if (w <= 0) continue;
       const double z = scale * (w - reference);
       a.selfadjointView<Eigen::Lower>().rankUpdate(spot.row, spot.weight);
-      b += spot.weight * z * spot.row, squares += spot.weight * z * z, weights += spot.weight;
+      b += spot.weight * z * spot.row;
+      squares += spot.weight * z * z;
+      weights += spot.weight;
     }
     const Eigen::LDLT<Matrix> ldlt(a);
     const Row c = ldlt.solve(b);
@@ -161,11 +163,14 @@ class Filler {
     for (std::size_t i = 0; i < views_.size(); ++i) Emit(static_cast<int>(i));
     PointCloud cloud;
     const auto rows = std::ssize(found_);
-    cloud.points.resize(rows, 3), cloud.normals.resize(rows, 3), cloud.colors.resize(rows, 3);
+    cloud.points.resize(rows, 3);
+    cloud.normals.resize(rows, 3);
+    cloud.colors.resize(rows, 3);
     cloud.confidence = Eigen::VectorXf::Constant(rows, kGapConfidence);
     for (Eigen::Index i = 0; i < rows; ++i) {
       const Found& found = found_[i];
-      cloud.points.row(i) = found.point, cloud.normals.row(i) = found.normal;
+      cloud.points.row(i) = found.point;
+      cloud.normals.row(i) = found.normal;
       for (int c = 0; c < 3; ++c) cloud.colors(i, c) = found.color[c];
     }
     return cloud;

@@ -60,7 +60,9 @@ Verdicts BeforeTripod(const Features& first, const Features& second, const PairM
   for (const auto& [i, j] : pair.features) {
     const double by = (PlaceOf(first, i) - PlaceOf(second, j)).norm();
     const bool stays = by<limit_px, moves = by> options.nearly_in_place * limit_px;
-    still += stays, moved += moves, hardly += !stays && by < kHardly * limit_px;
+    still += stays;
+    moved += moves;
+    hardly += !stays && by < kHardly * limit_px;
     verdicts.push_back(static_cast<signed char>(moves - stays));
   }
   if (still < options.fewest || still <= hardly || moved < options.fewest) verdicts.clear();

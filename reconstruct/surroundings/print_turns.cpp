@@ -349,8 +349,10 @@ int BestTurn(const Curves& curves, const std::vector<int>& turns, int i, double 
   int best = 0;
   double most = -1;
   for (int a = 0; a < curves.angles; ++a)
-    if (const double here = Agreement(curves, turns, i, a, least); here > most)
-      most = here, best = a;
+    if (const double here = Agreement(curves, turns, i, a, least); here > most) {
+      most = here;
+      best = a;
+    }
   return best;
 }
 
@@ -375,7 +377,10 @@ std::vector<int> Settled(const Curves& curves, double least) {
     if (part[e.i] == part[e.j]) continue;
     const int step = turns[e.i] + e.turn - turns[e.j], joins = part[e.j];
     for (int k = 0; k < curves.count; ++k)
-      if (part[k] == joins) turns[k] += step, part[k] = part[e.i];
+      if (part[k] == joins) {
+        turns[k] += step;
+        part[k] = part[e.i];
+      }
   }
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds; ++round) {
@@ -401,7 +406,10 @@ int CommonTurn(const std::vector<int>& turns, int angles) {
       const int off = std::abs(other - turn);
       near += std::min(off, angles - off) <= kSteps;
     }
-    if (near > most) most = near, best = turn;
+    if (near > most) {
+      most = near;
+      best = turn;
+    }
   }
   return best;
 }
@@ -422,7 +430,10 @@ Vector2d MiddleOfPrint(const std::vector<FromAbove>& drawn, const PrintTurnOptio
       for (int dx = -2; dx <= 2; ++dx) {
         const Vector2d at = start + step * half * Vector2d(dx, dy);
         const double sum = GoesWhenTurned(CurvesRound(some, at, rings, false));
-        if (sum > most) most = sum, best = at;
+        if (sum > most) {
+          most = sum;
+          best = at;
+        }
       }
   };
   search(0.08, coarse);

@@ -80,7 +80,10 @@ Vector3d DensestAxis(const std::vector<PairAxis>& axes) {
       const double sine2 = 1 - std::pow(axes[k].axis.dot(axes[l].axis), 2);
       votes += axes[l].weight * std::exp(-sine2 / (2 * sharp * sharp));
     }
-    if (votes > best_votes) best_votes = votes, best = axes[k].axis;
+    if (votes > best_votes) {
+      best_votes = votes;
+      best = axes[k].axis;
+    }
   }
   for (const double radius : {6.0, 4.0, 3.0, 3.0}) best = MeanAxis(axes, best, radius * kDegree);
   return best;
@@ -209,7 +212,10 @@ double PlaneRms(const std::vector<View>& views, const std::vector<std::vector<in
   for (const auto& ring : rings) {
     double mean = 0;
     for (const int i : ring) mean += axis.dot(views[i].Center()) / static_cast<double>(ring.size());
-    for (const int i : ring) sum += std::pow(axis.dot(views[i].Center()) - mean, 2), count += 1;
+    for (const int i : ring) {
+      sum += std::pow(axis.dot(views[i].Center()) - mean, 2);
+      count += 1;
+    }
   }
   return count > 0 ? std::sqrt(sum / count) : 0;
 }

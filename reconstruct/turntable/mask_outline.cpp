@@ -21,13 +21,19 @@ ImageF SignedDistance(const Image8& mask) {
   };
   const float diagonal = std::sqrt(2.0F);
   for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x)
-      relax(x, y, -1, 0, 1), relax(x, y, 0, -1, 1), relax(x, y, -1, -1, diagonal),
-          relax(x, y, 1, -1, diagonal);
+    for (int x = 0; x < mask.width; ++x) {
+      relax(x, y, -1, 0, 1);
+      relax(x, y, 0, -1, 1);
+      relax(x, y, -1, -1, diagonal);
+      relax(x, y, 1, -1, diagonal);
+    }
   for (int y = mask.height - 1; y >= 0; --y)
-    for (int x = mask.width - 1; x >= 0; --x)
-      relax(x, y, 1, 0, 1), relax(x, y, 0, 1, 1), relax(x, y, 1, 1, diagonal),
-          relax(x, y, -1, 1, diagonal);
+    for (int x = mask.width - 1; x >= 0; --x) {
+      relax(x, y, 1, 0, 1);
+      relax(x, y, 0, 1, 1);
+      relax(x, y, 1, 1, diagonal);
+      relax(x, y, -1, 1, diagonal);
+    }
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
       if (IsInside(mask, x, y)) *distance.at(x, y) = -*distance.at(x, y);
@@ -59,7 +65,9 @@ MaskOutline MakeOutline(const Image8& mask, const Camera& camera, int factor) {
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
       if (!IsInside(mask, x, y)) continue;
-      sum_x += x + 0.5, sum_y += y + 0.5, count += 1;
+      sum_x += x + 0.5;
+      sum_y += y + 0.5;
+      count += 1;
       const bool within = x > 1 && y > 1 && x + 2 < mask.width && y + 2 < mask.height;
       if (within && *distance.at(x, y) > -0.75F) rim.emplace_back(x + 0.5, y + 0.5);
     }

@@ -133,7 +133,10 @@ std::vector<Observation> Inliers(const RingModel& model, const std::vector<Spars
   std::vector<int> count(points.size(), 0);
   std::vector<Observation> kept;
   for (const Observation& o : all)
-    if (ErrorOf(model, points, o) <= limit) kept.push_back(o), ++count[o.point];
+    if (ErrorOf(model, points, o) <= limit) {
+      kept.push_back(o);
+      ++count[o.point];
+    }
   std::erase_if(kept, [&](const Observation& o) { return count[o.point] < 2; });
   return kept;
 }

@@ -372,7 +372,9 @@ class Sorter {
         squares += std::pow(steps - std::round(steps), 2);
       }
       if (SizeOf(taken) < count || std::sqrt(squares / count) >= least) continue;
-      best = positions, best_offset = offset, least = std::sqrt(squares / count);
+      best = positions;
+      best_offset = offset;
+      least = std::sqrt(squares / count);
     }
     return best;
   }

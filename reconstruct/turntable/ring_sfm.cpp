@@ -147,8 +147,10 @@ class Reconstruction {
     for (const Observation& o : bundle_.observations) ++seen[o.view];
     bool all_seen = true;
     for (std::size_t v = 0; v < seen.size(); ++v)
-      if (seen[v] < options_.min_view_matches)
-        all_seen = false, result_.by_step_only.push_back(ring.views[v].name);
+      if (seen[v] < options_.min_view_matches) {
+        all_seen = false;
+        result_.by_step_only.push_back(ring.views[v].name);
+      }
     result_.scene = std::move(held.scene);
     if (!all_seen) return;  // a free camera needs observations
     BundleResult free = AdjustBundle(ring, bundle_.observations, options_.bundle, progress);

@@ -180,12 +180,18 @@ class Fitter {
       double best = RingSilhouetteTuning::kCap_px, at = distance;
       for (int d = 0; d < effort.depths && best > 0; ++d) {
         const double depth = distance + reach * (2.0 * d / (effort.depths - 1) - 1);
-        if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
+        if (const double e = outside(depth * ray, best); e < best) {
+          best = e;
+          at = depth;
+        }
       }
       double step = reach / (effort.depths - 1);
       for (int level = 0; level < 4 && best > 0; ++level, step /= 2)
         for (const double depth : {at - step, at + step})
-          if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
+          if (const double e = outside(depth * ray, best); e < best) {
+            best = e;
+            at = depth;
+          }
       sum += best;
       if (touching && best < RingSilhouetteTuning::kTouches_px)
         touching->push_back(own * Vector3d(at * ray));
@@ -389,8 +395,10 @@ class Fitter {
         const double middle = best;
         for (int k = -2; k <= 2; ++k) {
           view.angle_rad = middle + reach * k / 2;
-          if (const double e = ViewError(v, All(), {options_.rays, 32}); e < least)
-            least = e, best = view.angle_rad;
+          if (const double e = ViewError(v, All(), {options_.rays, 32}); e < least) {
+            least = e;
+            best = view.angle_rad;
+          }
         }
       }
       angles[v] = best;

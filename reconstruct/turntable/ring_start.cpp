@@ -307,8 +307,10 @@ class Finder {
     for (int level = 0; level < 4; ++level, reach /= 4) {
       const double middle = best;
       for (int k = -4; k <= 4; ++k)
-        if (const double c = cost(middle + reach * k / 4); c < best_cost)
-          best_cost = c, best = middle + reach * k / 4;
+        if (const double c = cost(middle + reach * k / 4); c < best_cost) {
+          best_cost = c;
+          best = middle + reach * k / 4;
+        }
     }
     moving.angle_rad = best;
   }

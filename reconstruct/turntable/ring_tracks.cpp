@@ -120,10 +120,13 @@ Triangulated Triangulate(const Scene& scene, const std::vector<int>& view_of_ima
       for (std::size_t k = 0; k < seen.size(); ++k) {
         const View& view = scene.views[seen[k].view];
         const Vector3d x = view.camera_from_world * point.position;
-        if (x.z() > 0 && (view.camera.Project(x) - seen[k].pixel).norm() <= options.max_error_px)
-          kept.push_back(seen[k]), kept_rays.push_back(rays[k]);
+        if (x.z() > 0 && (view.camera.Project(x) - seen[k].pixel).norm() <= options.max_error_px) {
+          kept.push_back(seen[k]);
+          kept_rays.push_back(rays[k]);
+        }
       }
-      seen = std::move(kept), rays = std::move(kept_rays);
+      seen = std::move(kept);
+      rays = std::move(kept_rays);
     }
     if (seen.size() < 2) continue;
     for (const Observation& o : seen) point.views.push_back(o.view);
