@@ -104,8 +104,10 @@ std::vector<TimelineRegion> RegionsOf(const std::filesystem::path& path) {
         region.name = node["name"].as<std::string>();
         if (node["vertices"])
           region.vertices = node["vertices"].as<std::vector<int>>();
-        else
-          region.center = PointOf(node["center"]), region.radius = node["radius"].as<double>();
+        else {
+          region.center = PointOf(node["center"]);
+          region.radius = node["radius"].as<double>();
+        }
         regions.push_back(std::move(region));
       }
     }

@@ -66,7 +66,10 @@ std::pair<int, Eigen::Vector3d> ClosestFace(const Rows& rows, const FacesX3& fac
     const Eigen::Vector3d b = ClosestInTriangle(uu, uv, vv, uw, vw);
     const double d = w.squaredNorm() - 2 * (b[1] * uw + b[2] * vw) + b[1] * b[1] * uu +
                      2 * b[1] * b[2] * uv + b[2] * b[2] * vv;
-    if (d < least) least = d, best = {f, b};
+    if (d < least) {
+      least = d;
+      best = {f, b};
+    }
   }
   return best;
 }
@@ -151,7 +154,10 @@ std::vector<int> NearestVertices(const Mesh& target_mesh, const IntrinsicShape& 
         for (int k = 0; k < 3; ++k)
           for (const int w : members[target.proxy.faces(mapped.face[v], k)]) {
             const double d = (target_mesh.points.row(w) - at).squaredNorm();
-            if (d < least) least = d, nearest[v] = w;
+            if (d < least) {
+              least = d;
+              nearest[v] = w;
+            }
           }
       },
       256);

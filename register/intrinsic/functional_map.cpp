@@ -56,7 +56,10 @@ int FirstLeast(const Eigen::Ref<const Eigen::VectorXf>& values) {
   Eigen::Index at = 0;
   for (Eigen::Index k = 0; k < values.size(); k += kRun) {
     const float lowest = values.segment(k, std::min(kRun, values.size() - k)).minCoeff();
-    if (lowest < least) least = lowest, at = k;
+    if (lowest < least) {
+      least = lowest;
+      at = k;
+    }
   }
   for (Eigen::Index k = at; k < values.size(); ++k)
     if (values[k] == least) return static_cast<int>(k);
@@ -110,9 +113,10 @@ PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
   for (Eigen::Index j = 0; j < b.rows(); ++j) {
     float best = std::numeric_limits<float>::infinity();
     for (std::size_t block = 0; block < least.size(); ++block)
-      if (least[block][j] < best)
-        best = least[block][j],
+      if (least[block][j] < best) {
+        best = least[block][j];
         maps.backward[j] = static_cast<int>(block) * kBlock + column[block][j];
+      }
   }
   return maps;
 }

@@ -197,7 +197,10 @@ std::vector<ProxyPair> ChoosePairs(const SuggestionSearch& search, const Suggest
     for (int v = 0; v < search.source.proxy.vertex_count(); ++v) {
       if (search.confidence[v] < options.min_confidence) continue;
       const double worth = distance[v] * search.confidence[v];
-      if (worth > most) most = worth, next = v;
+      if (worth > most) {
+        most = worth;
+        next = v;
+      }
     }
     if (next < 0) break;
     pairs.push_back({next, search.maps.forward[next], search.confidence[next], "intrinsic"});

@@ -139,7 +139,10 @@ class Subject {
         const View view = ViewFrom(azimuth, elevation);
         const double score =
             normal.dot((view.Center() - marks_[mark]).normalized()) + (Sees(view, mark) ? 2 : 0);
-        if (score > best_score) best_score = score, best = view;
+        if (score > best_score) {
+          best_score = score;
+          best = view;
+        }
       }
     return best;
   }
@@ -205,8 +208,10 @@ Image8 DrawLandmarks(const Mesh& source, const Mesh& target, const std::vector<D
   if (!dense.empty() && dense.size() != static_cast<std::size_t>(source.vertex_count()))
     throw InputError("landmark picture: the dense map must have one entry for each source vertex");
   std::vector<Eigen::Vector3d> on_source, on_target;
-  for (const DrawnPair& pair : pairs)
-    on_source.push_back(pair.source), on_target.push_back(pair.target);
+  for (const DrawnPair& pair : pairs) {
+    on_source.push_back(pair.source);
+    on_target.push_back(pair.target);
+  }
   // Meshes with colours are drawn in them. Meshes without get tints by position.
   const bool colored = source.colors.rows() > 0 || target.colors.rows() > 0,
              tinted = !colored && !dense.empty();

@@ -131,8 +131,10 @@ std::vector<char> LargeComponents(const Mesh& mesh, const Graph& graph) {
     component[seed] = count;
     for (std::size_t k = 0; k < reached.size(); ++k)
       for (int s = graph.begin[reached[k]]; s < graph.begin[reached[k] + 1]; ++s)
-        if (const int w = graph.neighbor[s]; component[w] < 0)
-          component[w] = count, reached.push_back(w);
+        if (const int w = graph.neighbor[s]; component[w] < 0) {
+          component[w] = count;
+          reached.push_back(w);
+        }
     ++count;
   }
   const VectorXd areas = FaceAreas(mesh.points, mesh.faces);
