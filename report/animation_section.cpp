@@ -55,9 +55,14 @@ std::string Curve(const AnimationPart& animation, const std::string& method, con
   Series straight{"linear", kLinear, {}, {}, true}, chosen{method, kOurs, {}, {}, false},
       wanted{"path between the keys", kPath, {}, {}, true};
   for (const FrameDistortion& f : animation.frames) {
-    straight.x.push_back(f.time_s), straight.y.push_back(f.*linear);
-    chosen.x.push_back(f.time_s), chosen.y.push_back(f.*ours);
-    if (std::isfinite(f.*path)) wanted.x.push_back(f.time_s), wanted.y.push_back(f.*path);
+    straight.x.push_back(f.time_s);
+    straight.y.push_back(f.*linear);
+    chosen.x.push_back(f.time_s);
+    chosen.y.push_back(f.*ours);
+    if (std::isfinite(f.*path)) {
+      wanted.x.push_back(f.time_s);
+      wanted.y.push_back(f.*path);
+    }
   }
   std::vector<Series> series = {straight, chosen};
   if (!wanted.x.empty()) series.push_back(wanted);

@@ -87,7 +87,8 @@ std::vector<double> ContradictedBy(const std::vector<CoveredMask>& views, int fr
     const bool seen_by_few = 2 * (inside + SizeOf(outside)) < SizeOf(views);
     if (inside == 0 || seen_by_few || SizeOf(outside) > fewest) continue;
     if (SizeOf(outside) < fewest) {
-      fewest = SizeOf(outside), places = 0;
+      fewest = SizeOf(outside);
+      places = 0;
       std::fill(shares.begin(), shares.end(), 0.0);
     }
     ++places;

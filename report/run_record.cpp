@@ -22,8 +22,10 @@ std::string TextOf(const json& object, const char* key) {
 
 void TakeMeasurements(const json& measurements, StepRecord& step) {
   for (const auto& [name, value] : measurements.items()) {
-    if (value.is_boolean())
-      step.flags[name] = value, step.numbers[name] = value.get<bool>() ? 1 : 0;
+    if (value.is_boolean()) {
+      step.flags[name] = value;
+      step.numbers[name] = value.get<bool>() ? 1 : 0;
+    }
     if (value.is_number()) step.numbers[name] = value;
     if (value.is_string()) step.texts[name] = value;
     if (value.is_structured()) step.lists[name] = value.dump();

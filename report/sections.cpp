@@ -220,8 +220,10 @@ std::string EverythingMeasured(const StepRecord& step) {
 
 std::string StepsSection(const Contents& contents) {
   double longest = 1e-9, total = 0;
-  for (const StepRecord& step : contents.run.steps)
-    longest = std::max(longest, step.seconds), total += step.seconds;
+  for (const StepRecord& step : contents.run.steps) {
+    longest = std::max(longest, step.seconds);
+    total += step.seconds;
+  }
   Table table({"step", "stage", "", "time", "", "memory", "fingerprint"});
   for (const StepRecord& step : contents.run.steps) {
     const std::string bar =

@@ -148,10 +148,14 @@ double EdgesUnderOutline(const Image8& photograph, const Image8& covered) {
       double nx = 0, ny = 0;  // outward
       for (int dy = -3; dy <= 3; ++dy)
         for (int dx = -3; dx <= 3; ++dx)
-          if (!InMask(covered, x + dx, y + dy)) nx += dx, ny += dy;
+          if (!InMask(covered, x + dx, y + dy)) {
+            nx += dx;
+            ny += dy;
+          }
       const double length = std::hypot(nx, ny);
       if (length < 1e-9) continue;
-      nx *= kReach / length, ny *= kReach / length;
+      nx *= kReach / length;
+      ny *= kReach / length;
       const auto in = ColorAround(photograph, x - nx, y - ny),
                  out = ColorAround(photograph, x + nx, y + ny);
       double largest = 0;
@@ -206,8 +210,10 @@ Shot Cropped(const Shot& shot, const PointsX3& points) {
   if (box.empty()) return shot;
   Shot part = shot;
   Camera& camera = part.view.camera;
-  camera.width = box.x1 - box.x0, camera.height = box.y1 - box.y0;
-  camera.cx -= box.x0, camera.cy -= box.y0;
+  camera.width = box.x1 - box.x0;
+  camera.height = box.y1 - box.y0;
+  camera.cx -= box.x0;
+  camera.cy -= box.y0;
   part.photograph = Image8(camera.width, camera.height, 3);
   part.mask = Image8(camera.width, camera.height, 1);
   for (int y = 0; y < camera.height; ++y) {
