@@ -396,7 +396,10 @@ void SavePhotoPicks(Snapshot& snapshot, const std::string& pose, const json& bod
     picks.push_back(std::move(pick));
   }
   json changed = WithPicks(root, picks, photographs);
-  if (picks.empty()) changed.erase("pixels"), changed.erase("schema");
+  if (picks.empty()) {
+    changed.erase("pixels");
+    changed.erase("schema");
+  }
   if (changed.empty()) return RemovePicks(snapshot, pose);
   if (picks.empty()) changed["schema"] = 2;
   fs::create_directories(file.parent_path());
