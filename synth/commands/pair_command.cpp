@@ -64,8 +64,10 @@ std::string VertexPairs(const ClayPair& pair) {
 
 void WritePicks(const std::filesystem::path& folder, const ClayPair& pair) {
   std::vector<Landmark> source, target;
-  for (const LandmarkPair& pick : pair.picks)
-    source.push_back(pick.source), target.push_back(pick.target);
+  for (const LandmarkPair& pick : pair.picks) {
+    source.push_back(pick.source);
+    target.push_back(pick.target);
+  }
   WriteLandmarks(folder / "source_landmarks.json", pair.source, source);
   WriteLandmarks(folder / "target_landmarks.json", pair.target, target);
   WriteFile(folder / "landmarks.txt", VertexPairs(pair));

@@ -247,8 +247,10 @@ std::vector<View> PerformanceCameras(int cameras, int size_px, double reach_m) {
     // The actor fills the picture wherever on the path it is nearest to the camera.
     const double half = std::max(reach_m + 0.35, 1.15) / (distance - 0.5 * reach_m);
     c.fx = c.fy = 0.5 * size_px / half;
-    c.cx = 0.5 * size_px + 3.3, c.cy = 0.5 * size_px - 2.7;
-    c.k1 = -0.03, c.k2 = 0.008;
+    c.cx = 0.5 * size_px + 3.3;
+    c.cy = 0.5 * size_px - 2.7;
+    c.k1 = -0.03;
+    c.k2 = 0.008;
     views.push_back(view);
   }
   return views;

@@ -85,7 +85,8 @@ class ShotFilming {
       MakeFreshFolder(Truth() / part, Truth() / part);
     if (command.meshes) MakeShotFolder(Truth() / "meshes");
     if (HasPlates()) MakeFreshFolder(command.output / "plates", mattes);
-    shot_.camera = set_.view().camera, shot_.fps = command.fps;
+    shot_.camera = set_.view().camera;
+    shot_.fps = command.fps;
     shot_.still = !story_.camera_moves();
   }
 
@@ -123,17 +124,20 @@ class ShotFilming {
     if (!filmed) WritePng(Truth() / "between" / PictureName(n), picture.matte);
     if (command_.meshes) {
       Mesh surface;
-      surface.points = Transformed(place, points), surface.faces = world_.rest.faces;
+      surface.points = Transformed(place, points);
+      surface.faces = world_.rest.faces;
       WriteMesh(Truth() / "meshes" / fmt::format("frame_{:04}.ply", n), surface);
     }
     if (!filmed) return WritePng(Truth() / "frames" / PictureName(n), picture.picture);
     WritePng(command_.output / "film" / PictureName(number), picture.picture);
     WritePng(Truth() / "mattes" / PictureName(number), picture.matte);
     ShotFrame entry;
-    entry.frame = number - story_.first(), entry.picture = PictureName(number);
+    entry.frame = number - story_.first();
+    entry.picture = PictureName(number);
     if (keyed) entry.pose = command_.shows.at(number);
     entry.camera_from_world = set_.view().camera_from_world;
-    entry.world_from_character = place, entry.method = "given";
+    entry.world_from_character = place;
+    entry.method = "given";
     shot_.frames.push_back(entry);
   }
 
@@ -146,7 +150,8 @@ class ShotFilming {
 
 int TakePhotographs(const ShotCommand& command, Progress* progress) {
   PhotosCommand photos = command.photos;
-  photos.output = command.output, photos.world = command.world;
+  photos.output = command.output;
+  photos.world = command.world;
   std::set<std::string> seen;
   photos.poses.clear();
   for (const auto& [frame, pose] : command.shows)

@@ -53,7 +53,8 @@ double PixelNoise(std::uint64_t seed, std::size_t i) {
 Vector3d FilmedSet::ToLamp() { return Vector3d(0.45, -0.35, 1).normalized(); }
 
 FilmedSet::FilmedSet(std::vector<View> views) : views_(std::move(views)) {
-  plates_.resize(views_.size()), floors_.resize(views_.size());
+  plates_.resize(views_.size());
+  floors_.resize(views_.size());
   ParallelFor(SizeOf(views_), [&](std::int64_t v) {
     const View& view = views_[v];
     const Camera& camera = view.camera;
@@ -131,7 +132,8 @@ double FilmedFrame::ShadowAt(const Eigen::Vector2f& floor) const {
 
 Image8 FilmedFrame::Picture(int view, std::uint64_t noise_seed) const {
   RenderOptions options;
-  options.shading = 0, options.samples = 2;
+  options.shading = 0;
+  options.samples = 2;
   const Image8 actor = RenderCutout(lit_, *scene_, set_.views()[view], options);
   Image8 picture = set_.Plate(view);
   const std::vector<Eigen::Vector2f>& floor = set_.Floor(view);

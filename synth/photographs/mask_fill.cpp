@@ -25,7 +25,8 @@ void FillMaskTriangle(const Vector2d& a, const Vector2d& b, const Vector2d& c, I
       const Vector2d &u = *p[k], &v = *p[(k + 1) % 3];
       if ((u.y() <= at) == (v.y() <= at)) continue;
       const double x = u.x() + (at - u.y()) / (v.y() - u.y()) * (v.x() - u.x());
-      from = std::min(from, x), to = std::max(to, x);
+      from = std::min(from, x);
+      to = std::max(to, x);
     }
     const int x0 = std::max(0, static_cast<int>(std::ceil(from - 0.5)));
     const int x1 = std::min(mask->width - 1, static_cast<int>(std::floor(to - 0.5)));

@@ -40,8 +40,10 @@ Window WindowOf(const View& view, const PointsX3& points) {
   double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const Vector2d pixel = view.Project(points.row(i));
-    for (int k = 0; k < 2; ++k)
-      low[k] = std::min(low[k], pixel[k]), high[k] = std::max(high[k], pixel[k]);
+    for (int k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], pixel[k]);
+      high[k] = std::max(high[k], pixel[k]);
+    }
   }
   const auto inside = [](double v, int size) {
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
@@ -65,7 +67,8 @@ LampStand FallenLamp(const PhotographerOptions& options) {
 
 /// The photographs as they are drawn, before they are enlarged.
 PhotographerOptions Drawn(PhotographerOptions options) {
-  options.width /= options.enlarge, options.height /= options.enlarge;
+  options.width /= options.enlarge;
+  options.height /= options.enlarge;
   return options;
 }
 

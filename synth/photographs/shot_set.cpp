@@ -122,7 +122,8 @@ struct Figure {
     for (int k = 0; k < 3; ++k) {
       rest += w[k] * world.rest.points.row(corner[k]).transpose();
       normal += w[k] * normals.row(corner[k]).transpose();
-      lamp += w[k] * light.lamp[corner[k]], room += w[k] * light.room[corner[k]];
+      lamp += w[k] * light.lamp[corner[k]];
+      room += w[k] * light.room[corner[k]];
     }
     normal.normalize();
     const int lump = world.clay.LumpAt(rest);
@@ -158,11 +159,15 @@ struct Figure {
 
 Camera CameraOf(const ShotSetOptions& o) {
   Camera camera;
-  camera.width = o.width, camera.height = o.height;
+  camera.width = o.width;
+  camera.height = o.height;
   camera.fx = camera.fy = o.focal_35mm / 36 * std::max(o.width, o.height);
   camera.cx = o.width / 2.0 + o.principal_shift_px;
   camera.cy = o.height / 2.0 - o.principal_shift_px;
-  camera.k1 = o.k1, camera.k2 = o.k2, camera.p1 = o.p1, camera.p2 = o.p2;
+  camera.k1 = o.k1;
+  camera.k2 = o.k2;
+  camera.p1 = o.p1;
+  camera.p2 = o.p2;
   return camera;
 }
 
@@ -264,7 +269,10 @@ ShotPicture ShotSet::Film(const World& world, const PointsX3& points,
         const Vector3d ray = Ray(x, y, (i % kSamplesAlong + 0.5) / kSamplesAlong,
                                  (i / kSamplesAlong + 0.5) / kSamplesAlong);
         const RayScene::Hit hit = figure.scene.Cast(eye, ray);
-        if (hit.face >= 0) sum += figure.Shade(hit, ray), ++hits;
+        if (hit.face >= 0) {
+          sum += figure.Shade(hit, ray);
+          ++hits;
+        }
       }
       const double covered = hits / double{kSamplesAlong * kSamplesAlong};
       *shot.matte.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * covered));

@@ -178,7 +178,8 @@ void Canvas::Text(const std::string& text, const Vector2d& center, double height
                         cv::Rect(0, 0, picture_.width, picture_.height);
   if (part.empty()) return;
   cv::Matx23d shifted = placed;
-  shifted(0, 2) -= part.x, shifted(1, 2) -= part.y;
+  shifted(0, 2) -= part.x;
+  shifted(1, 2) -= part.y;
   cv::Mat cover;
   cv::warpAffine(letters, cover, shifted, part.size(), cv::INTER_LINEAR);
   for (int y = 0; y < part.height; ++y)

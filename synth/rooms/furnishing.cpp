@@ -212,7 +212,8 @@ void AddTree(Furniture& room, const Vector2d& at, double radius, double low, dou
   std::vector<std::vector<Vector2d>> places;
   for (int j = 0; j <= along; ++j) {
     const double z = high - (high - low) * j / along;
-    rows.emplace_back(), places.emplace_back();
+    rows.emplace_back();
+    places.emplace_back();
     for (int i = 0; i <= kAround; ++i) {
       const double angle = 2 * kPi * (i % kAround) / kAround;
       const Vector3d out(std::cos(angle), std::sin(angle), 0);

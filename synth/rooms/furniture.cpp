@@ -68,7 +68,9 @@ int Furniture::AddPrint(Print print) {
 }
 
 int Furniture::Point(const Vector3d& point, const Vector3d& normal, const Vector2d& place) {
-  points_.push_back(point), normals_.push_back(normal), places_.push_back(place);
+  points_.push_back(point);
+  normals_.push_back(normal);
+  places_.push_back(place);
   ground_point_.push_back(0);
   return SizeOf(points_) - 1;
 }
@@ -83,7 +85,9 @@ void Furniture::Face(int a, int b, int c, int print, Part part, bool ground) {
   faces_.push_back({a, b, c});
   place_from_step_.push_back(on_print * metric.inverse() * edges.transpose());
   face_normal_.push_back(Vector3d(edges.col(0)).cross(Vector3d(edges.col(1))).normalized());
-  print_.push_back(print), part_.push_back(part), piece_.push_back(pieces_);
+  print_.push_back(print);
+  part_.push_back(part);
+  piece_.push_back(pieces_);
   ground_.push_back(ground ? 1 : 0);
   for (const int corner : {a, b, c}) ground_point_[corner] = ground ? 1 : 0;
 }
@@ -196,7 +200,8 @@ Mesh Furniture::Standing() const {
 void Furniture::Finish() {
   const Mesh mesh = AsMesh();
   scene_ = std::make_unique<RayScene>(mesh.points, mesh.faces);
-  lamp_.assign(points_.size(), 1.0f), room_.assign(points_.size(), 1.0f);
+  lamp_.assign(points_.size(), 1.0f);
+  room_.assign(points_.size(), 1.0f);
 }
 
 void Furniture::Light(const std::vector<const RayScene*>& blockers, const RoomLight& light,
@@ -241,7 +246,8 @@ Vector3d Furniture::Shade(const RayScene::Hit& hit, const Look& look,
   for (int k = 0; k < 3; ++k) {
     normal += w[k] * normals_[f[k]];
     place += w[k] * places_[f[k]];
-    lamp += w[k] * lamp_[f[k]], room += w[k] * room_[f[k]];
+    lamp += w[k] * lamp_[f[k]];
+    room += w[k] * room_[f[k]];
   }
   normal.normalize();
   const double facing = std::max(0.0, normal.dot(look.to_lamp));

@@ -83,7 +83,10 @@ Seen SeenOf(const Image8& mask) {
       ++seen.pixels;
       seen.cut |= x == 0 || y == 0 || x == mask.width - 1 || y == mask.height - 1;
       const int here = depth[static_cast<std::size_t>(y) * mask.width + x];
-      if (here > deepest) deepest = here, seen.inside = {x, y};
+      if (here > deepest) {
+        deepest = here;
+        seen.inside = {x, y};
+      }
     }
   return seen;
 }
@@ -155,7 +158,8 @@ PhotographerOptions Recorded(const RoomPlan& plan) {
   PhotographerOptions options;
   options.views = plan.photographs;
   options.elevations_deg.clear();
-  options.width = plan.width, options.height = plan.height;
+  options.width = plan.width;
+  options.height = plan.height;
   options.focal_35mm = plan.focal_35mm[0];
   options.background = "room";
   options.noise = plan.noise;
@@ -182,8 +186,10 @@ void WriteRoomTruth(const RoomPhotographer& photographer, const std::vector<Seen
               {}};
   if (!plan.free_standing()) truth.cameras.points.clear();  // they are of another surface
   WorldOptions world_options;
-  world_options.character = plan.character, world_options.seed = plan.figure_seed;
-  world_options.spacing_m = plan.spacing_m, world_options.texture = plan.texture;
+  world_options.character = plan.character;
+  world_options.seed = plan.figure_seed;
+  world_options.spacing_m = plan.spacing_m;
+  world_options.texture = plan.texture;
   WriteTruth(folder, truth, world, pose, world_options, Recorded(plan));
   fs::create_directories(folder / "cameras_of_room");
   WriteColmapModel(folder / "cameras_of_room", of_room);

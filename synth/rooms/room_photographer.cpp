@@ -168,11 +168,17 @@ class RoomExposure {
     double nearest = std::numeric_limits<double>::infinity();
     if (!set_.close.empty()) {
       const RayScene::Hit hit = set_.close.scene().Cast(eye_.place(), ray);
-      if (hit.face >= 0) met = {set_.close.PieceOf(hit.face), hit}, nearest = hit.distance;
+      if (hit.face >= 0) {
+        met = {set_.close.PieceOf(hit.face), hit};
+        nearest = hit.distance;
+      }
     }
     for (int i = 0; i < SizeOf(set_.clay); ++i) {
       const RayScene::Hit hit = set_.clay[i]->clay.scene.Cast(eye_.place(), ray, 0, nearest);
-      if (hit.face >= 0) met = {kClay + i, hit}, nearest = hit.distance;
+      if (hit.face >= 0) {
+        met = {kClay + i, hit};
+        nearest = hit.distance;
+      }
     }
     if (met.what == kNothing || plan_.free_standing()) return met;
     // A carving is half in its wall.

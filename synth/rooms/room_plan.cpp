@@ -140,8 +140,11 @@ RoomPlan PlanRoom(const RoomOptions& options) {
   plan.kind = options.kind.empty() ? KindOfSeed(options.seed) : RoomKindNamed(options.kind);
   plan.photographs =
       options.photographs > 0 ? options.photographs : PhotographsOf(plan.kind, plan.seed);
-  plan.width = options.width, plan.height = options.height;
-  plan.noise = options.noise, plan.spacing_m = options.spacing_m, plan.detail = options.detail;
+  plan.width = options.width;
+  plan.height = options.height;
+  plan.noise = options.noise;
+  plan.spacing_m = options.spacing_m;
+  plan.detail = options.detail;
   plan.texture = options.texture;
   Random random(plan.seed * 77003 + 5);
   ChooseFigure(plan, random);
@@ -153,7 +156,8 @@ RoomPlan PlanRoom(const RoomOptions& options) {
   plan.exif = options.exif.empty() ? plan.seed % 6 != 3 : options.exif == "yes";
   plan.portrait_first = random.Uniform() < 0.6;
   const double wide = random.Uniform(27, 48);
-  plan.focal_35mm[0] = wide, plan.focal_35mm[1] = wide * random.Uniform(1.5, 2.0);
+  plan.focal_35mm[0] = wide;
+  plan.focal_35mm[1] = wide * random.Uniform(1.5, 2.0);
   const int by_seed = random.Uniform() < 0.5 ? 2 : 1;
   plan.lenses = plan.kind == RoomKind::kBoth ? (options.lenses > 0 ? options.lenses : by_seed) : 1;
   return plan;

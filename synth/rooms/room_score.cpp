@@ -110,8 +110,10 @@ void Refine(const std::vector<Pair>& pairs, const Vector3d& center, Similarity3*
       if (IsRight(ErrorsOf(pair, *alignment, center))) right.push_back(&pair);
     if (right.size() < 4) return;
     PointsX3 a(std::ssize(right), 3), b(std::ssize(right), 3);
-    for (Eigen::Index i = 0; i < a.rows(); ++i)
-      a.row(i) = right[i]->model->Center(), b.row(i) = right[i]->truth.Center();
+    for (Eigen::Index i = 0; i < a.rows(); ++i) {
+      a.row(i) = right[i]->model->Center();
+      b.row(i) = right[i]->truth.Center();
+    }
     const Similarity3 fitted = FitSimilarity(a, b);
     if (CountRight(pairs, fitted, center) < SizeOf(right)) return;
     *alignment = fitted;
@@ -162,14 +164,18 @@ std::vector<double> Outside(const PointsX3& points, const RayScene& scene,
 RoomCameraScore ScoreRoomCameras(const Scene& truth, const Scene& model, const Vector3d& center) {
   RoomCameraScore score;
   const std::vector<Pair> pairs = PairsOf(truth, model, &score.missing);
-  score.total = SizeOf(truth.views), score.placed = SizeOf(pairs);
+  score.total = SizeOf(truth.views);
+  score.placed = SizeOf(pairs);
   int most = 0;
   for (const Pair& a : pairs)
     for (const Pair& b : pairs) {
       Similarity3 alignment;
       if (&a == &b || !FromTwo(a, b, &alignment)) continue;
       const int right = CountRight(pairs, alignment, center);
-      if (right > most) most = right, score.truth_from_model = alignment;
+      if (right > most) {
+        most = right;
+        score.truth_from_model = alignment;
+      }
     }
   Refine(pairs, center, &score.truth_from_model);
   std::vector<double> turns, places;
@@ -179,9 +185,11 @@ RoomCameraScore ScoreRoomCameras(const Scene& truth, const Scene& model, const V
       score.wrong.push_back(pair.truth.name);
       continue;
     }
-    turns.push_back(errors.first / kDegree), places.push_back(errors.second);
+    turns.push_back(errors.first / kDegree);
+    places.push_back(errors.second);
   }
-  score.median_deg = UpperMedian(turns), score.median_over_distance = UpperMedian(places);
+  score.median_deg = UpperMedian(turns);
+  score.median_over_distance = UpperMedian(places);
   return score;
 }
 
@@ -212,7 +220,8 @@ double MaskOverlap(const Image8& truth, const Image8& mask) {
       const bool is = *truth.at(x, y) > 127;
       const bool said = *mask.at((2 * x + 1) * mask.width / (2 * truth.width),
                                  (2 * y + 1) * mask.height / (2 * truth.height)) > 127;
-      both += is && said, either += is || said;
+      both += is && said;
+      either += is || said;
     }
   return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
 }

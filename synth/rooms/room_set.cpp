@@ -29,7 +29,10 @@ Rigid3 At(const Vector3d& place, double turn_rad = 0) {
 /// The clay in another material: one colour with grain, nothing painted.
 void Carve(World& world, const Vector3d& color) {
   world.clay.spots.clear();
-  for (Lump& lump : world.clay.lumps) lump.color = color, lump.crisp = false;
+  for (Lump& lump : world.clay.lumps) {
+    lump.color = color;
+    lump.crisp = false;
+  }
   world.clay.ridge_height = 0;
 }
 
@@ -225,8 +228,10 @@ class Furnisher {
     Random random(static_cast<std::uint64_t>(seed) * 31 + 7);
     const double radius = random.Uniform(0.018, 0.028), top = random.Uniform(0, 0.02);
     Lump lump;
-    lump.a = Vector3d(0, 0, 0.92 * radius), lump.b = lump.a + Vector3d(0, 0, top);
-    lump.ra = radius, lump.rb = 0.8 * radius;
+    lump.a = Vector3d(0, 0, 0.92 * radius);
+    lump.b = lump.a + Vector3d(0, 0, top);
+    lump.ra = radius;
+    lump.rb = 0.8 * radius;
     lump.color =
         Vector3d(random.Uniform(0.1, 0.7), random.Uniform(0.1, 0.5), random.Uniform(0.05, 0.5));
     toy.clay.lumps = {lump};

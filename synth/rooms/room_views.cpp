@@ -64,13 +64,16 @@ class Placing {
  private:
   Camera MakeLens(double focal_35mm) {
     Camera camera;
-    camera.width = plan_.width, camera.height = plan_.height;
+    camera.width = plan_.width;
+    camera.height = plan_.height;
     const double size = std::max(plan_.width, plan_.height);
     camera.fx = camera.fy = focal_35mm / 36 * size;
     camera.cx = plan_.width / 2.0 + size * random_.Uniform(-0.006, 0.006);
     camera.cy = plan_.height / 2.0 + size * random_.Uniform(-0.006, 0.006);
-    camera.k1 = random_.Uniform(-0.09, 0.04), camera.k2 = random_.Uniform(-0.02, 0.03);
-    camera.p1 = random_.Uniform(-4e-4, 4e-4), camera.p2 = random_.Uniform(-4e-4, 4e-4);
+    camera.k1 = random_.Uniform(-0.09, 0.04);
+    camera.k2 = random_.Uniform(-0.02, 0.03);
+    camera.p1 = random_.Uniform(-4e-4, 4e-4);
+    camera.p2 = random_.Uniform(-4e-4, 4e-4);
     return camera;
   }
 
@@ -113,7 +116,8 @@ class Placing {
       aim.fill = fill * (1 + Jitter(0.12));
       ByHand(aim, 0.06);
       RoomView room_view;
-      room_view.part = "walk", room_view.gain = 1 + Jitter(0.06);
+      room_view.part = "walk";
+      room_view.gain = 1 + Jitter(0.06);
       Take(aim, room_view, false);
     }
   }
@@ -128,13 +132,15 @@ class Placing {
       aim.fill = fill * (1 + Jitter(0.12));
       ByHand(aim, 0.06);
       RoomView room_view;
-      room_view.part = "walk", room_view.gain = 1 + Jitter(0.06);
+      room_view.part = "walk";
+      room_view.gain = 1 + Jitter(0.06);
       Take(aim, room_view, false);
     }
   }
 
   void ByHand(Aim& aim, double by) {
-    aim.height += Jitter(by), aim.aside += Jitter(by);
+    aim.height += Jitter(by);
+    aim.aside += Jitter(by);
     aim.roll += Jitter(0.06);
   }
 
@@ -157,7 +163,8 @@ class Placing {
         room_view.turn_rad = start + direction * 2 * kPi * (k + Jitter(0.08)) / views;
         room_view.tripod = hand ? -1 : ring;
         if (hand) {
-          now.azimuth += Jitter(0.07), now.elevation += Jitter(0.05);
+          now.azimuth += Jitter(0.07);
+          now.elevation += Jitter(0.05);
           now.fill *= 1 + Jitter(0.06);
           ByHand(now, 0.05);
           room_view.gain = 1 + Jitter(0.05);
@@ -179,9 +186,12 @@ class Placing {
       aim.elevation = random_.Uniform(10, 38) * kDegree;
       aim.fill = random_.Uniform(0.95, 1.35);
       aim.height = i % 2 ? random_.Uniform(0.25, 0.42) : random_.Uniform(0.55, 0.72);
-      aim.aside = Jitter(0.1), aim.roll = Jitter(0.08);
+      aim.aside = Jitter(0.1);
+      aim.roll = Jitter(0.08);
       RoomView room_view;
-      room_view.turn_rad = turn, room_view.part = "close", room_view.gain = 1 + Jitter(0.08);
+      room_view.turn_rad = turn;
+      room_view.part = "close";
+      room_view.gain = 1 + Jitter(0.08);
       room_view.lens = plan_.lenses - 1;
       Take(aim, room_view, !plan_.portrait_first);
     }
@@ -206,10 +216,14 @@ View RoomView::OfFigure() const {
 
 Camera TurnedClockwise(const Camera& camera) {
   Camera turned = camera;
-  turned.width = camera.height, turned.height = camera.width;
-  turned.fx = camera.fy, turned.fy = camera.fx;
-  turned.cx = camera.height - camera.cy, turned.cy = camera.cx;
-  turned.p1 = camera.p2, turned.p2 = -camera.p1;
+  turned.width = camera.height;
+  turned.height = camera.width;
+  turned.fx = camera.fy;
+  turned.fy = camera.fx;
+  turned.cx = camera.height - camera.cy;
+  turned.cy = camera.cx;
+  turned.p1 = camera.p2;
+  turned.p2 = -camera.p1;
   return turned;
 }
 

@@ -73,7 +73,8 @@ PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const
   const auto near =
       std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 1; });
   score.within_one_footprint = static_cast<double>(near) / static_cast<double>(distances.size());
-  score.median = QuantileFloor(distances, 0.5), score.p90 = QuantileFloor(distances, 0.9),
+  score.median = QuantileFloor(distances, 0.5);
+  score.p90 = QuantileFloor(distances, 0.9);
   score.p99 = QuantileFloor(distances, 0.99);
   const Places places = PlacesOn(truth, views);
   const KdTree tree(points);
@@ -85,8 +86,11 @@ PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const
       },
       64);
   double seen = 0, both = 0, all = 0;
-  for (std::size_t i = 0; i < reached.size(); ++i)
-    seen += places.seen[i], all += reached[i], both += places.seen[i] && reached[i];
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    seen += places.seen[i];
+    all += reached[i];
+    both += places.seen[i] && reached[i];
+  }
   score.completeness = all / static_cast<double>(reached.size());
   score.completeness_seen = seen > 0 ? both / seen : 0;
   return score;
@@ -113,9 +117,14 @@ DetailScore ScoreDetail(const Mesh& truth, const PointsX3& smooth, const Mesh& m
   ParallelFor(heights.size(), cast, 64);
   double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (Eigen::Index i = 0; i < heights.size(); ++i)
-    if (std::isfinite(found[i]))
-      n += 1, x += heights[i], y += found[i], xx += heights[i] * heights[i],
-          xy += heights[i] * found[i], yy += found[i] * found[i];
+    if (std::isfinite(found[i])) {
+      n += 1;
+      x += heights[i];
+      y += found[i];
+      xx += heights[i] * heights[i];
+      xy += heights[i] * found[i];
+      yy += found[i] * found[i];
+    }
   if (n < 2) return score;
   const double cxx = xx - x * x / n, cxy = xy - x * y / n, cyy = yy - y * y / n;
   score.places = static_cast<int>(n);
@@ -134,14 +143,16 @@ HullComparison CompareWithHull(const Mesh& truth, const std::vector<View>& views
   double worse = 0;
   for (std::size_t i = 0; i < to_mesh.size(); ++i) {
     if (!places.seen[i]) continue;
-    comparison.mean_m += to_mesh[i], comparison.hull_mean_m += to_hull[i];
+    comparison.mean_m += to_mesh[i];
+    comparison.hull_mean_m += to_hull[i];
     excess.push_back((to_mesh[i] - to_hull[i]) / PixelFootprint(views, places.points.row(i)));
     worse += excess.back() > 1;
   }
   if (excess.empty()) return comparison;
   const double count = static_cast<double>(excess.size());
-  comparison.mean_m /= count, comparison.hull_mean_m /= count,
-      comparison.worse_share = worse / count;
+  comparison.mean_m /= count;
+  comparison.hull_mean_m /= count;
+  comparison.worse_share = worse / count;
   comparison.worst_excess_footprints = QuantileFloor(std::move(excess), 0.999);
   return comparison;
 }

@@ -67,8 +67,10 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
         "synth: only " + std::to_string(count) +
         " of the true cameras are in the model; 3 are needed, so check that both are of one pose");
   PointsX3 a(count, 3), b(count, 3);
-  for (Eigen::Index i = 0; i < count; ++i)
-    a.row(i) = model_centers[i].transpose(), b.row(i) = true_centers[i].transpose();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    a.row(i) = model_centers[i].transpose();
+    b.row(i) = true_centers[i].transpose();
+  }
   CameraScore score;
   score.truth_from_model = FitSimilarity(a, b);
   score.placed = static_cast<int>(count);

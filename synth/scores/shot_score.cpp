@@ -42,8 +42,10 @@ PixelBox BoxOf(const Image8& matte) {
   for (int y = 0; y < matte.height; ++y)
     for (int x = 0; x < matte.width; ++x) {
       if (*matte.at(x, y) < 128) continue;
-      box.x0 = std::min(box.x0, x), box.x1 = std::max(box.x1, x + 1);
-      box.y0 = std::min(box.y0, y), box.y1 = std::max(box.y1, y + 1);
+      box.x0 = std::min(box.x0, x);
+      box.x1 = std::max(box.x1, x + 1);
+      box.y0 = std::min(box.y0, y);
+      box.y1 = std::max(box.y1, y + 1);
     }
   return box;
 }
@@ -56,7 +58,8 @@ double Psnr(const Image8& a, const Image8& b, const PixelBox& box, const Image8*
       if (matte && *matte->at(x, y) < 255) continue;
       for (int c = 0; c < 3; ++c) {
         const double d = static_cast<double>(a.at(x, y)[c]) - b.at(x, y)[c];
-        sum += d * d, ++count;
+        sum += d * d;
+        ++count;
       }
     }
   if (count == 0 || sum == 0) return 99;

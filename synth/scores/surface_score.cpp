@@ -88,8 +88,10 @@ MovingSurfaceScore ScoreMovingSurface(const SurfaceScoreCommand& command) {
   std::vector<double> all;
   for (int i = 0; i < SizeOf(measured); ++i) {
     const double mean = MeanOf(distances[i]);
-    if (mean > score.worst_frame_mean_m)
-      score.worst_frame_mean_m = mean, score.worst_frame = measured[i];
+    if (mean > score.worst_frame_mean_m) {
+      score.worst_frame_mean_m = mean;
+      score.worst_frame = measured[i];
+    }
     all.insert(all.end(), distances[i].begin(), distances[i].end());
   }
   score.mean_m = MeanOf(all);

@@ -122,7 +122,9 @@ void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& t
     for (const Texel& t : texels) {
       const double p = a.at(t.x, t.y)[c], q = b.at(t.x, t.y)[c];
       difference += std::abs(p - q);
-      aa += p * p, ab += p * q, bb += q * q;
+      aa += p * p;
+      ab += p * q;
+      bb += q * q;
     }
     squares += aa - 2 * ab + bb;
     squares_gain += bb > 0 ? aa - ab * ab / bb : aa;  // of a against b times the best-fitting gain

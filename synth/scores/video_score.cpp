@@ -59,7 +59,8 @@ Mesh WithUvs(const VideoScoreCommand& command, const fs::path& first) {
     const Mesh layout = ReadMesh(command.layout);
     if (!SameFaces(layout.faces, mesh.faces))
       throw InputError("synth: the layout has other faces than the frames");
-    mesh.uvs = layout.uvs, mesh.uv_faces = layout.uv_faces;
+    mesh.uvs = layout.uvs;
+    mesh.uv_faces = layout.uv_faces;
   }
   if (!mesh.has_uvs())
     throw InputError("synth: the frames have no texture coordinates; pass --layout");
@@ -91,10 +92,16 @@ Image8 SideBySide(const Image8& film, const Image8& render, const Image8& outlin
   int x0 = film.width, x1 = 0, y0 = film.height, y1 = 0;
   for (int y = 0; y < film.height; ++y)
     for (int x = 0; x < film.width; ++x)
-      if (*outline.at(x, y) > 127)
-        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  x0 = std::max(0, x0 - 12), y0 = std::max(0, y0 - 12);
-  x1 = std::min(film.width - 1, x1 + 12), y1 = std::min(film.height - 1, y1 + 12);
+      if (*outline.at(x, y) > 127) {
+        x0 = std::min(x0, x);
+        x1 = std::max(x1, x);
+        y0 = std::min(y0, y);
+        y1 = std::max(y1, y);
+      }
+  x0 = std::max(0, x0 - 12);
+  y0 = std::max(0, y0 - 12);
+  x1 = std::min(film.width - 1, x1 + 12);
+  y1 = std::min(film.height - 1, y1 + 12);
   Image8 flat(film.width, film.height, 3);
   for (std::size_t i = 0; i < outline.data.size(); ++i)
     for (int c = 0; c < 3; ++c) {
@@ -115,10 +122,14 @@ Image8 SideBySide(const Image8& film, const Image8& render, const Image8& outlin
 }  // namespace
 
 void VideoErrors::Add(const VideoErrors& other) {
-  squares += other.squares, values += other.values;
-  rim_squares += other.rim_squares, rim_values += other.rim_values;
-  halo += other.halo, halo_scale += other.halo_scale;
-  covered += other.covered, inside += other.inside;
+  squares += other.squares;
+  values += other.values;
+  rim_squares += other.rim_squares;
+  rim_values += other.rim_values;
+  halo += other.halo;
+  halo_scale += other.halo_scale;
+  covered += other.covered;
+  inside += other.inside;
 }
 
 VideoErrors ComparePictures(const Image8& film, const Image8& render, const Image8& outline) {
@@ -136,11 +147,16 @@ VideoErrors ComparePictures(const Image8& film, const Image8& render, const Imag
       const bool rim = *core.at(x, y) <= 127, leans = rim && Background(film, outline, x, y, back);
       for (int c = 0; c < 3; ++c) {
         const double truth = film.at(x, y)[c], off = render.at(x, y)[c] - truth;
-        errors.squares += off * off, ++errors.values;
-        if (rim) errors.rim_squares += off * off, ++errors.rim_values;
-        if (leans)
-          errors.halo += off * (back[c] - truth),
-              errors.halo_scale += (back[c] - truth) * (back[c] - truth);
+        errors.squares += off * off;
+        ++errors.values;
+        if (rim) {
+          errors.rim_squares += off * off;
+          ++errors.rim_values;
+        }
+        if (leans) {
+          errors.halo += off * (back[c] - truth);
+          errors.halo_scale += (back[c] - truth) * (back[c] - truth);
+        }
       }
     }
   return errors;
@@ -160,7 +176,8 @@ VideoScore ScoreVideo(const VideoScoreCommand& command) {
     moved.points = ReadMesh(frames[f]).points;
     const Image8 texture = TextureOf(command.textures, f);
     RenderOptions look;
-    look.shading = 0, look.texture = &texture;
+    look.shading = 0;
+    look.texture = &texture;
     const Image8 render = RenderCutout(moved, RayScene(moved.points, moved.faces), view, look);
     const std::string number = fmt::format("{:03}", f);
     const Image8 film =

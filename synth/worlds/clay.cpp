@@ -89,7 +89,10 @@ int Clay::LumpAt(const Vector3d& x) const {
   double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < lumps.size(); ++i) {
     const double d = LumpDistance(lumps[i], x);
-    if (d < distance) distance = d, nearest = static_cast<int>(i);
+    if (d < distance) {
+      distance = d;
+      nearest = static_cast<int>(i);
+    }
   }
   return nearest;
 }

@@ -103,7 +103,10 @@ Mesh WithoutFaces(const Mesh& mesh, const std::vector<char>& removed) {
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3 && !removed[f]; ++k) {
       const int v = mesh.faces(f, k);
-      if (place[v] < 0) place[v] = SizeOf(kept), kept.push_back(v);
+      if (place[v] < 0) {
+        place[v] = SizeOf(kept);
+        kept.push_back(v);
+      }
       corners.push_back(place[v]);
     }
   Mesh rest;

@@ -72,8 +72,10 @@ Quaterniond Posed::Outside(Quaterniond turn) const {
     double deepest = kEnough;
     const ArmPlace* place = nullptr;
     for (const ArmPlace& candidate : arm)
-      if (const double depth = Depth(candidate, turn); depth > deepest)
-        deepest = depth, place = &candidate;
+      if (const double depth = Depth(candidate, turn); depth > deepest) {
+        deepest = depth;
+        place = &candidate;
+      }
     if (!place) break;
     const Vector3d at = Turned(*place, turn);
     const Vector3d axis = (at - shoulder).cross(Outwards(Touched(*place), at));

@@ -41,13 +41,20 @@ Vector2d Goal(const Image8& mask, bool from_left, double height, double share) {
   int x0 = mask.width, x1 = -1, y0 = mask.height, y1 = -1;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (*mask.at(x, y) > 127)
-        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+      if (*mask.at(x, y) > 127) {
+        x0 = std::min(x0, x);
+        x1 = std::max(x1, x);
+        y0 = std::min(y0, y);
+        y1 = std::max(y1, y);
+      }
   if (x1 < 0) return {mask.width / 2.0, mask.height / 2.0};
   const int y = static_cast<int>(y0 + height * (y1 - y0));
   int left = x1, right = x0;
   for (int x = x0; x <= x1; ++x)
-    if (*mask.at(x, y) > 127) left = std::min(left, x), right = std::max(right, x);
+    if (*mask.at(x, y) > 127) {
+      left = std::min(left, x);
+      right = std::max(right, x);
+    }
   const double in = share * (right - left);
   return {from_left ? left + in : right - in, static_cast<double>(y)};
 }

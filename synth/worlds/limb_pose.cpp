@@ -63,9 +63,12 @@ std::optional<std::vector<Deformation>> BendLimb(const Pose& before, const Posab
     bend.origin = pose(joint.spine.back()) - turned * (joint.spine.back() - joint.origin);
     bend.axis = axis;
     bend.hinge = across.normalized();
-    bend.begin = joint.begin, bend.end = joint.end;
+    bend.begin = joint.begin;
+    bend.end = joint.end;
     bend.angle = degrees * joint.most_deg / all * kPi / 180;
-    bend.spine = joint.spine, bend.radius = joint.radius, bend.falloff = joint.falloff;
+    bend.spine = joint.spine;
+    bend.radius = joint.radius;
+    bend.falloff = joint.falloff;
     bends.push_back(bend);
     pose.steps.push_back(bend);
   }

@@ -26,7 +26,8 @@ Vector3d Exit(const Clay& clay, const Vector3d& from, const Vector3d& direction)
   double outside = 0.3, inside = 0;
   for (double t = outside; t > 0; t -= 0.0005)
     if (clay.Distance(from + t * unit) < 0) {
-      inside = t, outside = t + 0.0005;
+      inside = t;
+      outside = t + 0.0005;
       break;
     }
   for (int i = 0; i < 40; ++i) {
@@ -73,7 +74,12 @@ void AddLimb(Sketch* sketch, const Limb& limb, double blend) {
 void AddBall(Clay* clay, const Vector3d& a, double ra, const Vector3d& b, double rb, double blend,
              bool crisp = false) {
   Lump lump;
-  lump.a = a, lump.b = b, lump.ra = ra, lump.rb = rb, lump.blend = blend, lump.crisp = crisp;
+  lump.a = a;
+  lump.b = b;
+  lump.ra = ra;
+  lump.rb = rb;
+  lump.blend = blend;
+  lump.crisp = crisp;
   clay->lumps.push_back(lump);
 }
 
@@ -267,8 +273,10 @@ LimbedShape MakeLimbedShape(const LimbedShapeOptions& options) {
   Random random(Hash(options.seed) + 31);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     for (Limb& limb : sketch.limbs)
-      if (!limb.alone)
-        limb.azimuth = random.Uniform(0, 2 * kPi), limb.share = random.Uniform(0.6, 1);
+      if (!limb.alone) {
+        limb.azimuth = random.Uniform(0, 2 * kPi);
+        limb.share = random.Uniform(0.6, 1);
+      }
     shape.pose = PoseOf(sketch.limbs, options);
     if (StaysApart(rest, shape.pose(rest))) return shape;
   }

@@ -19,7 +19,7 @@ Lying LayDown(const Pose& standing_pose, const PointsX3& standing) {
   rigid.kind = Deformation::Kind::kTwist;
   rigid.axis = Eigen::Vector3d::UnitX();
   rigid.origin = Eigen::Vector3d(0, center[0], center[1]);
-  rigid.begin = -1e6,
+  rigid.begin = -1e6;
   rigid.end = -1e5;  // the whole character lies beyond `end`, so the full angle applies everywhere
   rigid.angle = kQuarter;
   Lying lying{standing_pose, {Eigen::Quaterniond(turn), shift}};

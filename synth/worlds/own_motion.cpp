@@ -10,7 +10,9 @@ namespace {
 
 ClipJoint JointAt(const std::string& name, int parent, const Eigen::Vector3d& offset) {
   ClipJoint joint;
-  joint.name = name, joint.parent = parent, joint.offset = offset;
+  joint.name = name;
+  joint.parent = parent;
+  joint.offset = offset;
   if (!name.empty())
     joint.channels = {BvhChannel::kZrotation, BvhChannel::kYrotation, BvhChannel::kXrotation};
   return joint;

@@ -170,7 +170,8 @@ std::vector<std::pair<int, double>> BoneWeights(const std::vector<Flesh>& lumps,
   for (int j = 0; j < joints; ++j) {
     const double rest = 1 - (least[j] - nearest) / kReach;
     if (rest <= 0) continue;
-    weights.emplace_back(j, rest * rest), sum += rest * rest;
+    weights.emplace_back(j, rest * rest);
+    sum += rest * rest;
   }
   for (auto& weight : weights) weight.second /= sum;
   return weights;
@@ -206,9 +207,10 @@ Performer::Performer(const MotionClip& clip, const PerformerOptions& options)
   FreeArms(lumps, world_from_bind_, &clip_);
   Vector3d low = lumps[0].a, high = lumps[0].a;
   for (const Flesh& lump : lumps)
-    for (const auto& [x, r] : {std::pair{lump.a, lump.ra}, {lump.b, lump.rb}})
-      low = low.cwiseMin((x.array() - r - 0.06).matrix()),
+    for (const auto& [x, r] : {std::pair{lump.a, lump.ra}, {lump.b, lump.rb}}) {
+      low = low.cwiseMin((x.array() - r - 0.06).matrix());
       high = high.cwiseMax((x.array() + r + 0.06).matrix());
+    }
   bind_ = Polygonize([&](const Vector3d& x) { return BodyDistance(lumps, x); }, low, high,
                      options.spacing_m);
   bind_normals_ = VertexNormals(bind_.points, bind_.faces);
@@ -243,7 +245,8 @@ PointsX3 Performer::Points(int frame) const {
   std::vector<Eigen::Matrix<double, 3, 4>> moves(frames.size());
   for (std::size_t j = 0; j < frames.size(); ++j) {
     const Rigid3 move = Compose(frames[j], world_from_bind_[j].Inverse());
-    moves[j].leftCols<3>() = move.rotation.toRotationMatrix(), moves[j].col(3) = move.translation;
+    moves[j].leftCols<3>() = move.rotation.toRotationMatrix();
+    moves[j].col(3) = move.translation;
   }
   const auto seed = static_cast<std::uint32_t>(options_.seed * 131 + 7);
   PointsX3 points(bind_.points.rows(), 3);

@@ -181,11 +181,13 @@ Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Latti
     const double value = f(a + t * (b - a));
     if (std::abs(value) < 1e-7 * lattice.half) break;
     if (value < 0) {
-      low = t, f_low = value;
+      low = t;
+      f_low = value;
       if (stuck < 0) f_high /= 2;
       stuck = -1;
     } else {
-      high = t, f_high = value;
+      high = t;
+      f_high = value;
       if (stuck > 0) f_low /= 2;
       stuck = 1;
     }

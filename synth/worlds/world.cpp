@@ -120,7 +120,10 @@ void Sculptor::Body() {
   Add({0.027, -0.002, 0.015}, 0.018, left_toe, 0.0135, palette_.limb, 0.008);
   Add({-0.028, 0.001, 0.016}, 0.020, right_toe, 0.0155, palette_.limb, 0.008);
   thighs_.lumps.assign(clay_.lumps.end() - 2, clay_.lumps.end());
-  for (Clay* part : {&trunk_, &thighs_}) part->dent_depth = 0, part->flat_base = false;
+  for (Clay* part : {&trunk_, &thighs_}) {
+    part->dent_depth = 0;
+    part->flat_base = false;
+  }
   Name("left_toe", left_toe + Vector3d(0.002, -0.0132, 0));
   Name("right_toe", right_toe + Vector3d(-0.006, -0.0142, 0));
   // Two buttons, the lower one off centre.
@@ -286,12 +289,16 @@ void Sculptor::Spots() {
 Pose Sculptor::HipPose(double turn_degrees, double bend_degrees) const {
   Deformation turn;
   turn.kind = Deformation::Kind::kTwist;
-  turn.origin = right_shoulder_, turn.axis = (elbow_ - right_shoulder_).normalized();
-  turn.begin = 0.014, turn.end = 0.040;
+  turn.origin = right_shoulder_;
+  turn.axis = (elbow_ - right_shoulder_).normalized();
+  turn.begin = 0.014;
+  turn.end = 0.040;
   turn.angle = -turn_degrees * kPi / 180;
   const Vector3d upper_arm = right_shoulder_ + 0.45 * (elbow_ - right_shoulder_),
                  thumb = fist_ + Vector3d(0.008, -0.008, 0.007);
-  turn.spine = {upper_arm, elbow_, fist_, thumb}, turn.radius = 0.016, turn.falloff = 0.008;
+  turn.spine = {upper_arm, elbow_, fist_, thumb};
+  turn.radius = 0.016;
+  turn.falloff = 0.008;
   const Vector3d hanging = Eigen::AngleAxisd(turn.angle, turn.axis) * forearm_axis_,
                  inwards(0.9, 0.35, -0.25);
   Deformation bend = LimbBend(elbow_, hanging, inwards, 0.006, 0.030, bend_degrees, elbow_, 0.016);
@@ -322,7 +329,10 @@ Pose Sculptor::HandOnHip() const {
     const Pose pose = HipPose(turn, low);
     const double fist = fist_gap(trunk_, pose), uneven = std::abs(fist - thumb_gap(trunk_, pose));
     const bool clear = std::min(fist_gap(thighs_, pose), thumb_gap(thighs_, pose)) > kClear;
-    if (clear && fist < 0 && uneven < least) least = uneven, best = pose;
+    if (clear && fist < 0 && uneven < least) {
+      least = uneven;
+      best = pose;
+    }
   }
   return best;
 }
@@ -419,7 +429,10 @@ World MakeWorld(const WorldOptions& options) {
   world.clay = std::move(character.clay);
   world.spacing_m = options.spacing_m;
   if (options.texture == "weak") world.clay.grain = 0.12;
-  if (options.texture == "none") world.clay.grain = 0, world.clay.spots.clear();
+  if (options.texture == "none") {
+    world.clay.grain = 0;
+    world.clay.spots.clear();
+  }
   world.clay.ridge_height = options.print_height_m;
   world.clay.ridge_spacing = options.print_spacing_m;
   world.poses = std::move(character.poses);
