@@ -56,7 +56,7 @@ TEST(ParseJsonCommand, RefusesWhatIsNoCommand) {
   for (const std::string& line :
        {std::string("{"), std::string("[]"), std::string("{}"), std::string(R"({"command": 5})"),
         std::string(R"({"command": "dance"})"), std::string(R"({"command": "again", "ring": "x"})"),
-        std::string(5000, '['), std::string("\xff")})
+        std::string(150, '['), std::string("\xff")})
     EXPECT_THROW(ParseJsonCommand(line), InputError) << line.substr(0, 40);
 }
 

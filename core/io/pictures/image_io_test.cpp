@@ -16,8 +16,7 @@ namespace keypose::image_io_test {
 
 /// A HEIC photograph of 128 x 80 pixels as it was taken, with a red upper left quarter. Like a
 /// phone, it stores its orientation twice: in the container (irot), which decoders apply, and in
-/// EXIF. (The library's writer reads beyond the end of rows whose size is not a multiple of 16
-/// bytes.)
+/// EXIF. The size is one that the library's HEIC writer can take.
 fs::path PutHeic(const fs::path& path, int orientation) {
   Image8 image(128, 80, 3, 30);
   for (int y = 0; y < 40; ++y)
