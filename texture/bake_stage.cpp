@@ -76,7 +76,10 @@ Photograph Load(const ImageSet& images, int index) {
 struct Mean {
   double sum = 0;
   int count = 0;
-  void Add(double x) { sum += x, ++count; }
+  void Add(double x) {
+    sum += x;
+    ++count;
+  }
   double value() const { return count > 0 ? sum / count : 0; }
 };
 
@@ -102,11 +105,16 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const ViewQuality& q = result.quality[v];
     used += q.used;
-    if (q.held_out)
-      held_out.Add(q.held_out_psnr_db), held_out_gain.Add(q.held_out_psnr_gain_db),
-          held_out_ssim.Add(q.held_out_ssim);
-    if (q.pixels > 0 && !(q.held_out && left_out))
-      psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db), ssim.Add(q.ssim);
+    if (q.held_out) {
+      held_out.Add(q.held_out_psnr_db);
+      held_out_gain.Add(q.held_out_psnr_gain_db);
+      held_out_ssim.Add(q.held_out_ssim);
+    }
+    if (q.pixels > 0 && !(q.held_out && left_out)) {
+      psnr.Add(q.psnr_db);
+      psnr_gain.Add(q.psnr_gain_db);
+      ssim.Add(q.ssim);
+    }
     views.push_back(ViewReport(scene.views[v].name, q, result.gains[v]));
   }
   stage.Report("views_total", SizeOf(scene.views));

@@ -189,7 +189,10 @@ double MiddleOfHalf(std::vector<double> values) {
 void FindOtherLights(std::vector<ViewColors>& colors) {
   std::vector<double> x, y, away;
   for (const ViewColors& c : colors)
-    if (c.places >= kLeastForLight) x.push_back(c.light.x()), y.push_back(c.light.y());
+    if (c.places >= kLeastForLight) {
+      x.push_back(c.light.x());
+      y.push_back(c.light.y());
+    }
   if (x.size() < kLeastViews) return;
   const Vector2d usual(MiddleOfHalf(x), MiddleOfHalf(y));
   for (const ViewColors& c : colors)

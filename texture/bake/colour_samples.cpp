@@ -197,7 +197,10 @@ void ColorSampler::AddColorSample(int view, const Sighting& sighting, double pix
       from.weight() * static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
   // A clipped pixel only gives a lower bound of the brightness: a highlight, or an overexposed
   // photograph.
-  if (fine.color.minCoeff() > 0.9f) sample.weight *= 0.1f, sample.consensus_weight *= 0.3f;
+  if (fine.color.minCoeff() > 0.9f) {
+    sample.weight *= 0.1f;
+    sample.consensus_weight *= 0.3f;
+  }
   sample.quality = static_cast<float>(sample.weight * cosine * cosine);
   sample.trust = sighting.trust;
   if (sample.weight > 0) samples.push_back(sample);

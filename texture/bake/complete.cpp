@@ -108,7 +108,8 @@ Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
   }
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& [a, b] : edges) {
-    diagonal[a] += 1, diagonal[b] += 1;
+    diagonal[a] += 1;
+    diagonal[b] += 1;
     entries.emplace_back(std::max(a, b), std::min(a, b), -1.0);
   }
   for (int v = 0; v < vertex_count; ++v) entries.emplace_back(v, v, diagonal[v]);
@@ -140,7 +141,12 @@ Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) 
 std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
   for (int ring = 0; ring < CompletionTuning::kRings; ++ring) {
     std::vector<float> sum = sure, count(sure.size(), 1);
-    for (const auto& [a, b] : edges) sum[a] += sure[b], sum[b] += sure[a], ++count[a], ++count[b];
+    for (const auto& [a, b] : edges) {
+      sum[a] += sure[b];
+      sum[b] += sure[a];
+      ++count[a];
+      ++count[b];
+    }
     for (std::size_t v = 0; v < sure.size(); ++v) sure[v] = sum[v] / count[v];
   }
   return sure;
@@ -193,7 +199,10 @@ class Filler {
       filling.color += part * ColorOf(givers_[g], texel, w, face);
       filling.sure = std::max(filling.sure, sure);
       sum += part;
-      if (part > most) most = part, filling.giver = g;
+      if (part > most) {
+        most = part;
+        filling.giver = g;
+      }
     }
     if (sum > 0) filling.color /= sum;
     return filling;
@@ -276,7 +285,10 @@ Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
   const std::vector<int> from = Fill(atlas, Filler(mesh, atlas, givers), painting);
   for (std::size_t texel = 0; texel < from.size(); ++texel) {
     if (!atlas.inside[texel]) continue;
-    if (from[texel] >= 0) ++completed.filled_texels, ++completed.taken[givers[from[texel]].index];
+    if (from[texel] >= 0) {
+      ++completed.filled_texels;
+      ++completed.taken[givers[from[texel]].index];
+    }
     completed.own_texels += from[texel] < 0 && own.confidence.data[texel] > 0;
   }
   // Inpainted texels of the own bake are inpainted again.

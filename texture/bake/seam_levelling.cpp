@@ -75,7 +75,10 @@ RingColors MeasureRings(const Mesh& mesh, const std::vector<FaceViews>& faces, c
         rings.area[first[v] + at] += w;
       }
   for (std::size_t i = 0; i < rings.area.size(); ++i)
-    if (rings.area[i] > 0) rings.view[i] /= rings.area[i], rings.mean[i] /= rings.area[i];
+    if (rings.area[i] > 0) {
+      rings.view[i] /= rings.area[i];
+      rings.mean[i] /= rings.area[i];
+    }
   return rings;
 }
 

@@ -204,9 +204,10 @@ inline double PsnrAgainst(
       x += w[k] * mesh.points.row(mesh.faces(atlas.face[texel], k)).transpose();
     if (!where(x)) continue;
     const Vector3f color = truth(x, Vector3d::Zero());
-    for (int k = 0; k < 3; ++k)
-      sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(color[k])), 2),
-          ++count;
+    for (int k = 0; k < 3; ++k) {
+      sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(color[k])), 2);
+      ++count;
+    }
   }
   EXPECT_GT(count, 1000);
   return Psnr(sum, count);
@@ -240,9 +241,10 @@ inline double FootprintPsnrAgainst(const Mesh& mesh, const Image8& texture, cons
         for (int k = 0; k < 3; ++k) point += w[k] * mesh.points.row(mesh.faces(f, k)).transpose();
         mean += truth(point, Vector3d::Zero()) / (kSamples * kSamples);
       }
-      for (int k = 0; k < 3; ++k)
-        sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(mean[k])), 2),
-            ++count;
+      for (int k = 0; k < 3; ++k) {
+        sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(mean[k])), 2);
+        ++count;
+      }
     }
   EXPECT_GT(count, 1000);
   return Psnr(sum, count);

@@ -129,14 +129,17 @@ class Aligner {
   void StartWarp(int v) {
     if (seen_[v].size() < 100) return;
     Vector2d low = seen_[v].front().pixel, high = low;
-    for (const Observation& o : seen_[v])
-      low = low.cwiseMin(o.pixel), high = high.cwiseMax(o.pixel);
+    for (const Observation& o : seen_[v]) {
+      low = low.cwiseMin(o.pixel);
+      high = high.cwiseMax(o.pixel);
+    }
     Warp& warp = warps_[v];
     warp.origin = low;
     warp.spacing = std::max(8.0, (high - low).maxCoeff() / (options_.nodes - 1));
     warp.wide = static_cast<int>(std::ceil((high.x() - low.x()) / warp.spacing)) + 1;
     warp.high = static_cast<int>(std::ceil((high.y() - low.y()) / warp.spacing)) + 1;
-    warp.wide = std::max(warp.wide, 2), warp.high = std::max(warp.high, 2);
+    warp.wide = std::max(warp.wide, 2);
+    warp.high = std::max(warp.high, 2);
     warp.nodes.assign(static_cast<std::size_t>(warp.wide) * warp.high, Vector2d::Zero());
   }
 
