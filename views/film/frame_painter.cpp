@@ -132,8 +132,10 @@ FramePainter::FramePainter(const FilmScene& scene, int frame, const Ground* grou
   if (blends) s.blended = Blended(scene.textures, scene.blend[frame]);
   if (textured)
     s.look.texture = own || blends ? &s.blended : &scene.textures[0];
-  else
-    s.look.plain = s.mesh.colors.rows() == 0, s.look.shading = 1;
+  else {
+    s.look.plain = s.mesh.colors.rows() == 0;
+    s.look.shading = 1;
+  }
   if (!ground) return;
   s.ground = *ground;
   s.shadow = std::make_unique<GroundShadow>(s.rays, s.ground);

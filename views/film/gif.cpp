@@ -122,7 +122,10 @@ struct GifWriter::State {
     return std::llround(100 * static_cast<double>(number) / fps);
   }
   void CheckSize(const Image8& picture) {
-    if (count == 0) width = picture.width, height = picture.height;
+    if (count == 0) {
+      width = picture.width;
+      height = picture.height;
+    }
     if (picture.empty() || picture.width != width || picture.height != height)
       throw InputError("film: a picture of the GIF has " + std::to_string(picture.width) + " x " +
                        std::to_string(picture.height) + " pixels, the first had " +

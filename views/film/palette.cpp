@@ -42,7 +42,10 @@ ColorBox Measured(const std::vector<Weighted>& colors, int begin, int end) {
     for (int i = begin; i < end; ++i)
       error += colors[i].count * std::pow(colors[i].color[axis] - box.mean[axis], 2);
     error *= kWeights[axis];
-    if (error > box.error) box.error = error, box.axis = axis;
+    if (error > box.error) {
+      box.error = error;
+      box.axis = axis;
+    }
   }
   return box;
 }
@@ -83,7 +86,10 @@ void KMeansRound(const std::vector<Weighted>& colors, std::vector<std::array<dou
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < centers.size(); ++c) {
       const double distance = SquaredDistance(one.color, centers[c]);
-      if (distance < least) least = distance, nearest = c;
+      if (distance < least) {
+        least = distance;
+        nearest = c;
+      }
     }
     sums[nearest].count += one.count;
     for (int k = 0; k < 3; ++k) sums[nearest].color[k] += one.count * one.color[k];
@@ -105,7 +111,10 @@ Color MostFrequent(const Image8& picture) {
   for (auto at = colors.begin(); at != colors.end();) {
     const auto end = std::upper_bound(at, colors.end(), *at);
     const auto count = static_cast<std::size_t>(end - at);
-    if (count > most) most = count, best = *at;
+    if (count > most) {
+      most = count;
+      best = *at;
+    }
     at = end;
   }
   const auto byte = [&](int shift) { return static_cast<std::uint8_t>(best >> shift & 255); };
@@ -162,7 +171,10 @@ int Palette::Nearest(const std::array<int, 3>& color) const {
       const int way = color[k] - colors[i][k];
       sum += static_cast<int>(kWeights[k]) * way * way;
     }
-    if (sum < least) least = sum, best = i;
+    if (sum < least) {
+      least = sum;
+      best = i;
+    }
   }
   return best;
 }

@@ -88,7 +88,8 @@ DepthBounds HullDepthBounds(const VisualHull& hull, const PreparedView& view) {
       if (entry <= 0) continue;
       const float jump = static_cast<float>(10 * hull.cell) * entry * entry;
       const Eigen::Vector2f slope = Slope(entries.nearest, x, y, jump);
-      bounds.slope.at(x, y)[0] = slope.x(), bounds.slope.at(x, y)[1] = slope.y();
+      bounds.slope.at(x, y)[0] = slope.x();
+      bounds.slope.at(x, y)[1] = slope.y();
     }
   return bounds;
 }

@@ -46,12 +46,14 @@ class RowEnvelope {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     int k = 0;
     parabola_[0] = first;
-    boundary_[0] = -kInfinity, boundary_[1] = kInfinity;
+    boundary_[0] = -kInfinity;
+    boundary_[1] = kInfinity;
     for (int q = first + 1; q < end; ++q) {
       float s = Crossing(parabola_[k], q);
       while (s <= boundary_[k] && k > 0) s = Crossing(parabola_[--k], q);
       parabola_[++k] = q;
-      boundary_[k] = s, boundary_[k + 1] = kInfinity;
+      boundary_[k] = s;
+      boundary_[k + 1] = kInfinity;
     }
     k = 0;
     for (int q = first; q < end; ++q) {
@@ -99,10 +101,14 @@ std::vector<float> DistanceAcross(const std::vector<char>& inside, int width, in
 // the crop's side touches the photograph's side.
 std::array<bool, 4> MaskEdges(const GreyMask& grey) {
   std::array<bool, 4> edges{};
-  for (int y = 0; y < grey.height; ++y)
-    edges[0] |= InMask(*grey.at(0, y)), edges[1] |= InMask(*grey.at(grey.width - 1, y));
-  for (int x = 0; x < grey.width; ++x)
-    edges[2] |= InMask(*grey.at(x, 0)), edges[3] |= InMask(*grey.at(x, grey.height - 1));
+  for (int y = 0; y < grey.height; ++y) {
+    edges[0] |= InMask(*grey.at(0, y));
+    edges[1] |= InMask(*grey.at(grey.width - 1, y));
+  }
+  for (int x = 0; x < grey.width; ++x) {
+    edges[2] |= InMask(*grey.at(x, 0));
+    edges[3] |= InMask(*grey.at(x, grey.height - 1));
+  }
   return edges;
 }
 
@@ -111,7 +117,8 @@ std::array<bool, 4> MaskEdges(const GreyMask& grey) {
 MaskField MakeMaskField(const PreparedView& view, int level) {
   const PreparedView::Level& source = view.levels[level];
   MaskField field;
-  field.width = source.camera.width, field.height = source.camera.height;
+  field.width = source.camera.width;
+  field.height = source.camera.height;
   field.focal = source.camera.fx;
   field.edges = MaskEdges(view.levels[0].grey);
   Eigen::Matrix<double, 3, 4> motion;

@@ -84,7 +84,9 @@ class Carver {
   // Fills a cube of n^3 voxels, n a power of two.
   VisualHull Carve(const Eigen::Vector3d& low, double side, int n) const {
     VisualHull hull;
-    hull.origin = low, hull.cell = side / n, hull.size = Eigen::Vector3i::Constant(n);
+    hull.origin = low;
+    hull.cell = side / n;
+    hull.size = Eigen::Vector3i::Constant(n);
     hull.inside.assign(static_cast<std::size_t>(n) * n * n, 0);
     const int blocks = std::min(n, 8), step = n / blocks;
     ParallelFor(static_cast<std::int64_t>(blocks) * blocks * blocks, [&](std::int64_t i) {
@@ -208,7 +210,8 @@ VisualHull Cropped(const VisualHull& hull, const Bounds& bounds) {
 // The part of the ray within the grid's box.
 bool ClipToGrid(const VisualHull& hull, const Eigen::Vector3d& from,
                 const Eigen::Vector3d& direction, double* begin, double* end) {
-  *begin = 0, *end = std::numeric_limits<double>::infinity();
+  *begin = 0;
+  *end = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const double low = hull.origin[k], high = hull.origin[k] + hull.cell * hull.size[k];
     if (std::abs(direction[k]) < 1e-300) {

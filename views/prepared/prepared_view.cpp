@@ -54,8 +54,12 @@ Camera ScaledCamera(const Camera& camera, int width, int height) {
   Camera scaled = camera;
   const double sx = static_cast<double>(width) / camera.width,
                sy = static_cast<double>(height) / camera.height;
-  scaled.width = width, scaled.height = height;
-  scaled.fx *= sx, scaled.cx *= sx, scaled.fy *= sy, scaled.cy *= sy;
+  scaled.width = width;
+  scaled.height = height;
+  scaled.fx *= sx;
+  scaled.cx *= sx;
+  scaled.fy *= sy;
+  scaled.cy *= sy;
   return scaled;
 }
 
@@ -96,8 +100,10 @@ Box MaskBox(const Image8& mask) {
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
       if (*mask.at(x, y)) {
-        box.x0 = std::min(box.x0, x), box.x1 = std::max(box.x1, x);
-        box.y0 = std::min(box.y0, y), box.y1 = std::max(box.y1, y);
+        box.x0 = std::min(box.x0, x);
+        box.x1 = std::max(box.x1, x);
+        box.y0 = std::min(box.y0, y);
+        box.y1 = std::max(box.y1, y);
       }
   if (box.empty()) return box;
   return {std::max(0, box.x0 - kMargin), std::max(0, box.y0 - kMargin),
@@ -158,8 +164,10 @@ PreparedView::Level WithoutShading(const PreparedView::Level& level) {
   const GreyMask& grey = level.grey;
   ImageF a(grey.width, grey.height, 2), b = a;
   for (std::size_t i = 0; i < grey.data.size(); ++i)
-    if (InMask(grey.data[i]))
-      a.data[2 * i] = static_cast<float>(grey.data[i]) * kGreyScale, a.data[2 * i + 1] = 1;
+    if (InMask(grey.data[i])) {
+      a.data[2 * i] = static_cast<float>(grey.data[i]) * kGreyScale;
+      a.data[2 * i + 1] = 1;
+    }
   for (int round = 0; round < kRounds; ++round) {
     for (int y = 0; y < grey.height; ++y)
       BoxBlur(a.at(0, y), grey.width, 2, 2, kRadius, b.at(0, y));

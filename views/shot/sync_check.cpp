@@ -68,7 +68,8 @@ void RequireSameGaps(const std::vector<ShotCamera>& cameras) {
     const std::vector<long> steps = StepsOf(camera.pictures);
     if (steps.empty()) continue;
     if (!first) {
-      first = &camera, expected = steps;
+      first = &camera;
+      expected = steps;
       continue;
     }
     const auto [a, b] = std::mismatch(

@@ -152,7 +152,8 @@ void SyncedFilms::CheckSizes(StageContext& stage) {
 
 FilmedPictures SyncedFilms::Read(int frame, bool pictures) {
   FilmedPictures read;
-  read.pictures.resize(films_.size()), read.masks.resize(films_.size());
+  read.pictures.resize(films_.size());
+  read.masks.resize(films_.size());
   ParallelFor(SizeOf(films_), [&](std::int64_t v) {
     CameraFilm& film = films_[v];
     const int at = frame + film.offset;

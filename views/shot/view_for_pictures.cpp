@@ -25,9 +25,12 @@ std::string Text(const Size& size) { return fmt::format("{} x {}", size.width, s
 Camera Moved(const Camera& camera, const Eigen::Array2d& scale, const Eigen::Array2d& shift,
              const Size& size) {
   Camera moved = camera;
-  moved.width = size.width, moved.height = size.height;
-  moved.fx *= scale.x(), moved.cx = camera.cx * scale.x() + shift.x();
-  moved.fy *= scale.y(), moved.cy = camera.cy * scale.y() + shift.y();
+  moved.width = size.width;
+  moved.height = size.height;
+  moved.fx *= scale.x();
+  moved.cx = camera.cx * scale.x() + shift.x();
+  moved.fy *= scale.y();
+  moved.cy = camera.cy * scale.y() + shift.y();
   return moved;
 }
 
@@ -47,7 +50,8 @@ std::optional<Answer> Scaled(const Question& q) {
   const double factor = static_cast<double>(q.film.width) / q.camera.width;
   if (std::abs(q.camera.height * factor - q.film.height) > 1) return {};
   Answer answer{q.camera.Scaled(factor), {}};
-  answer.camera.width = q.film.width, answer.camera.height = q.film.height;
+  answer.camera.width = q.film.width;
+  answer.camera.height = q.film.height;
   if (factor != 1)
     answer.note = fmt::format("has {} pixels, its calibration {}: scaled by {:.4g}", Text(q.film),
                               Text({q.camera.width, q.camera.height}), factor);
@@ -174,7 +178,8 @@ AdjustedView ViewForPictures(const View& calibrated, const Image8& picture,
   const Size film{picture.width, picture.height};
   AdjustedView filmed{calibrated, {}};
   if (calibrated.camera.width == 0 || calibrated.camera.height == 0) {
-    filmed.view.camera.width = film.width, filmed.view.camera.height = film.height;
+    filmed.view.camera.width = film.width;
+    filmed.view.camera.height = film.height;
     return filmed;
   }
   std::optional<Answer> answer = AnswerFor({calibrated.camera, film, picture});

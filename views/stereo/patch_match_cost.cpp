@@ -20,7 +20,8 @@ PatchOffsets MakeOffsets() {
   for (int y = -kPatchRadius; y <= kPatchRadius; y += 2)
     for (int x = -kPatchRadius; x <= kPatchRadius; x += 2) {
       if (std::abs(x) == kPatchRadius && std::abs(y) == kPatchRadius) continue;
-      offsets.dx[k] = static_cast<float>(x), offsets.dy[k] = static_cast<float>(y);
+      offsets.dx[k] = static_cast<float>(x);
+      offsets.dy[k] = static_cast<float>(y);
       ++k;
     }
   return offsets;
@@ -79,8 +80,12 @@ float ScalarCostOf(const RefPatch& patch, const SampleImage& source, const WarpL
                 next = Low(entry[1]) * (1 - fy) + High(entry[1]) * fy;
     const float s = (left + (next - left) * fx) * kGreyScale;
     const float w = patch.weight[k], wr = patch.weighted_value[k];
-    sums.w += w, sums.r += wr, sums.rr += wr * patch.value[k];
-    sums.s += w * s, sums.ss += w * s * s, sums.rs += wr * s;
+    sums.w += w;
+    sums.r += wr;
+    sums.rr += wr * patch.value[k];
+    sums.s += w * s;
+    sums.ss += w * s * s;
+    sums.rs += wr * s;
   }
   return CostOfSums(sums, patch.noise_variance);
 }
@@ -127,8 +132,10 @@ BilateralTable::BilateralTable(float color_scale) {
 
 void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table,
                   float noise_variance, RefPatch* patch, Window window) {
-  alignas(16) std::array<std::uint16_t, kPatchSamples> pixels;
-  alignas(16) std::array<float, kPatchSamples> similarity;
+  alignas(16) std::array < std::uint16_t;
+  kPatchSamples > pixels;
+  alignas(16) std::array < float;
+  kPatchSamples > similarity;
   const SampleTable& samples = TableOf(window);
   const int *dx = samples.dx.data(), *dy = samples.dy.data();
   const float* spatial = samples.weight.data();
@@ -158,16 +165,19 @@ void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& tab
                             static_cast<float>(pixels[k + 2]), static_cast<float>(pixels[k + 3])} *
                        kGreyScale;
     const Four weight = Load(spatial + k) * Load(similarity.data() + k);
-    Store(value, patch->value + k), Store(weight, patch->weight + k);
-    weights += weight, sums += weight * value;
+    Store(value, patch->value + k);
+    Store(weight, patch->weight + k);
+    weights += weight;
+    sums += weight * value;
   }
   const float weight_sum = Total(weights), inverse = weight_sum > 0 ? 1 / weight_sum : 0,
               mean = Total(sums) * inverse;
   for (int k = 0; k < kPatchSamples; k += 4) {
     const Four weight = Load(patch->weight + k) * inverse, value = Load(patch->value + k) - mean,
                weighted = weight * value;
-    Store(weight, patch->weight + k), Store(value, patch->value + k),
-        Store(weighted, patch->weighted_value + k);
+    Store(weight, patch->weight + k);
+    Store(value, patch->value + k);
+    Store(weighted, patch->weighted_value + k);
     squares += weighted * value;
   }
   patch->variance = Total(squares);

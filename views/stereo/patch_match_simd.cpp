@@ -79,11 +79,11 @@ KEYPOSE_AVX2 inline __attribute__((always_inline)) void Avx2Half(const RefPatch&
     y = _mm256_max_ps(_mm256_min_ps(_mm256_fmadd_ps(y, r, _mm256_set1_ps(warps.y[lane])), bottom),
                       zero);
     const __m256i x0 = _mm256_cvttps_epi32(x), y0 = _mm256_cvttps_epi32(y);
-    fx[v] = _mm256_sub_ps(x, _mm256_cvtepi32_ps(x0)),
+    fx[v] = _mm256_sub_ps(x, _mm256_cvtepi32_ps(x0));
     fy[v] = _mm256_sub_ps(y, _mm256_cvtepi32_ps(y0));
     const __m256i index =
         _mm256_add_epi32(_mm256_mullo_epi32(y0, _mm256_set1_epi32(image.width)), x0);
-    first[v] = Pairs(image, _mm256_castsi256_si128(index)),
+    first[v] = Pairs(image, _mm256_castsi256_si128(index));
     second[v] = Pairs(image, _mm256_extracti128_si256(index, 1));
   }
   KEYPOSE_EACH(v, 2) {
@@ -102,7 +102,8 @@ KEYPOSE_AVX2 inline __attribute__((always_inline)) void Avx2Half(const RefPatch&
                  n = _mm256_cvtepi32_ps(_mm256_madd_epi16(next, weights));
     const __m256 s = _mm256_and_ps(used, _mm256_fmadd_ps(_mm256_sub_ps(n, l), fx[v], l));
     const __m256 ws = _mm256_mul_ps(_mm256_load_ps(patch.weight + 16 * half + 8 * v), s);
-    sums->s = _mm256_add_ps(sums->s, ws), sums->ss = _mm256_fmadd_ps(ws, s, sums->ss);
+    sums->s = _mm256_add_ps(sums->s, ws);
+    sums->ss = _mm256_fmadd_ps(ws, s, sums->ss);
     sums->rs =
         _mm256_fmadd_ps(_mm256_load_ps(patch.weighted_value + 16 * half + 8 * v), s, sums->rs);
   }
@@ -125,7 +126,8 @@ KEYPOSE_AVX2 __attribute__((noinline)) float PartialCost(const RefPatch& patch, 
     const __m256 mask = _mm256_castsi256_ps(_mm256_cmpeq_epi32(lane, bits));
     const __m256 wr = _mm256_and_ps(_mm256_load_ps(patch.weighted_value + 8 * v), mask);
     w = _mm256_add_ps(w, _mm256_and_ps(_mm256_load_ps(patch.weight + 8 * v), mask));
-    r = _mm256_add_ps(r, wr), rr = _mm256_fmadd_ps(wr, _mm256_load_ps(patch.value + 8 * v), rr);
+    r = _mm256_add_ps(r, wr);
+    rr = _mm256_fmadd_ps(wr, _mm256_load_ps(patch.value + 8 * v), rr);
   }
   const __m128 kept = Totals(w, r, rr);
   const PatchSums sums{kept[0],
@@ -200,16 +202,17 @@ KEYPOSE_AVX512 inline __attribute__((always_inline)) void Avx512Windows(
                       _mm512_set1_ps(static_cast<float>(image.width - 1)));
     y = _mm512_min_ps(_mm512_fmadd_ps(y, r, _mm512_set1_ps(warps.y[lane])),
                       _mm512_set1_ps(static_cast<float>(image.height - 1)));
-    x = _mm512_max_ps(x, zero), y = _mm512_max_ps(y, zero);
+    x = _mm512_max_ps(x, zero);
+    y = _mm512_max_ps(y, zero);
     const __m512i x0 = _mm512_cvttps_epi32(x), y0 = _mm512_cvttps_epi32(y);
-    fx[v] = _mm512_sub_ps(x, _mm512_cvtepi32_ps(x0)),
+    fx[v] = _mm512_sub_ps(x, _mm512_cvtepi32_ps(x0));
     fy[v] = _mm512_sub_ps(y, _mm512_cvtepi32_ps(y0));
     index[v] = _mm512_add_epi32(_mm512_mullo_epi32(y0, _mm512_set1_epi32(image.width)), x0);
   }
   KEYPOSE_EACH(v, kVectors) {
     alignas(64) int at[16];
     _mm512_store_si512(at, index[v]);
-    first[v] = EightPairs(*sources[k + v / 2], at),
+    first[v] = EightPairs(*sources[k + v / 2], at);
     second[v] = EightPairs(*sources[k + v / 2], at + 8);
   }
   const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);

@@ -81,12 +81,14 @@ class Sweeper {
     for (int lane = 0; lane < kLanes; ++lane) {
       const int k = lanes.ids[lane < lanes.count ? lane : 0];
       lanes.ids[lane] = k;
-      lanes.to.Set(lane, to_source_[k]), lanes.from.Set(lane, from_source_[k]);
+      lanes.to.Set(lane, to_source_[k]);
+      lanes.from.Set(lane, from_source_[k]);
       lanes.images[lane] = in_.samples[k];
       if (!geometric_) continue;
       const DepthImage& depths = *in_.source_inverse_depths[k];
-      lanes.depths[lane] = &depths, lanes.depth_stride[lane] = depths.width;
-      lanes.depth_width[lane] = static_cast<float>(depths.width),
+      lanes.depths[lane] = &depths;
+      lanes.depth_stride[lane] = depths.width;
+      lanes.depth_width[lane] = static_cast<float>(depths.width);
       lanes.depth_height[lane] = static_cast<float>(depths.height);
     }
     return lanes;
@@ -138,9 +140,9 @@ class Sweeper {
 
   void Prepare(int x, int y) {
     ChooseWindow(x, y);
-    x_ = static_cast<float>(x) + WindowMiddle(window_),
+    x_ = static_cast<float>(x) + WindowMiddle(window_);
     y_ = static_cast<float>(y) + WindowMiddle(window_);
-    ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx),
+    ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx);
     ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
     ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
     bounds_ = BoundsAt(x, y);
@@ -153,7 +155,8 @@ class Sweeper {
   // own depth.
   Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
     Lanes sx, sy, w{};
-    std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
+    std::memcpy(&sx, warps.x, sizeof sx);
+    std::memcpy(&sy, warps.y, sizeof sy);
     const Lanes x = sx - 0.5f, y = sy - 0.5f;  // half a pixel on, without the border
     const LaneInts inside =
         (x >= 0.0f) & (y >= 0.0f) & (x < lanes.depth_width) & (y < lanes.depth_height);
@@ -163,7 +166,8 @@ class Sweeper {
     for (int lane = 0; lane < kLanes; ++lane)
       w[lane] = lanes.depths[lane]->At(static_cast<std::size_t>(at[lane]));
     w = inside ? w : Lanes{};
-    sx -= 1.0f, sy -= 1.0f;
+    sx -= 1.0f;
+    sy -= 1.0f;
     const TransferLanes& t = lanes.from;
     const Lanes inverse = 1.0f / (t.x[2] * sx + t.y[2] * sy + t.one[2] + t.depth[2] * w);
     const Lanes dx = (t.x[0] * sx + t.y[0] * sy + t.one[0] + t.depth[0] * w) * inverse - x_;
@@ -230,9 +234,12 @@ class Sweeper {
     for (int h = 0; h < kept; ++h) {
       if (trials_[h].sum >= *cost || trials_[h].pair > pair_ + kPairMargin) continue;
       FinishTrial(&trials_[h]);
-      if (trials_[h].sum < *cost)
-        *plane = trials_[h].plane, *cost = trials_[h].sum, pair_ = trials_[h].pair,
+      if (trials_[h].sum < *cost) {
+        *plane = trials_[h].plane;
+        *cost = trials_[h].sum;
+        pair_ = trials_[h].pair;
         extra_ = trials_[h].extra;
+      }
     }
   }
 
@@ -333,7 +340,12 @@ class Sweeper {
       sum += matrix_[h][chosen_.ids[k]] * scale;
       if (k < 2) pair = sum;
     }
-    if (sum < *cost) *plane = candidate_[h], *cost = sum, pair_ = pair, extra_ = extra;
+    if (sum < *cost) {
+      *plane = candidate_[h];
+      *cost = sum;
+      pair_ = pair;
+      extra_ = extra;
+    }
   }
 
   // The present plane's window costs are known from the pass before; its geometric costs may have
@@ -346,7 +358,8 @@ class Sweeper {
         extra_ += geometric[k] / static_cast<float>(chosen_.count);
     }
     const PlaneMap::Match match = map_.MatchOf(index);
-    *cost = match.all + extra_, pair_ = match.pair + extra_;
+    *cost = match.all + extra_;
+    pair_ = match.pair + extra_;
   }
 
   void Visit(int x, int y) {
@@ -356,7 +369,8 @@ class Sweeper {
     CollectCandidates(x, y);
     PlaneHypothesis plane = present_;
     float cost = kInfinite;
-    pair_ = kInfinite, extra_ = 0;
+    pair_ = kInfinite;
+    extra_ = 0;
     if (set_.select_sources) {
       SelectSources(index);
       Choose(map_.Sources(index));
@@ -374,7 +388,8 @@ class Sweeper {
       Contest(trials, &plane, &cost);
     }
     Refine(x, y, &plane, &cost);
-    map_.SetPlane(index, plane), map_.SetCost(index, cost);
+    map_.SetPlane(index, plane);
+    map_.SetCost(index, cost);
     if (set_.parabola)
       map_.SetExpectedError(index, ExpectedError(plane));
     else
@@ -383,7 +398,10 @@ class Sweeper {
 
   static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane,
                      float* cost) {
-    if (candidate_cost < *cost) *plane = candidate, *cost = candidate_cost;
+    if (candidate_cost < *cost) {
+      *plane = candidate;
+      *cost = candidate_cost;
+    }
   }
 
   void Refine(int x, int y, PlaneHypothesis* plane, float* cost) {
@@ -394,9 +412,10 @@ class Sweeper {
     const float focal = static_cast<float>(camera_.fx);
     int trials = 0;
     for (int trial = 0; trial < set_.refinements; ++trial) {
-      if (trial == 2)
-        Contest(trials, plane, cost),
-            trials = 0;  // the third change starts from the better of the first two
+      if (trial == 2) {
+        Contest(trials, plane, cost);
+        trials = 0;
+      }  // the third change starts from the better of the first two
       PlaneHypothesis candidate = *plane;
       const int kind = (trial + (set_.parabola ? 1 : 0)) %
                        4;  // 0 depth, unless the parabola finds it; 1 tilt; 2 both; 3 random plane
@@ -426,12 +445,14 @@ class Sweeper {
   void Settle(PlaneHypothesis* plane, float* cost) {
     const float step = 0.25f / px_per_inverse_depth_, here = *cost;
     trials_[0].plane = trials_[1].plane = *plane;
-    trials_[0].plane.inverse_depth += step, trials_[1].plane.inverse_depth -= step;
+    trials_[0].plane.inverse_depth += step;
+    trials_[1].plane.inverse_depth -= step;
     StartTrials(2, kInfinite);
-    FinishTrial(&trials_[0]), FinishTrial(&trials_[1]);
+    FinishTrial(&trials_[0]);
+    FinishTrial(&trials_[1]);
     const float nearer = trials_[0].sum, farther = trials_[1].sum,
                 bend = nearer + farther - 2 * here;
-    window_cost_ = here - extra_,
+    window_cost_ = here - extra_;
     window_bend_ = bend - (trials_[0].extra + trials_[1].extra - 2 * extra_);
     const PlaneHypothesis center = *plane;
     for (int h = 0; h < 2; ++h)

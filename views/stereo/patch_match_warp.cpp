@@ -20,7 +20,9 @@ Transfer MakeTransfer(const PreparedView& from, const PreparedView& to, int leve
 
 void TransferLanes::Set(int lane, const Transfer& transfer) {
   for (int i = 0; i < 3; ++i) {
-    x[i][lane] = transfer.a(i, 0), y[i][lane] = transfer.a(i, 1), one[i][lane] = transfer.a(i, 2);
+    x[i][lane] = transfer.a(i, 0);
+    y[i][lane] = transfer.a(i, 1);
+    one[i][lane] = transfer.a(i, 2);
     depth[i][lane] = transfer.b[i];
   }
 }
@@ -41,11 +43,14 @@ WarpLanes WarpsOf(const TransferLanes& t, const PixelLanes& pixel, const PlaneHy
   const Lanes outside = Lanes{} + kFarOutside, none = Lanes{};
   WarpLanes out;
   auto store = [](const Lanes& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); };
-  store(good ? x + 1.0f : outside, out.x),
-      store(good ? y + 1.0f : outside, out.y);  // the border of SampleImage
-  store((hx[0] - x * hx[2]) * inverse, out.ax), store((hy[0] - x * hy[2]) * inverse, out.bx);
-  store((hx[1] - y * hx[2]) * inverse, out.ay), store((hy[1] - y * hy[2]) * inverse, out.by);
-  store(good ? ex : none, out.ex), store(good ? ey : none, out.ey);
+  store(good ? x + 1.0f : outside, out.x);
+  store(good ? y + 1.0f : outside, out.y);  // the border of SampleImage
+  store((hx[0] - x * hx[2]) * inverse, out.ax);
+  store((hy[0] - x * hy[2]) * inverse, out.bx);
+  store((hx[1] - y * hx[2]) * inverse, out.ay);
+  store((hy[1] - y * hy[2]) * inverse, out.by);
+  store(good ? ex : none, out.ex);
+  store(good ? ey : none, out.ey);
   return out;
 }
 

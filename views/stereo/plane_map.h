@@ -33,8 +33,11 @@ class PlaneMap {
         unit_(static_cast<float>(1 / (kTiltSteps * camera.fx))),
         inverse_unit_(1 / unit_) {
     const std::size_t count = static_cast<std::size_t>(width) * height;
-    planes_.assign(count, {}), costs_.assign(count, kNoCost), match_.assign(count, {});
-    first_sources_.assign(count, 0), more_sources_.assign(source_count > 8 ? count : 0, 0);
+    planes_.assign(count, {});
+    costs_.assign(count, kNoCost);
+    match_.assign(count, {});
+    first_sources_.assign(count, 0);
+    more_sources_.assign(source_count > 8 ? count : 0, 0);
     many_sources_ = source_count > 8;
   }
 
@@ -84,17 +87,24 @@ class PlaneMap {
         present_[pixel / 64] |= std::uint64_t{1} << (pixel % 64);
     before_.clear();
     std::uint32_t count = 0;
-    for (const std::uint64_t bits : present_)
-      before_.push_back(count), count += static_cast<std::uint32_t>(std::popcount(bits));
-    Keep(count, &planes_), Keep(count, &costs_), Keep(count, &first_sources_);
+    for (const std::uint64_t bits : present_) {
+      before_.push_back(count);
+      count += static_cast<std::uint32_t>(std::popcount(bits));
+    }
+    Keep(count, &planes_);
+    Keep(count, &costs_);
+    Keep(count, &first_sources_);
     if (!match_.empty()) Keep(count, &match_);
     if (many_sources_) Keep(count, &more_sources_);
   }
   void Unpack() {
-    Spread({}, &planes_), Spread(kNoCost, &costs_), Spread({}, &first_sources_);
+    Spread({}, &planes_);
+    Spread(kNoCost, &costs_);
+    Spread({}, &first_sources_);
     if (!match_.empty()) Spread({}, &match_);
     if (many_sources_) Spread({}, &more_sources_);
-    present_.clear(), before_.clear();
+    present_.clear();
+    before_.clear();
   }
   bool packed() const { return !present_.empty(); }
   /// Place of a pixel's plane, whether packed or not; kNone when it has none.

@@ -27,7 +27,10 @@ double PixelsPerInverseDepth(const SweepInputs& inputs) {
   double w = 0;
   std::int64_t n = 0;
   for (std::size_t i = 0; i < b.nearest.data.size(); ++i)
-    if (b.nearest.data[i] > 0) w += 0.5 * (b.nearest.data[i] + b.farthest.data[i]), ++n;
+    if (b.nearest.data[i] > 0) {
+      w += 0.5 * (b.nearest.data[i] + b.farthest.data[i]);
+      ++n;
+    }
   if (n == 0 || inputs.sources.empty()) return 1;
   w /= static_cast<double>(n);
   const Pinhole& camera = inputs.reference->camera(inputs.level);
