@@ -157,9 +157,8 @@ class FlagVisitor final : public OptionVisitor {
     const bool is_common = std::find(common_.begin(), common_.end(), name) != common_.end();
     if (is_common != add_common_) return nullptr;
     ++added_;
-    const char* group = common_.empty() ? "Options"
-                        : is_common     ? "Common options"
-                                        : "Further options";
+    const char* group = is_common ? "Common options" : "Further options";
+    if (common_.empty()) group = "Options";
     return app_.add_option(fmt::format("--{}", name), value, help)
         ->capture_default_str()
         ->group(group);
@@ -280,8 +279,10 @@ class CommandLine {
   /// @return whether the command line asks for something other than a run
   bool TakeAction(Arguments& arguments) {
     for (const BoundAction& action : actions_)
-      if (app_.count("--" + action.name))
-        arguments.action = &action, arguments.action_file = action_files_[action.name];
+      if (app_.count("--" + action.name)) {
+        arguments.action = &action;
+        arguments.action_file = action_files_[action.name];
+      }
     if (!arguments.action) return false;
     for (const auto& [port, given] : paths_)
       if (!given.empty())

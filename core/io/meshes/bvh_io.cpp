@@ -139,7 +139,8 @@ void WriteJoint(const MotionClip& clip, const std::vector<std::vector<int>>& chi
                 int depth, std::string* text) {
   const ClipJoint& joint = clip.joints[j];
   const std::string indent(static_cast<std::size_t>(depth), '\t');
-  const char* kind = j == 0 ? "ROOT " : joint.name.empty() ? "End Site" : "JOINT ";
+  const char* kind = joint.name.empty() ? "End Site" : "JOINT ";
+  if (j == 0) kind = "ROOT ";
   *text += fmt::format("{0}{1}{2}\n{0}{{\n{0}\tOFFSET {3:.6f} {4:.6f} {5:.6f}\n", indent, kind,
                        joint.name, joint.offset.x(), joint.offset.y(), joint.offset.z());
   if (!joint.channels.empty()) {

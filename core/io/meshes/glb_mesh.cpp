@@ -290,9 +290,9 @@ class GlbReader {
           "scanning or modelling program first",
           images.size()));
     const std::string text = PictureBytes(At(model_.images, *images.begin(), "picture"));
-    result->texture_ending = text.starts_with("\x89PNG")        ? ".png"
-                             : text.starts_with("\xff\xd8\xff") ? ".jpg"
-                                                                : "";
+    result->texture_ending.clear();
+    if (text.starts_with("\x89PNG")) result->texture_ending = ".png";
+    if (text.starts_with("\xff\xd8\xff")) result->texture_ending = ".jpg";
     if (result->texture_ending.empty())
       return warn("its texture is neither PNG nor JPEG, so that it cannot be used");
     result->texture = text;

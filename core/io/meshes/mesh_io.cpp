@@ -51,9 +51,8 @@ std::string WithWholeLines(std::string text) {
   whole.reserve(text.size());
   std::size_t taken = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    const std::size_t end = text[at] != '\\'                       ? at
-                            : text.compare(at + 1, 2, "\r\n") == 0 ? at + 2
-                                                                   : at + 1;
+    std::size_t end = at;
+    if (text[at] == '\\') end += text.compare(at + 1, 2, "\r\n") == 0 ? 2 : 1;
     if (end > at && end < text.size() && text[end] == '\n') {
       whole += ' ';
       ++taken;

@@ -150,7 +150,9 @@ std::optional<double> SensorWidth(const ImageSpec& spec) {
   const auto resolution = PositiveAttribute(spec, "Exif:FocalPlaneXResolution");
   if (!resolution) return std::nullopt;
   const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
-  const double mm_per_unit = unit == 3 ? 10.0 : unit == 4 ? 1.0 : 25.4;
+  double mm_per_unit = 25.4;
+  if (unit == 3) mm_per_unit = 10.0;
+  if (unit == 4) mm_per_unit = 1.0;
   const double pixels = spec.get_int_attribute("Exif:PixelXDimension", spec.width);
   const double width = pixels / *resolution * mm_per_unit;
   return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;

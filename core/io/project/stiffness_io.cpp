@@ -61,6 +61,13 @@ Painted PaintedFromJson(const std::string& text, const std::string& name) {
   return painted;
 }
 
+/// @param share  of the vertices that have no counterpart
+std::string WhyNot(const FrameChange& change, double share) {
+  if (change.found()) return fmt::format("{:.0f} % of it has no painted place near", 100 * share);
+  if (change.ambiguous) return "the object looks the same from several sides";
+  return fmt::format("at best {:.0f} % of the two shapes agree", 100 * change.agreeing);
+}
+
 Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const std::string& name,
                             CarryLog* log) {
   const Carrier carrier(painted.binding, source);
@@ -79,11 +86,7 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
     throw InputError(fmt::format(
         "the template was rebuilt after {} was painted, and the stiffness could not follow: {}; "
         "paint it again on the template",
-        name,
-        change.found() ? fmt::format("{:.0f} % of it has no painted place near", 100 * share)
-        : change.ambiguous
-            ? "the object looks the same from several sides"
-            : fmt::format("at best {:.0f} % of the two shapes agree", 100 * change.agreeing)));
+        name, WhyNot(change, share)));
   if (!log) return stiffness;
   const std::string how =
       fmt::format("{}: the template was rebuilt since then ({}); the stiffness was carried over",
