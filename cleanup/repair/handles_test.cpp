@@ -15,13 +15,6 @@
 
 namespace keypose::cleanup::handles_test {
 
-double LoopLength(const Mesh& mesh, const std::vector<int>& loop) {
-  double sum = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i)
-    sum += (mesh.points.row(loop[i]) - mesh.points.row(loop[(i + 1) % loop.size()])).norm();
-  return sum;
-}
-
 /// A sphere with a tube of the given radius from pole to pole, either outside in a half circle or
 /// through its centre. The faces around both poles are removed, and the rims of 6 or 12 vertices
 /// are joined by `rings` rings.
@@ -106,15 +99,6 @@ void ExpectSphere(const HandlesResult& result) {
   EXPECT_TRUE(CheckClosed(result.mesh).closed());
   EXPECT_EQ(Genus(result.mesh), 0);
   EXPECT_FALSE(SelfIntersects(result.mesh));
-}
-
-TEST(HandleLoops, SphereHasNone) { EXPECT_TRUE(HandleLoops(MakeIcosphere(2)).empty()); }
-
-TEST(HandleLoops, ShortestOfATorusGoesRoundItsTube) {
-  const Mesh torus = MakeTorus(1, 0.35, 60, 24);
-  const auto loops = HandleLoops(torus);
-  ASSERT_GE(loops.size(), 2u);
-  EXPECT_NEAR(LoopLength(torus, loops[0]), 2 * 24 * 0.35 * std::sin(EIGEN_PI / 24), 1e-9);
 }
 
 TEST(WithoutHandles, TorusBecomesASphereAndKeepsTheRest) {

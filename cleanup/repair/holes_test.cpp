@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <random>
 #include <vector>
@@ -118,6 +117,29 @@ TEST(Holes, ALevelRimIsFilledWithinItsPlaneByWellShapedTriangles) {
   for (int i = 0; i < n; ++i)
     wanted += bell.points.row(i).cross(bell.points.row((i + 1) % n)).z() / 2;
   EXPECT_NEAR(area, wanted, 1e-9 * wanted);
+}
+
+TEST(FillHoles, RimThatDoesNotKeepApartInCgalsViewIsFilled) {
+  const std::vector<Eigen::Vector3d> square = {{-1, 0, 0}, {-1, 0, 3}, {1, 0, 3}, {1, 0, 0}};
+  EXPECT_TRUE(ApartInPlanarView(square, 4));
+  // Seen along y, the first corner lies near the last one, but not on it.
+  std::vector<Eigen::Vector3d> rim = {{-1, 0, 0}, {-1, 1, 3}, {1, 0, 0}, {-1 + 1e-9, 1, 0}};
+  EXPECT_FALSE(ApartInPlanarView(rim, 4));
+  for (int turn = 0; turn < 8; ++turn) {
+    std::rotate(rim.begin(), rim.begin() + (turn % 2), rim.end());
+    std::reverse(rim.begin(), rim.end());
+    Mesh cone;
+    cone.points.resize(5, 3);
+    cone.faces.resize(4, 3);
+    cone.points.row(4) << 0.3, -7, 5;
+    for (int k = 0; k < 4; ++k) {
+      cone.points.row(k) = rim[k].transpose();
+      cone.faces.row(k) << (k + 1) % 4, k, 4;
+    }
+    const HolesResult result = FillHoles(cone, nullptr);
+    EXPECT_EQ(result.filled, 1);
+    EXPECT_EQ(CheckClosed(result.mesh).bad_edges, 0);
+  }
 }
 
 }  // namespace keypose::cleanup::holes_test

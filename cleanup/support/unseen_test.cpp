@@ -2,31 +2,17 @@
 #include "cleanup/support/unseen.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <nlohmann/json.hpp>
 
-#include "core/io/meshes/mesh_io.h"
-#include "core/io/text/files.h"
+#include "cleanup/testing/camera_ring.h"
 #include "core/surfaces/shapes.h"
-#include "core/testing/folder.h"
-#include "core/testing/paths.h"
-#include "core/testing/shots.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 
 namespace keypose::cleanup::unseen_test {
 
 using Eigen::Vector3d;
-
-/// `count` of twelve cameras in a ring.
-std::vector<View> Ring(const Vector3d& middle, double elevation_deg, int count) {
-  std::vector<View> views = MasksFromRings(MakeBox(1, 1, 1), middle, {elevation_deg}, 12, 64).views;
-  views.resize(static_cast<std::size_t>(count));
-  return views;
-}
 
 // From 4 radii away, lines of sight are 10 degrees above a sphere at the angle t from the camera's
 // direction where the triangle of the sphere's middle, the place and the camera has 100 degrees at
@@ -67,25 +53,5 @@ TEST(MeasureUnseen, WhatTheMeshHidesAndWhatThePictureCutsIsNotSeen) {
 }
 
 TEST(MeasureUnseen, WithoutFacesThrows) { EXPECT_THROW(MeasureUnseen({}, {}), InputError); }
-
-TEST(CleanupProgram, SaysHowMuchPhotographsOfOneSideDoNotSee) {
-  const TestingFolder own;
-  const std::string at = own.path().string();
-  Mesh ball = MakeIcosphere(4);
-  ball.points.col(2).array() += 1;
-  // Four cameras of twelve, over a quarter of the way round.
-  MaskShot shot = MasksOf(ball, Ring({0, 0, 1}, 20, 4));
-  WriteShot(own.path(), shot);
-  WriteMesh(own.path() / "ball.ply", ball);
-  const std::string command = BinFolder() + "/keypose-cleanup --surface " + at +
-                              "/ball.ply --images " + at + "/images --model " + at +
-                              "/model --clean " + at + "/clean.ply --report " + at +
-                              "/report.json > " + at + "/log 2>&1";
-  ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << ReadFile(own.path() / "log");
-  const auto measured = nlohmann::json::parse(ReadFile(own.path() / "report.json"))["measurements"];
-  const UnseenSurface truth = MeasureUnseen(ball, shot.views);
-  EXPECT_GT(truth.share, 0.3);
-  EXPECT_NEAR(measured["unseen_share"], truth.share, 0.01);
-}
 
 }  // namespace keypose::cleanup::unseen_test

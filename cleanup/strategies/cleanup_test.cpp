@@ -2,17 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "cleanup/repair/components.h"
-#include "cleanup/repair/holes.h"
 #include "cleanup/repair/intersections.h"
-#include "cleanup/repair/soup.h"
-#include "cleanup/strategies/changed_faces.h"
 #include "cleanup/testing/damaged_meshes.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
@@ -20,6 +15,42 @@
 #include "core/values/errors.h"
 
 namespace keypose::cleanup::cleanup_test {
+
+/// Faces that the plane x = `at` runs through.
+int FacesRound(const Mesh& mesh, double at) {
+  int count = 0;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    int above = 0;
+    for (int k = 0; k < 3; ++k) above += mesh.points(mesh.faces(f, k), 0) > at;
+    count += above == 1 || above == 2;
+  }
+  return count;
+}
+
+/// A sphere of radius 1 out of which a rod of radius 0.02 grows along x to 3: one surface.
+Mesh BallWithThinLimb() {
+  std::vector<Eigen::Vector2d> profile;  // radius and height, downwards
+  for (int i = 0; i <= 150; ++i) profile.emplace_back(0.02, 3 - 2.0 * i / 150);
+  for (int i = 1; i < 60; ++i)
+    profile.emplace_back(std::sin(EIGEN_PI * i / 60), std::cos(EIGEN_PI * i / 60));
+  Mesh mesh = MakeRevolved(profile, 32);
+  mesh.points.col(0).swap(mesh.points.col(2));
+  mesh.faces.col(1).swap(mesh.faces.col(2));
+  return mesh;
+}
+
+TEST(MakeClosedManifold, ThinLimbKeepsEightFacesRound) {
+  for (const char* remesh : {"uniform", "adaptive"}) {
+    CleanupOptions options;
+    options.faces = 8000;
+    options.remesh = remesh;
+    const CleanupResult result = MakeClosedManifold(BallWithThinLimb(), options);
+    EXPECT_NEAR(result.mesh.face_count(), 8000, 80);
+    for (double x = 1.2; x < 2.95; x += 0.05)
+      EXPECT_GE(FacesRound(result.mesh, x), 8) << remesh << " " << x;
+    EXPECT_GT(result.mesh.points.col(0).maxCoeff(), 2.98) << remesh;
+  }
+}
 
 constexpr double kSphereVolume = 4 * EIGEN_PI / 3;
 
@@ -151,20 +182,6 @@ TEST(MakeClosedManifold, WhatWasNotRepairedIsMeasuredByItself) {
   const CleanupResult whole = MakeClosedManifold(MakeIcosphere(5), Faces(3000));
   EXPECT_EQ(whole.undamaged_share, 1);
   EXPECT_EQ(whole.undamaged_from_input.max, whole.from_input.max);
-}
-
-TEST(ChangedFaces, AreThoseThatOnlyOneHas) {
-  const Mesh sphere = MakeIcosphere(2);
-  Mesh other = sphere;
-  for (int f = 0; f < other.face_count(); ++f)
-    other.faces.row(f) << sphere.faces(f, 1), sphere.faces(f, 2), sphere.faces(f, 0);
-  EXPECT_EQ(ChangedFaces(sphere, other).face_count(), 0);
-  other.points(sphere.faces(0, 0), 0) += 0.01;
-  int fan = 0;
-  for (int f = 0; f < sphere.face_count(); ++f)
-    for (int k = 0; k < 3; ++k) fan += sphere.faces(f, k) == sphere.faces(0, 0);
-  EXPECT_EQ(ChangedFaces(sphere, other).face_count(), 2 * fan);
-  EXPECT_EQ(ChangedFaces(sphere, Mesh()).face_count(), sphere.face_count());
 }
 
 TEST(MakeClosedManifold, FlippedFacesAreTurned) {
@@ -359,29 +376,6 @@ TEST(MakeClosedManifold, FacesWithoutDistinctCornersThrowInputError) {
   EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
 }
 
-TEST(FillHoles, RimThatDoesNotKeepApartInCgalsViewIsFilled) {
-  const std::vector<Eigen::Vector3d> square = {{-1, 0, 0}, {-1, 0, 3}, {1, 0, 3}, {1, 0, 0}};
-  EXPECT_TRUE(ApartInPlanarView(square, 4));
-  // Seen along y, the first corner lies near the last one, but not on it.
-  std::vector<Eigen::Vector3d> rim = {{-1, 0, 0}, {-1, 1, 3}, {1, 0, 0}, {-1 + 1e-9, 1, 0}};
-  EXPECT_FALSE(ApartInPlanarView(rim, 4));
-  for (int turn = 0; turn < 8; ++turn) {
-    std::rotate(rim.begin(), rim.begin() + (turn % 2), rim.end());
-    std::reverse(rim.begin(), rim.end());
-    Mesh cone;
-    cone.points.resize(5, 3);
-    cone.faces.resize(4, 3);
-    cone.points.row(4) << 0.3, -7, 5;
-    for (int k = 0; k < 4; ++k) {
-      cone.points.row(k) = rim[k].transpose();
-      cone.faces.row(k) << (k + 1) % 4, k, 4;
-    }
-    const HolesResult result = FillHoles(cone, nullptr);
-    EXPECT_EQ(result.filled, 1);
-    EXPECT_EQ(CheckClosed(result.mesh).bad_edges, 0);
-  }
-}
-
 TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
   const auto message = [](const Mesh& mesh) -> std::string {
     try {
@@ -411,27 +405,6 @@ TEST(MakeClosedManifold, WithoutTheWrapATangleIsAQualityError) {
   CleanupOptions options = Faces(3000);
   options.wrap = false;
   EXPECT_THROW(MakeClosedManifold(pair, options), QualityError);
-}
-
-TEST(IntersectingFaces, CountsTheFacesOfTwoCrossingBoxes) {
-  int pairs = 0;
-  EXPECT_TRUE(IntersectingFaces(MakeBox(1, 1, 1), &pairs).empty());
-  EXPECT_EQ(pairs, 0);
-  EXPECT_FALSE(IntersectingFaces(
-                   Together(MakeBox(1, 1, 1), Moved(MakeBox(1, 1, 1), {0.5, 0.4, 0.3})), &pairs)
-                   .empty());
-  EXPECT_GT(pairs, 0);
-}
-
-TEST(OrientedManifold, NonManifoldEdgeIsCut) {
-  Mesh book;  // three pages on one spine
-  book.points.resize(5, 3);
-  book.points << 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, -1, -1, 0;
-  book.faces.resize(3, 3);
-  book.faces << 0, 1, 2, 0, 1, 3, 0, 1, 4;
-  const Mesh cut = OrientedManifold(book, 1e-9).mesh;
-  EXPECT_EQ(cut.face_count(), 3);
-  EXPECT_GT(FindPieces(cut).list.size(), 1u);
 }
 
 }  // namespace keypose::cleanup::cleanup_test
