@@ -3,32 +3,18 @@
 //
 //   node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { existsSync, mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  StudioProgram,
-  until as untilWithin,
-} from './studio_driver.mjs';
+import { check, record, until as untilWithin, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('armature_test.mjs');
+const { bin, options, folder, browser, studio, openPage, walkThrough } =
+  withStudio('armature', 'theropod');
 const kFrames = 5;
 // Drawn by the processor, on a machine that does other things too.
 const kPatience_s = 150;
 const until = (words, probe) => untilWithin(words, probe, kPatience_s);
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_armature_'));
-const folder = join(scratch, 'theropod');
 const take = join(folder, 'armature/walk');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const button = (name) => page.getByRole('button', { name, exact: true });
@@ -40,10 +26,8 @@ const shown = async () =>
   (await page.locator('.armature-canvas canvas').screenshot()).toString('base64');
 
 async function enter() {
-  const address = await studio.start();
-  page = await browser.tab();
-  page.setDefaultTimeout(1000 * kPatience_s);
-  await page.goto(address);
+  mkdirSync(folder);
+  page = await openPage((tab) => tab.setDefaultTimeout(1000 * kPatience_s));
   await page.getByRole('link', { name: 'Armature' }).click();
   await field('Take').waitFor();
 }
@@ -173,30 +157,14 @@ async function end() {
   await record(page, 'armature_ended', null);
 }
 
-async function walk() {
-  mkdirSync(folder);
-  await browser.start();
-  const parts = {
-    enter,
-    'set up': setUp,
-    'no board': noBoard,
-    'record frames': recordFrames,
-    kill,
-    flipbook,
-    again,
-    bake,
-    end,
-  };
-  await runParts(Object.entries(parts));
-  checkFaults(browser);
-}
-
-await runTest({
-  name: 'armature',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
+await walkThrough({
+  enter,
+  'set up': setUp,
+  'no board': noBoard,
+  'record frames': recordFrames,
+  kill,
+  flipbook,
+  again,
+  bake,
+  end,
 });

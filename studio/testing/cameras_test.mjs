@@ -4,29 +4,13 @@
 //
 //   node cameras_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('cameras_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_cameras_'));
-const folder = join(scratch, 'dance');
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('cameras', 'dance');
 const world = join(scratch, 'world');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const kSize = 400;
@@ -89,10 +73,7 @@ async function begin() {
     join(folder, 'pipeline.yaml'),
     `# a comment\nkind: performance\nshots:\n  walk: ${shot}\n`,
   );
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   // Without calibration there is no plan, and this page is what there is to do.
   await page.getByText("shot 'walk' has no calibration of its cameras").waitFor();
   await page.getByRole('link', { name: 'Calibrate them by points' }).click();
@@ -211,22 +192,11 @@ async function calibrated() {
   await page.getByRole('grid', { name: 'Steps by pose' }).waitFor();
 }
 
-await runTest({
-  name: 'cameras',
-  walk: async () => {
-    await runParts([
-      ['two films without calibration', begin],
-      ['points are named and placed', addPoints],
-      ['clicked in both cameras', clickAll],
-      ['moved, taken back, undone', moveAndUndo],
-      ['a wrong click is told', wrongClick],
-      ['the cameras are the true ones', calibrated],
-    ]);
-    checkFaults(browser);
-  },
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep ? folder : undefined,
-});
+await walkThrough([
+  ['two films without calibration', begin],
+  ['points are named and placed', addPoints],
+  ['clicked in both cameras', clickAll],
+  ['moved, taken back, undone', moveAndUndo],
+  ['a wrong click is told', wrongClick],
+  ['the cameras are the true ones', calibrated],
+]);

@@ -4,32 +4,17 @@
 //   node edits_test.mjs BIN_DIR [--keep]
 import {
   mkdirSync,
-  mkdtempSync,
   readdirSync,
   readFileSync,
   renameSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { plainPng } from './png.mjs';
-import {
-  Browser,
-  check,
-  checkFaults,
-  readWords,
-  runParts,
-  runTest,
-  StudioProgram,
-  until,
-} from './studio_driver.mjs';
+import { check, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('edits_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_edits_'));
-const folder = join(scratch, 'dance');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
+const { scratch, folder, browser, studio, openPage, walkThrough } = withStudio('edits', 'dance');
 let page;
 
 const pipeline = () => readFileSync(join(folder, 'pipeline.yaml'), 'utf8');
@@ -43,10 +28,7 @@ async function begin() {
     join(folder, 'pipeline.yaml'),
     'name: dance\nposes: {rest: photos/rest, bent: photos/bent}\ntemplate: rest\n',
   );
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await toTimeline();
 }
 
@@ -119,20 +101,9 @@ async function shotAgain() {
   browser.faults = browser.faults.filter((fault) => !/404 for GET \S+api\/mask/.test(fault));
 }
 
-await runTest({
-  name: 'edits',
-  walk: async () => {
-    await runParts([
-      ['a project of two poses', begin],
-      ['a page that is closed at once', closedAtOnce],
-      ['a studio that is away', whileAway],
-      ['a photograph that is shot again', shotAgain],
-    ]);
-    checkFaults(browser);
-  },
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep ? folder : undefined,
-});
+await walkThrough([
+  ['a project of two poses', begin],
+  ['a page that is closed at once', closedAtOnce],
+  ['a studio that is away', whileAway],
+  ['a photograph that is shot again', shotAgain],
+]);

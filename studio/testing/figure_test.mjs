@@ -7,32 +7,15 @@ import {
   chmodSync,
   cpSync,
   mkdirSync,
-  mkdtempSync,
   readdirSync,
   readFileSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('figure_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_figure_'));
-const folder = join(scratch, 'table');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('figure', 'table');
 let page;
 
 const [kWidth, kHeight] = [640, 480];
@@ -179,10 +162,7 @@ const near = ([x, y], [u, v]) => Math.hypot(x - u, y - v) < 1.5;
 
 async function begin() {
   makeProject();
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Poses', exact: true }).click();
 }
 
@@ -325,24 +305,13 @@ async function shownBeforeTheLongSteps() {
   await page.getByText('The run is done.').waitFor();
 }
 
-await runTest({
-  name: 'figure',
-  walk: async () => {
-    await runParts([
-      ['a project with two things on a table', begin],
-      ['a step asks what the figure is', isAskedFor],
-      ['a click, and a line', clickAndLine],
-      ['undone, done again, taken back', undoAndTakeBack],
-      ['looked at closely', looksCloser],
-      ['another program says more', anotherProgramSaysMore],
-      ['the masks are made', theMasksAreMade],
-      ['the masks are shown before the long steps', shownBeforeTheLongSteps],
-    ]);
-    checkFaults(browser);
-  },
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep ? folder : undefined,
-});
+await walkThrough([
+  ['a project with two things on a table', begin],
+  ['a step asks what the figure is', isAskedFor],
+  ['a click, and a line', clickAndLine],
+  ['undone, done again, taken back', undoAndTakeBack],
+  ['looked at closely', looksCloser],
+  ['another program says more', anotherProgramSaysMore],
+  ['the masks are made', theMasksAreMade],
+  ['the masks are shown before the long steps', shownBeforeTheLongSteps],
+]);

@@ -7,34 +7,17 @@ import { execFileSync } from 'node:child_process';
 import {
   chmodSync,
   mkdirSync,
-  mkdtempSync,
   readFileSync,
   renameSync,
   rmSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('films_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_films_'));
-const folder = join(scratch, 'dance');
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('films', 'dance');
 const films = join(scratch, 'world/shot');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const kSize = 240;
@@ -102,10 +85,7 @@ async function begin() {
   chmodSync(join(folder, 'tools/silhouettes'), 0o755);
   writeFileSync(join(folder, 'tools/silhouettes.json'), JSON.stringify(kStage));
   writeFileSync(join(folder, 'pipeline.yaml'), kProject);
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Films', exact: true }).click();
   await page.getByRole('heading', { name: 'Show the actor' }).waitFor();
 }
@@ -186,22 +166,11 @@ async function theMasksAreMade() {
   await page.locator('.figure-veil').waitFor({ state: 'detached' });
 }
 
-await runTest({
-  name: 'films',
-  walk: async () => {
-    await runParts([
-      ['the films of two cameras', begin],
-      ['a step asks what the actor is', isAskedFor],
-      ['a click, and a line, in two frames', clickAndLine],
-      ['undone, done again, taken back', undoAndTakeBack],
-      ['another program says more', anotherProgramSaysMore],
-      ['the masks are made', theMasksAreMade],
-    ]);
-    checkFaults(browser);
-  },
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep ? folder : undefined,
-});
+await walkThrough([
+  ['the films of two cameras', begin],
+  ['a step asks what the actor is', isAskedFor],
+  ['a click, and a line, in two frames', clickAndLine],
+  ['undone, done again, taken back', undoAndTakeBack],
+  ['another program says more', anotherProgramSaysMore],
+  ['the masks are made', theMasksAreMade],
+]);

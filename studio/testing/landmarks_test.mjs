@@ -2,7 +2,7 @@
 // Pairs begun on either side, the same place in further photographs along the line that the first
 // gives, a wrong click seen, undo, names, an editor's change, a fit that takes the picks up.
 //
-//   node picks_test.mjs BIN_DIR [--pictures DIR] [--keep] [--prepared PROJECT]
+//   node landmarks_test.mjs BIN_DIR [--pictures DIR] [--keep] [--prepared PROJECT]
 //
 // `--prepared`: a project that --keep has left, instead of the minutes that it takes to make one.
 import { execFileSync } from 'node:child_process';
@@ -10,34 +10,17 @@ import {
   cpSync,
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readFileSync,
   rmSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('picks_test.mjs', {
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('landmarks', 'limbs', {
   prepared: { type: 'string' },
 });
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_picks_'));
-const folder = join(scratch, 'limbs');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const kMarkup = '<img src=x onerror=alert(1)>';
@@ -105,10 +88,7 @@ async function prepare() {
     cpSync(options.prepared, folder, { recursive: true });
     rmSync(join(folder, 'landmarks'), { recursive: true, force: true });
   } else makeProject();
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Landmarks', exact: true }).click();
   await until('the template is shown', async () => (await page.locator('.lm-wait').count()) === 0);
   await until('the photograph is shown', () =>
@@ -323,18 +303,4 @@ async function fit() {
   await record(page, 'photo_picks', options.pictures);
 }
 
-async function walk() {
-  const parts = { prepare, firstPair, furtherPhotographs, namesAndKeys, editor, advice, fit };
-  await runParts(Object.entries(parts));
-  checkFaults(browser);
-}
-
-await runTest({
-  name: 'picks',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
-});
+await walkThrough({ prepare, firstPair, furtherPhotographs, namesAndKeys, editor, advice, fit });

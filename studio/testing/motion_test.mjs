@@ -4,29 +4,14 @@
 //
 //   node motion_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { appendFileSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { appendFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { plainPng, readPng } from './png.mjs';
-import {
-  Browser,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  StudioProgram,
-  until,
-} from './studio_driver.mjs';
+import { check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('motion_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_motion_'));
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('motion', 'dance');
 const world = join(scratch, 'world');
-const folder = join(scratch, 'dance');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 const kFrames = 8;
 let page;
 
@@ -56,10 +41,7 @@ async function prepare() {
   const text = readFileSync(pipelineFile, 'utf8').replace('video3d: {enabled: true}', larger);
   check(text.includes(larger), `init --video3d has written:\n${text}`);
   writeFileSync(pipelineFile, text);
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Motion', exact: true }).click();
 }
 
@@ -198,19 +180,4 @@ async function ownTexture() {
   await until('it wears the films', async () => (await shareOf(isMagenta)) < 0.1);
 }
 
-async function walk() {
-  await runParts(
-    Object.entries({ prepare, findMotion, play, paint, playInColours, ownTexture }),
-  );
-  checkFaults(browser);
-}
-
-await runTest({
-  name: 'motion',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
-});
+await walkThrough({ prepare, findMotion, play, paint, playInColours, ownTexture });

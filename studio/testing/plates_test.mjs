@@ -4,30 +4,15 @@
 //
 //   node plates_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import { execFileSync } from 'node:child_process';
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { cpSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { plainPng, readPng, rowsPng } from './png.mjs';
-import {
-  Browser,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  StudioProgram,
-  until as untilWithin,
-} from './studio_driver.mjs';
+import { check, record, until as untilWithin, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('plates_test.mjs');
+const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('plates', 'dance');
 const until = (words, probe) => untilWithin(words, probe, 120);
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_plates_'));
 const world = join(scratch, 'world');
-const folder = join(scratch, 'dance');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 /** As composite_program_test holds for cameras that `locate` found. */
@@ -76,11 +61,7 @@ async function prepare() {
   copy('truth/shot/mattes', 'films/mattes');
   writeFileSync(join(folder, 'texture.png'), plainPng(64, [176, 120, 84]));
   writeFileSync(pipelineFile, projectText());
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  page.setDefaultTimeout(120000);
-  await page.goto(address);
+  page = await openPage((tab) => tab.setDefaultTimeout(120000));
   await page.getByRole('link', { name: 'Shot', exact: true }).click();
 }
 
@@ -194,17 +175,6 @@ async function holdout(made) {
   check(below > 300 && above < 30, 'it hides what is above it, or nothing');
 }
 
-await runTest({
-  name: 'plates',
-  walk: async () => {
-    let made = null;
-    const props = { set: async () => void (made = await set()), holdout: () => holdout(made) };
-    await runParts(Object.entries({ prepare, choose, run, look, ...props }));
-    checkFaults(browser);
-  },
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
-});
+let made = null;
+const props = { set: async () => void (made = await set()), holdout: () => holdout(made) };
+await walkThrough(Object.entries({ prepare, choose, run, look, ...props }));

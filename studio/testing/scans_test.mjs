@@ -13,40 +13,23 @@ import {
   copyFileSync,
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readFileSync,
   rmSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 import { Landmarks } from './walk_landmarks.mjs';
 
-const { bin, options } = readWords('scans_test.mjs', {
+const { bin, options, folder, openPage, walkThrough } = withStudio('scans', 'hellidropter', {
   only: { type: 'string', default: 'landmarks,play,load,pickMany' },
 });
 const wanted = new Set(['prepare', ...options.only.split(',')]);
 const source = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
 const scans = join(process.env.KEYPOSE_DATA ?? join(source, '../shared/data'), 'scans');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_scans_'));
-const folder = join(scratch, 'hellidropter');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 /** Few faces for the eye that finds what is visible; as many as the issue asks for elsewhere. */
@@ -143,22 +126,20 @@ async function prepare() {
   }
   writeFileSync(join(folder, 'pipeline.yaml'), pipelineFor(kPickFaces));
   keypose('run', '--until', 'register');
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  // How long the page's own work takes for each picture, apart from a graphics card or what stands
-  // for one.
-  await page.addInitScript(() => {
-    globalThis.frameTimes = [];
-    const ask = globalThis.requestAnimationFrame.bind(globalThis);
-    globalThis.requestAnimationFrame = (act) =>
-      ask((time) => {
-        const began = performance.now();
-        act(time);
-        globalThis.frameTimes.push({ time, ms: performance.now() - began });
-      });
+  page = await openPage(async (tab) => {
+    // How long the page's own work takes for each picture, apart from a graphics card or what stands
+    // for one.
+    await tab.addInitScript(() => {
+      globalThis.frameTimes = [];
+      const ask = globalThis.requestAnimationFrame.bind(globalThis);
+      globalThis.requestAnimationFrame = (act) =>
+        ask((time) => {
+          const began = performance.now();
+          act(time);
+          globalThis.frameTimes.push({ time, ms: performance.now() - began });
+        });
+    });
   });
-  await page.goto(address);
   await page.locator('main').waitFor();
 }
 
@@ -340,22 +321,9 @@ async function turn() {
   return quantile(times, 0.95);
 }
 
-async function walk() {
-  const parts = { prepare, landmarks, play, load, pickMany };
-  await runParts(Object.entries(parts).filter(([part]) => wanted.has(part)));
-  checkFaults(browser);
-}
-
 if (!existsSync(join(scans, scanNames.rest))) {
   console.log(`skipped: ${scans} has no Hellidropter`);
   process.exit(77);
 }
-await runTest({
-  name: 'scans',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
-});
+const parts = { prepare, landmarks, play, load, pickMany };
+await walkThrough(Object.entries(parts).filter(([part]) => wanted.has(part)));

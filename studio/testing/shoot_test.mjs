@@ -8,35 +8,20 @@ import {
   copyFileSync,
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readdirSync,
   readFileSync,
   statSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import {
-  Browser,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  StudioProgram,
-  until,
-} from './studio_driver.mjs';
+import { check, record, until, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('shoot_test.mjs');
+const { bin, options, scratch, folder, browser, studio, openPage, walkThrough } =
+  withStudio('shoot', 'fox');
 const kAngles = 12;
 const kRings = '12, 40';
 const kAll = 2 * kAngles;
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_shoot_'));
 const drawn = join(scratch, 'drawn');
-const folder = join(scratch, 'fox');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const landed = (pose) => {
@@ -59,9 +44,7 @@ function checkUnchanged(before, pose, but = []) {
 }
 
 async function enter() {
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Shoot' }).click();
   await page.getByLabel('Pose', { exact: true }).waitFor();
 }
@@ -265,7 +248,8 @@ async function stop() {
   check(ms < 1000, `the studio ended ${ms} ms after SIGTERM`);
 }
 
-async function walk() {
+/** What the simulated camera takes. */
+function draw() {
   mkdirSync(folder);
   execFileSync(
     join(bin, 'keypose-synth'),
@@ -283,21 +267,9 @@ async function walk() {
     ],
     { stdio: 'ignore' },
   );
-  await browser.start();
-  const parts = {
-    enter,
-    'set up': setUp,
-    'first ring': firstRing,
-    'open late': openLate,
-    kill,
-    again,
-    'next pose': nextPose,
-    end,
-    'comes late': comesLate,
-    stop,
-  };
-  await runParts(Object.entries(parts));
-  checkFaults(browser);
+}
+
+function sideFile() {
   const side = JSON.parse(readFileSync(join(folder, 'photos/rest/shoot.json'), 'utf8'));
   check(
     Object.keys(side.photographs).length === kAll,
@@ -305,12 +277,17 @@ async function walk() {
   );
 }
 
-await runTest({
-  name: 'shoot',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
+await walkThrough({
+  draw,
+  enter,
+  'set up': setUp,
+  'first ring': firstRing,
+  'open late': openLate,
+  kill,
+  again,
+  'next pose': nextPose,
+  end,
+  'comes late': comesLate,
+  stop,
+  'side file': sideFile,
 });

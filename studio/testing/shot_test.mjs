@@ -9,35 +9,19 @@ import {
   cpSync,
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readFileSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { plainPng } from './png.mjs';
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 
-const { bin, options } = readWords('shot_test.mjs');
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_shot_'));
+const { bin, options, scratch, folder, browser, openPage, walkThrough } =
+  withStudio('shot', 'dance');
 const world = join(scratch, 'world');
 const truth = join(world, 'truth/shot');
-const folder = join(scratch, 'dance');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 let mesh;
 
@@ -97,10 +81,7 @@ async function prepare() {
   execFileSync(join(bin, 'keypose'), ['run', '-C', folder, '--until', 'interpolate'], {
     stdio: ['ignore', 'ignore', 'inherit'],
   });
-  await browser.start();
-  const address = await studio.start();
-  page = await browser.tab();
-  await page.goto(address);
+  page = await openPage();
   await page.getByRole('link', { name: 'Shot', exact: true }).click();
 }
 
@@ -419,31 +400,17 @@ async function deleteAll() {
   check(pipelineText().startsWith(kComment), 'the comment is gone');
 }
 
-async function walk() {
-  const parts = {
-    prepare,
-    addFilm,
-    showPoses,
-    setUp,
-    addClicks,
-    undoAndDelete,
-    findCamera,
-    makePictures,
-    movingCamera,
-    deleteAll,
-  };
-  await runParts(Object.entries(parts));
-  checkFaults(browser);
-}
-
 // One frame alone is refused, as it should be.
 browser.expected = /\/api\/shot$/;
-await runTest({
-  name: 'shot',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
+await walkThrough({
+  prepare,
+  addFilm,
+  showPoses,
+  setUp,
+  addClicks,
+  undoAndDelete,
+  findCamera,
+  makePictures,
+  movingCamera,
+  deleteAll,
 });

@@ -1,6 +1,6 @@
 // Starts a studio and a browser for the tests of the page; what all of these share.
 import { spawn } from 'node:child_process';
-import { mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
@@ -30,7 +30,7 @@ const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.m
  * has --pictures and --keep. Ends the program with 2 where the words make no sense.
  * @param more  further options, as parseArgs takes them
  */
-export function readWords(test, more = {}) {
+function readWords(test, more = {}) {
   const known = { pictures: { type: 'string' }, keep: { type: 'boolean' }, ...more };
   try {
     const { values, positionals } = parseArgs({ allowPositionals: true, options: known });
@@ -82,7 +82,7 @@ export async function boxOf(element) {
 }
 
 /** The program `keypose studio` of one folder. */
-export class StudioProgram {
+class StudioProgram {
   constructor(bin, folder) {
     this.bin = bin;
     this.folder = folder;
@@ -133,9 +133,11 @@ export class StudioProgram {
 }
 
 /** A browser that keeps what goes wrong in its pages. */
-export class Browser {
+class Browser {
   /** what must be empty at the end */
   faults = [];
+  /** the tab that was opened last */
+  page = null;
   /** while true, a server that does not answer is no fault */
   away = false;
   /** kinds of the page's own questions before it is left, and how they are answered */
@@ -152,6 +154,7 @@ export class Browser {
 
   async tab() {
     const page = await this.context.newPage();
+    this.page = page;
     page.on('pageerror', (error) =>
       this.faults.push(`${page.url()}: ${error.stack ?? error.message}`),
     );
@@ -226,9 +229,9 @@ export async function record(page, name, pictures) {
   await page.waitForTimeout(200);
 }
 
-/** @param parts pairs of a name and what to do, in order */
-export async function runParts(parts) {
-  for (const [name, act] of parts) {
+/** @param parts  pairs of a name and what to do, in order, or an object of them */
+async function runParts(parts) {
+  for (const [name, act] of Array.isArray(parts) ? parts : Object.entries(parts)) {
     const began = Date.now();
     await act();
     console.log(`ok  ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
@@ -236,40 +239,70 @@ export async function runParts(parts) {
 }
 
 /** @throws Error with all that went wrong in the browser's pages */
-export function checkFaults(browser) {
+function checkFaults(browser) {
   const faults = new Set(browser.faults);
   check(faults.size === 0, `faults in the page:\n${[...faults].join('\n')}`);
 }
 
-async function tellFailure(error, name, browser, page) {
+async function tellFailure(error, test, browser) {
   const lines = error.stack?.split('\n').filter((line) => line.includes('testing/'));
   console.error(`FAILED: ${error.message}\n${lines?.join('\n')}`);
   for (const fault of new Set(browser.faults)) console.error(`fault in the page: ${fault}`);
-  const shown = join(tmpdir(), `keypose_${name}_failed.png`);
-  await page?.screenshot({ path: shown }).then(
+  const shown = join(tmpdir(), `keypose_${test}_failed.png`);
+  await browser.page?.screenshot({ path: shown }).then(
     () => console.error(`what the page showed: ${shown}`),
     () => undefined,
   );
 }
 
+/** Starts studio and browser. @param prepare  called with the tab before it loads the page */
+async function openPage({ browser, studio }, prepare) {
+  await browser.start();
+  const address = await studio.start();
+  const page = await browser.tab();
+  await prepare?.(page);
+  await page.goto(address);
+  return page;
+}
+
 /**
  * Runs a test to its end, whatever happens: the exit code, what went wrong and a picture of it, and
- * nothing left over.
- * @param test.walk   the test @param test.done words when it went well
- * @param test.page   a function: the page that is shown
- * @param test.keep   if given: this folder is named, and `scratch` stays
+ * nothing left over; with --keep the project stays.
  */
-export async function runTest({ name, walk, done, browser, studio, page, scratch, keep }) {
+async function walkThrough(opened, parts, done = 'all of it went well') {
+  const { test, options, scratch, folder, browser, studio } = opened;
   try {
-    await walk();
-    console.log(done ?? 'all of it went well');
+    await runParts(parts);
+    checkFaults(browser);
+    console.log(done);
   } catch (error) {
-    await tellFailure(error, name, browser, page());
+    await tellFailure(error, test, browser);
     process.exitCode = 1;
   } finally {
     await browser.end();
     studio.program?.kill('SIGKILL');
-    if (keep) console.log(`kept: ${keep}`);
+    if (options.keep) console.log(`kept: ${folder}`);
     else rmSync(scratch, { recursive: true, force: true });
   }
+}
+
+/**
+ * What every walk begins with: its words, a folder that is gone afterwards, a studio and a browser.
+ * `openPage` starts them and gives a tab; `walkThrough(parts, done)` is the whole walk.
+ * @param test     of TEST_test.mjs
+ * @param project  name of the project's folder, which is not made yet
+ * @param more     further options, as parseArgs takes them
+ */
+export function withStudio(test, project, more) {
+  const words = readWords(`${test}_test.mjs`, more);
+  const scratch = mkdtempSync(join(tmpdir(), `keypose_studio_${test}_`));
+  const folder = join(scratch, project);
+  const browser = new Browser();
+  const studio = new StudioProgram(words.bin, folder);
+  const opened = { ...words, test, scratch, folder, browser, studio };
+  return {
+    ...opened,
+    openPage: (prepare) => openPage(opened, prepare),
+    walkThrough: (parts, done) => walkThrough(opened, parts, done),
+  };
 }

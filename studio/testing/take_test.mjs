@@ -7,38 +7,21 @@ import { execFileSync } from 'node:child_process';
 import {
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readdirSync,
   readFileSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { plainPng, readPng } from './png.mjs';
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until as untilWithin,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until as untilWithin, withStudio } from './studio_driver.mjs';
 
-const { bin, options } = readWords('take_test.mjs');
+const { bin, options, folder, browser, openPage, walkThrough } = withStudio('take', 'theropod');
 const kFrames = 10;
 const kJoint = 'leftKneeBend';
 // Drawn by the processor, on a machine that does other things too.
 const kPatience_s = 150;
 const until = (words, probe) => untilWithin(words, probe, kPatience_s);
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_studio_take_'));
-const folder = join(scratch, 'theropod');
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const button = (name) => page.getByRole('button', { name, exact: true });
@@ -70,10 +53,7 @@ async function early() {
   const from = ['--description', join(example, 'theropod.txt'), '--port', 'simulated'];
   const to = ['--session', join(folder, 'armature/early'), '--frames', '4', '--step', '2'];
   program('armature', 'record', ...from, ...to);
-  const address = await studio.start();
-  page = await browser.tab();
-  page.setDefaultTimeout(1000 * kPatience_s);
-  await page.goto(address);
+  page = await openPage((tab) => tab.setDefaultTimeout(1000 * kPatience_s));
   await page.getByRole('link', { name: 'Armature' }).click();
   await page.getByRole('link', { name: 'early' }).click();
   await page.locator('.take-page').waitFor();
@@ -391,40 +371,24 @@ async function takes() {
   await page.locator('.take-page').waitFor();
 }
 
-async function walk() {
-  await browser.start();
-  let wanted = [];
-  await runParts(
-    Object.entries({
-      early,
-      enter,
-      look,
-      pull,
-      stops,
-      'dope sheet': async () => {
-        wanted = await dopeSheet();
-      },
-      'ones and twos': onesAndTwos,
-      'as baked': asBaked,
-      play,
-      held,
-      'loaded again': loadedAgain,
-      save: () => save(wanted),
-      bake,
-      project,
-      'over its plate': overPlate,
-      takes,
-    }),
-  );
-  checkFaults(browser);
-}
-
-await runTest({
-  name: 'take',
-  walk,
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
+let wanted = [];
+await walkThrough({
+  early,
+  enter,
+  look,
+  pull,
+  stops,
+  'dope sheet': async () => {
+    wanted = await dopeSheet();
+  },
+  'ones and twos': onesAndTwos,
+  'as baked': asBaked,
+  play,
+  held,
+  'loaded again': loadedAgain,
+  save: () => save(wanted),
+  bake,
+  project,
+  'over its plate': overPlate,
+  takes,
 });

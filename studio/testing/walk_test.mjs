@@ -13,41 +13,25 @@ import {
   cpSync,
   existsSync,
   mkdirSync,
-  mkdtempSync,
   readdirSync,
   readFileSync,
   rmSync,
   writeFileSync,
 } from 'node:fs';
-import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 
-import {
-  Browser,
-  StudioProgram,
-  boxOf,
-  check,
-  checkFaults,
-  readWords,
-  record,
-  runParts,
-  runTest,
-  until,
-} from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 import { walkLandmarks, walkPaint } from './walk_landmarks.mjs';
 import { picturesStand, walkTimeline } from './walk_timeline.mjs';
 
-const { bin, options } = readWords('walk_test.mjs', {
+const { bin, options, scratch, folder, browser, studio, openPage, walkThrough } =
+  withStudio('walk', 'creature', {
   data: { type: 'string' },
   project: { type: 'string' },
   from: { type: 'string' },
 });
 const kRunSeconds = 900;
-const scratch = mkdtempSync(join(tmpdir(), 'keypose_walk_'));
-const folder = join(scratch, 'creature');
 const pictures = options.pictures;
-const browser = new Browser();
-const studio = new StudioProgram(bin, folder);
 let page;
 
 const file = (path) => readFileSync(join(folder, path), 'utf8');
@@ -79,11 +63,8 @@ function photographs() {
 }
 
 async function enter() {
-  const address = await studio.start();
-  page = await browser.tab();
   const answers = [];
-  page.on('response', (response) => answers.push(response));
-  await page.goto(address);
+  page = await openPage((tab) => tab.on('response', (response) => answers.push(response)));
   await page.locator('main').waitFor();
   const paint_ms = await until('the first paint', () =>
     page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime),
@@ -422,43 +403,39 @@ async function walkMarkup() {
   await record(page, 'mistake', null);
 }
 
-async function walk() {
-  const data = photographs();
+let data;
+const context = () => ({ page, folder, data, pictures, go, notice, pipeline });
+const parts = [
+  ['new project', () => makeProject(data)],
+  ['run', firstRun],
+  ['poses', walkPoses],
+  ['run again', runAgain],
+  ['landmarks', () => walkLandmarks(context())],
+  ['paint', () => walkPaint(context())],
+  ['timeline', () => walkTimeline(context())],
+  ['export', walkExport],
+  ['two tabs', walkTogether],
+  ['markup', walkMarkup],
+];
+const first = options.project
+  ? parts.findIndex(([name]) => name === (options.from ?? 'poses'))
+  : 0;
+
+function prepare() {
+  check(first >= 0, `--from is one of ${parts.map(([name]) => name).join(', ')}`);
+  data = photographs();
   mkdirSync(folder);
   if (options.project)
     cpSync(resolve(options.project), folder, { recursive: true, preserveTimestamps: true });
-  await browser.start();
-  const context = () => ({ page, folder, data, pictures, go, notice, pipeline });
-  const parts = [
-    ['new project', () => makeProject(data)],
-    ['run', firstRun],
-    ['poses', walkPoses],
-    ['run again', runAgain],
-    ['landmarks', () => walkLandmarks(context())],
-    ['paint', () => walkPaint(context())],
-    ['timeline', () => walkTimeline(context())],
-    ['export', walkExport],
-    ['two tabs', walkTogether],
-    ['markup', walkMarkup],
-  ];
-  const first = options.project
-    ? parts.findIndex(([name]) => name === (options.from ?? 'poses'))
-    : 0;
-  check(first >= 0, `--from is one of ${parts.map(([name]) => name).join(', ')}`);
-  await runParts([['enter', enter], ...parts.slice(first)]);
+}
+
+async function end() {
   browser.away = true;
   const code = await studio.end('SIGTERM');
   check(code === 0, `SIGTERM ends the studio with ${code}`);
-  checkFaults(browser);
 }
 
-await runTest({
-  name: 'walk',
-  walk,
-  done: 'the whole walk went well',
-  browser,
-  studio,
-  page: () => page,
-  scratch,
-  keep: options.keep && folder,
-});
+await walkThrough(
+  [['photographs', prepare], ['enter', enter], ...parts.slice(first), ['end', end]],
+  'the whole walk went well',
+);
