@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kLeastSquare_px = 6;
 
-// Chosen on the rendered boards of board_test.cpp; kEven by the masks of a set with the board
-// (docs/algorithms/capture.md), which the record does not name. Sensitivity:
+// Chosen on the rendered boards of board_detection_test.cpp; kEven by the masks of a set with the
+// board (docs/algorithms/capture.md), which the record does not name. Sensitivity:
 // docs/results/sensitivity.md.
 struct BoardDetectionTuning {
   KEYPOSE_TUNED(double, kContrast, 20);  // grey levels; least difference between paper and ink

@@ -7,10 +7,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/films/actor_regions.h"
-#include "capture/films/film_exposure.h"
-#include "capture/films/moving_regions.h"
-#include "capture/films/pixel_modes.h"
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
 #include "core/numbers/parallel.h"
@@ -177,52 +173,6 @@ TEST(FilmMasker, FilmInWhichNothingMovesIsRefusedWithTheCure) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("background/"), std::string::npos);
   }
-}
-
-TEST(ExposureGains, GiveBackKnownFactorsAlthoughSomethingMoves) {
-  std::vector<Image8> frames;
-  const double factors[] = {1, 0.8, 1.2, 1, 1};
-  for (int i = 0; i < 5; ++i) {
-    Image8 frame(120, 90, 3);
-    for (std::size_t p = 0; p < frame.data.size(); ++p)
-      frame.data[p] = static_cast<std::uint8_t>(std::lround((80 + p * 37 % 90) * factors[i]));
-    cv::rectangle(MatOf(frame), cv::Rect(20 * i, 20, 30, 40), cv::Scalar::all(200), -1);
-    frames.push_back(frame);
-  }
-  const std::vector<ExposureGain> gains = ExposureGains(frames);
-  for (std::size_t i = 0; i < 5; ++i)
-    for (const double gain : gains[i]) EXPECT_NEAR(gain, 1 / factors[i], 0.01) << i;
-}
-
-TEST(FindPixelModes, TellTheColoursOfAPixelByFrequency) {
-  std::vector<Image8> lab;
-  for (int k = 0; k < 10; ++k) {
-    Image8 frame(2, 1, 3, 100);
-    if (k % 5 == 0) frame.data[0] = 200;                     // twice another lightness
-    frame.data[5] = static_cast<std::uint8_t>(100 + k % 2);  // noise
-    lab.push_back(frame);
-  }
-  const PixelModes modes = FindPixelModes(lab, 6);
-  EXPECT_EQ(modes.of(0)[0].share, 255 * 8 / 10);
-  EXPECT_EQ(modes.of(0)[1].share, 255 * 2 / 10);
-  EXPECT_EQ(modes.of(0)[1].lab[0], 200);
-  EXPECT_EQ(modes.of(1)[0].share, 255);
-  EXPECT_EQ(modes.of(1)[1].share, 0);
-  for (int k = 0; k < 10; ++k) EXPECT_EQ(modes.labels[k].data[0], k % 5 == 0) << k;
-}
-
-TEST(ChooseActor, KeepsPiecesNearTheActorAndLeavesOthersOut) {
-  Image8 regions(100, 60, 1), zone(100, 60, 1);
-  cv::rectangle(MatOf(regions), cv::Rect(10, 10, 20, 30), cv::Scalar(255), -1);
-  cv::rectangle(MatOf(regions), cv::Rect(10, 41, 20, 7), cv::Scalar(255), -1);
-  cv::rectangle(MatOf(regions), cv::Rect(60, 5, 35, 50), cv::Scalar(255), -1);
-  cv::rectangle(MatOf(zone), cv::Rect(5, 5, 30, 30), cv::Scalar(255), -1);
-  const ActorRegions actor = ChooseActor(regions, zone);
-  EXPECT_EQ(*actor.mask.at(20, 20), 255);
-  EXPECT_EQ(*actor.mask.at(20, 45), 255) << "a foot behind a rail";
-  EXPECT_EQ(*actor.mask.at(80, 30), 0);
-  EXPECT_GT(actor.other, 1);
-  EXPECT_EQ(*ChooseActor(regions, {}).mask.at(80, 30), 255) << "the largest, if nothing is known";
 }
 
 }  // namespace keypose::capture::film_masks_test

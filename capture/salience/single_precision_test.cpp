@@ -2,27 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <opencv2/dnn.hpp>
 #include <string>
 #include <vector>
 
-#include "capture/salience/protobuf_fields.h"
+#include "capture/salience/testing/written_fields.h"
 #include "core/values/errors.h"
 
 namespace keypose::capture::single_precision_test {
-
-std::string Integer(std::uint32_t number, std::uint64_t value) {
-  std::string message;
-  PutInteger(message, number, value);
-  return message;
-}
-
-std::string Bytes(std::uint32_t number, std::string_view bytes) {
-  std::string message;
-  PutBytes(message, number, bytes);
-  return message;
-}
 
 std::string WholeNumbers(const std::vector<std::int64_t>& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * 8};
@@ -142,20 +129,6 @@ TEST(SinglePrecisionNetwork, TruncatedFileIsRefused) {
 TEST(SinglePrecisionNetwork, FileWithoutAGraphIsRefused) {
   EXPECT_THROW(SinglePrecisionNetwork("", 8), InputError);
   EXPECT_THROW(SinglePrecisionNetwork(Integer(1, 8) + Bytes(7, ""), 8), InputError);
-}
-
-TEST(WireFields, GiveBackWhatWasPut) {
-  std::string message = Integer(1, 300) + Bytes(2, "text") + Integer(3, ~std::uint64_t{0});
-  message += std::string("\x25\x01\x02\x03\x04", 5);  // field 4: four bytes
-  const std::vector<WireField> fields = WireFields(message);
-  ASSERT_EQ(fields.size(), 4U);
-  EXPECT_EQ(fields[0].value, 300U);
-  EXPECT_EQ(fields[1].bytes, "text");
-  EXPECT_EQ(fields[2].value, ~std::uint64_t{0});
-  EXPECT_EQ(fields[3].bytes, std::string_view("\x01\x02\x03\x04", 4));
-  std::string again;
-  for (const WireField& field : fields) PutField(again, field);
-  EXPECT_EQ(again, message);
 }
 
 }  // namespace keypose::capture::single_precision_test

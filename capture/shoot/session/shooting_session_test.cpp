@@ -12,13 +12,12 @@
 
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/devices/folder_camera.h"
-#include "capture/shoot/devices/gphoto2_camera.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
 
-namespace keypose::capture::shoot::session_test {
+namespace keypose::capture::shoot::shooting_session_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -61,6 +60,7 @@ Command Of(Command::Kind kind) {
   command.kind = kind;
   return command;
 }
+
 std::vector<Command> DoneWhenAsked(const json& event) {
   if (event.at("event") != "ask") return {};
   return {Of(Command::Kind::kGoOn)};
@@ -259,41 +259,4 @@ TEST_F(SessionTest, WatchesAFolderAndLeavesWhatItHeldBefore) {
   }
 }
 
-TEST(FaultOfGphoto2, SaysWhoHoldsTheCameraAndHowToFreeIt) {
-  const DeviceFault fault = FaultOfGphoto2(GP_ERROR_IO_USB_CLAIM, "be opened", "");
-  EXPECT_EQ(fault.code, "camera-grabbed");
-  EXPECT_NE(fault.what_to_do.find("gio mount -s gphoto2"), std::string::npos);
-  EXPECT_NE(fault.what_to_do.find("pkill gvfs-gphoto2"), std::string::npos);
-  EXPECT_FALSE(fault.needs_hand);
-}
-
-TEST(FaultOfGphoto2, HasAKindAndAdviceForEveryNumber) {
-  const std::pair<int, const char*> kinds[] = {{GP_ERROR_MODEL_NOT_FOUND, "camera-gone"},
-                                               {GP_ERROR_IO, "camera-gone"},
-                                               {GP_ERROR_TIMEOUT, "camera-gone"},
-                                               {GP_ERROR_NO_SPACE, "card-full"},
-                                               {GP_ERROR_CAMERA_BUSY, "camera-failed"},
-                                               {GP_ERROR_NOT_SUPPORTED, "camera-failed"},
-                                               {GP_ERROR, "camera-failed"},
-                                               {-1000000, "camera-failed"}};
-  for (const auto& [number, code] : kinds) {
-    const DeviceFault fault = FaultOfGphoto2(number, "release the shutter", "words");
-    EXPECT_EQ(fault.code, code) << number;
-    EXPECT_FALSE(fault.what_to_do.empty()) << number;
-  }
-}
-
-TEST(Gphoto2Camera, WithoutACameraSaysWhatToPlugIn) {
-  const auto camera = MakeGphoto2Camera();
-  PlainPatience patience;
-  try {
-    camera->Connect(patience);
-    GTEST_SKIP() << "a camera is plugged into this machine";
-  } catch (const DeviceFault& fault) {
-    if (fault.code == "camera-grabbed") GTEST_SKIP() << "a camera is plugged into this machine";
-    EXPECT_EQ(fault.code, "camera-gone");
-    EXPECT_NE(fault.what_to_do.find("USB"), std::string::npos);
-  }
-}
-
-}  // namespace keypose::capture::shoot::session_test
+}  // namespace keypose::capture::shoot::shooting_session_test

@@ -1,12 +1,10 @@
-#include "capture/shoot/devices/steps_turntable.h"
-
 #include <gtest/gtest.h>
 
 #include "capture/shoot/devices/device_fault.h"
-#include "capture/shoot/devices/steps_lines.h"
+#include "capture/shoot/devices/steps_turntable.h"
 #include "capture/shoot/simulation/turntable_bench.h"
 
-namespace keypose::capture::shoot::steps_turntable_test {
+namespace keypose::capture::shoot::steps_firmware_test {
 
 constexpr int kSteps = 3200;
 constexpr double kStep_deg = 360.0 / kSteps;
@@ -23,36 +21,6 @@ struct Bench : TurntableBench {
         table(MakeStepsTurntable(folder / "port", Fast())) {}
   std::unique_ptr<TurntableDevice> table;
 };
-
-TEST(NearestTurn, TakesTheShorterWayAndForwardsForHalfATurn) {
-  EXPECT_DOUBLE_EQ(NearestTurn(345, 0), 360);
-  EXPECT_DOUBLE_EQ(NearestTurn(720, 345), 705);
-  EXPECT_DOUBLE_EQ(NearestTurn(0, 180), 180);
-  EXPECT_DOUBLE_EQ(NearestTurn(-15, 15), 15);
-}
-
-TEST(StepsLines, HaveTheChecksumOfTheDocumentation) {
-  EXPECT_EQ(Crc8("123456789"), 0xF4);  // the check value of CRC-8/SMBUS, the same polynomial
-  EXPECT_EQ(FormatStepsLine('>', {1, "HELLO"}), ">1 HELLO*A3");
-  const auto line =
-      ParseStepsLine('<', "\x01noise<1 OK keypose=1 boot=5 turn=3200 at=0 moving=0*AD");
-  ASSERT_TRUE(line);
-  EXPECT_EQ(StepsValues(line->text).at("turn"), 3200);
-}
-
-TEST(StepsLines, WithAnyByteChangedAreDropped) {
-  const std::string good = FormatStepsLine('>', {7, "GO 1600"});
-  for (std::size_t i = 1; i < good.size(); ++i)
-    for (const char other : {'0', '7', 'A', ' ', '*', '\x7f'}) {
-      std::string bad = good;
-      bad[i] = other;
-      if (bad != good) {
-        EXPECT_FALSE(ParseStepsLine('>', bad)) << bad;
-      }
-    }
-  for (const char* text : {"", ">", ">1*", ">256 AT*00", "AT", ">1 HELLO*A", ">1 HELLO*A3B"})
-    EXPECT_FALSE(ParseStepsLine('>', text)) << text;
-}
 
 TEST(StepsTurntable, StandsWhereItWasToldToAllRoundTheCircle) {
   Bench bench;
@@ -128,17 +96,4 @@ TEST(StepsTurntable, ThatStaysSilentIsAFaultThatNeedsNoHand) {
   }
 }
 
-TEST(SerialPort, ThatIsNotThereIsNamedWithWhatToDo) {
-  const auto table = MakeStepsTurntable("/dev/keypose_no_such_port");
-  PlainPatience patience;
-  try {
-    table->Connect(0, false, "", patience);
-    FAIL() << "it was opened";
-  } catch (const DeviceFault& fault) {
-    EXPECT_EQ(fault.code, "table-gone");
-    EXPECT_NE(std::string(fault.what()).find("keypose_no_such_port"), std::string::npos);
-    EXPECT_NE(fault.what_to_do.find("--turntable"), std::string::npos);
-  }
-}
-
-}  // namespace keypose::capture::shoot::steps_turntable_test
+}  // namespace keypose::capture::shoot::steps_firmware_test
