@@ -43,6 +43,12 @@ double Cost(const DecimatedMesh& mesh, const Quadric& quadric, int v, int w) {
   return quadric.At(x) + EdgeCollapseTuning::kLengthWeight * length2 * length2;
 }
 
+/// Which corner of a face one of its vertices is.
+int CornerOf(const Face& face, int v) {
+  if (face[0] == v) return 0;
+  return face[1] == v ? 1 : 2;
+}
+
 /// Whether the faces `around` v neither fold over nor become too thin when v moves to w.
 template <class FacesAround>
 bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, int w) {
@@ -50,7 +56,7 @@ bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, i
   for (int f : around) {
     const Face& c = mesh.faces[f];
     if (Has(c, w)) continue;
-    const int k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    const int k = CornerOf(c, v);
     const Eigen::Vector3d a = mesh.points.row(c[(k + 1) % 3]), b = mesh.points.row(c[(k + 2) % 3]);
     const Eigen::Vector3d before = (a - from).cross(b - from), after = (a - to).cross(b - to);
     if (!(before.dot(after) > EdgeCollapseTuning::kFoldCosine * before.norm() * after.norm()))
@@ -238,8 +244,10 @@ void HalfEdgeDecimator::Impl::FindBest(int v) {
   best[v].cost = std::numeric_limits<double>::infinity();
   best[v].to = -1;
   for (int w : other_ring)
-    if (const double cost = Cost(mesh, mesh.quadrics[v], v, w); cost < best[v].cost)
-      best[v].cost = cost, best[v].to = w;
+    if (const double cost = Cost(mesh, mesh.quadrics[v], v, w); cost < best[v].cost) {
+      best[v].cost = cost;
+      best[v].to = w;
+    }
 }
 
 void HalfEdgeDecimator::Impl::Push(int v) {
@@ -292,8 +300,10 @@ void HalfEdgeDecimator::Impl::Update(int x, int gone, int into) {
   if (b.to < 0 || b.to == gone)
     FindBest(x);
   else if (ring_marks.Has(x))
-    if (const double cost = Cost(mesh, mesh.quadrics[x], x, into); cost < b.cost)
-      b.cost = cost, b.to = into;
+    if (const double cost = Cost(mesh, mesh.quadrics[x], x, into); cost < b.cost) {
+      b.cost = cost;
+      b.to = into;
+    }
   if (!b.queued || b.cost != before) Push(x);
 }
 
@@ -378,10 +388,8 @@ std::vector<std::pair<float, int>> Round::Cheapest(std::size_t count) const {
                      // all but one of a boundary vertex.
                      for (int f : FacesOf(v)) {
                        const Face& c = mesh_.faces[f];
-                       least = std::min(least, Cost(mesh_, mesh_.quadrics[v], v,
-                                                    c[0] == v   ? c[1]
-                                                    : c[1] == v ? c[2]
-                                                                : c[0]));
+                       const int next = c[(CornerOf(c, v) + 1) % 3];
+                       least = std::min(least, Cost(mesh_, mesh_.quadrics[v], v, next));
                      }
                      order[i] = {static_cast<float>(least), v};
                    }

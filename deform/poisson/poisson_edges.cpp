@@ -71,13 +71,13 @@ void PoissonSystem::Impl::CutPatches() {
         // Corner k is the end of the edge opposite k+1 and the start of the edge opposite k+2. Both
         // are expressed by the edges from corner 0.
         const EdgeWeights& w = weights[f];
-        row_corners.push_back({place[f] - patch_begin[patch],
-                               k == 0   ? -w[2]
-                               : k == 1 ? w[2] + w[0]
-                                        : -w[0],
-                               k == 0   ? -w[1]
-                               : k == 1 ? -w[0]
-                                        : w[0] + w[1]});
+        const int patch_face = place[f] - patch_begin[patch];
+        if (k == 0)
+          row_corners.push_back({patch_face, -w[2], -w[1]});
+        else if (k == 1)
+          row_corners.push_back({patch_face, w[2] + w[0], -w[0]});
+        else
+          row_corners.push_back({patch_face, -w[0], w[0] + w[1]});
       }
       row_begin.push_back(SizeOf(row_corners));
     }
