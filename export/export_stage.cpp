@@ -156,7 +156,10 @@ double RateOf(const fs::path& frames, const ExportOptions& options) {
   return usable ? own : kUsualRate;
 }
 
-double MetresOf(const std::string& unit) { return unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1; }
+double MetresOf(const std::string& unit) {
+  if (unit == "mm") return 1e-3;
+  return unit == "cm" ? 1e-2 : 1;
+}
 
 /// Meshes that were made elsewhere are often in millimetres.
 void WarnOfSize(keypose::StageContext& stage, const Scene& scene) {

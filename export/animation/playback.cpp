@@ -120,9 +120,8 @@ std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
     // adds no frame.
     const bool end_of_last = i > 0 && i + 1 == moments.size() && moments[i - 1].stands &&
                              moments[i - 1].frame == moments[i].frame;
-    const long count = i + 1 < moments.size() ? tick(moments[i + 1]) - tick(moments[i])
-                       : end_of_last          ? 0
-                                              : 1;
+    long count = end_of_last ? 0 : 1;
+    if (i + 1 < moments.size()) count = tick(moments[i + 1]) - tick(moments[i]);
     frames.insert(frames.end(), static_cast<std::size_t>(count), moments[i].frame);
   }
   return frames;
