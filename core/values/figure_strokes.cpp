@@ -131,7 +131,8 @@ int MatchOf(const std::string& photograph, const std::string& captured) {
     const auto end = text.rfind('.');
     return end != text.npos && text.substr(0, end) == captured.substr(0, dot);
   };
-  return is_stem(joined) ? 2 : is_stem(name) ? 1 : 0;
+  if (is_stem(joined)) return 2;
+  return is_stem(name) ? 1 : 0;
 }
 
 /// The part of a line that lies within the picture, as shares of `step`; empty (1, 0) if none does.
@@ -223,7 +224,10 @@ int IndexOfPicture(const FigureStroke& stroke, const std::vector<std::string>& c
   int best = -1, best_match = 0;
   for (std::size_t i = 0; i < captured_names.size(); ++i) {
     const int match = MatchOf(stroke.picture, captured_names[i]);
-    if (match > best_match) best = static_cast<int>(i), best_match = match;
+    if (match > best_match) {
+      best = static_cast<int>(i);
+      best_match = match;
+    }
   }
   return best;
 }
