@@ -5,11 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "composite/layer/linear_light.h"
-#include "core/numbers/rotations.h"
 #include "core/surfaces/shapes.h"
 
-namespace keypose::composite::follow_test {
+namespace keypose::composite::follow_film_test {
 
 /// A ball with a spotted texture before a plain set.
 struct SpottedBall {
@@ -95,4 +93,4 @@ TEST(FollowFilm, NothingSeenIsNoShift) {
   EXPECT_EQ(followed.shifts.cwiseAbs().maxCoeff(), 0);
 }
 
-}  // namespace keypose::composite::follow_test
+}  // namespace keypose::composite::follow_film_test

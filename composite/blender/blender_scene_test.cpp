@@ -1,4 +1,6 @@
 // The camera that the script builds in Blender shows points where our camera does.
+#include "composite/blender/blender_scene.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -6,14 +8,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "composite/blender/blender_scene.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
-#include "core/pictures/render.h"
+#include "core/pictures/fit_view.h"
 #include "core/surfaces/shapes.h"
 #include "core/testing/folder.h"
 
-namespace keypose::composite::blender_test {
+namespace keypose::composite::blender_scene_test {
 
 namespace fs = std::filesystem;
 
@@ -168,4 +169,4 @@ TEST(BlenderScene, F12LooksLikeTheComposite) {
   EXPECT_NEAR(at(-0.35, 0, 0), 124, 4) << "0.4 of its light";
 }
 
-}  // namespace keypose::composite::blender_test
+}  // namespace keypose::composite::blender_scene_test
