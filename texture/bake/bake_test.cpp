@@ -9,7 +9,6 @@
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
 #include "texture/bake/testing_spheres.h"
-#include "texture/bake/view_alignment.h"
 
 namespace keypose::texture::bake_test {
 
@@ -64,33 +63,6 @@ TEST(Bake, DetailStaysSharpWhenCamerasAreAPixelOff) {
   const double exact = EdgeEnergy(mesh, BakeAll(mesh, truth, photographs).texture);
   EXPECT_GT(EdgeEnergy(mesh, BakeAll(mesh, off, photographs).texture),
             0.85 * exact);  // the mean of these views has 0.6 of it
-}
-
-TEST(AlignPhotographs, HalvesWhatACameraIsOff) {
-  const Mesh mesh = PatchSphere(12);
-  const std::vector<View> truth = AllRound(240);
-  const std::vector<Photograph>& photographs = SharedPhotographs(true);
-  std::vector<View> off = truth;
-  off[5].camera.cx += 2;
-  off[9].camera.cy -= 1.5;
-  const RayScene scene(mesh.points, mesh.faces);
-  std::vector<BakeView> views;
-  for (std::size_t v = 0; v < off.size(); ++v)
-    views.emplace_back(off[v], photographs[v], mesh, scene, BakeViewOptions());
-  std::vector<char> used(views.size(), 1);
-  used[3] = 0;
-  const std::vector<Warp> warps = AlignPhotographs(mesh, views, used);
-  EXPECT_EQ(warps[3].wide, 0);
-  for (std::size_t v = 0; v < off.size(); ++v) {
-    if (v == 3) continue;
-    const Eigen::Vector2d middle(160, 120), moved = warps[v].Moved(middle) - middle;
-    const Eigen::Vector2d expected(truth[v].camera.cx - off[v].camera.cx,
-                                   truth[v].camera.cy - off[v].camera.cy);
-    // Some five views see a point, so a part of one view's displacement is attributed to the
-    // others: it is reduced to about half, and no other view moves far.
-    EXPECT_LT((moved - expected).norm(), expected.norm() > 0 ? 0.6 * expected.norm() : 0.7)
-        << "view " << v << ": " << moved.transpose();
-  }
 }
 
 TEST(Bake, PhotographsFarFinerThanTheAtlasAreAveragedNotAliased) {
@@ -293,20 +265,6 @@ TEST(Bake, ATexelIsTheSameSpotInEveryPose) {
   EXPECT_GT(Psnr(sum, static_cast<double>(a.texture.data.size())), 38);
 }
 
-TEST(HarmonizeGains, FindsOneAndOnePointTwo) {
-  const Mesh mesh = PatchSphere(12);
-  const std::vector<View> views = {At({4, 0, 0}, 240), At({3, 2.6, 0}, 240)};
-  std::vector<Photograph> photographs = Shoot(mesh, {views[0]}, Smooth);
-  photographs.push_back(Shoot(mesh, {views[1]}, [](const Vector3d& x, const Vector3d& eye) {
-    return (1.2f * Smooth(x, eye)).eval();
-  })[0]);
-  const BakeResult result = BakeAll(mesh, views, photographs);
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(result.gains[0][k] / result.gains[1][k], 1.2, 0.012);
-    EXPECT_NEAR(result.gains[0][k] * result.gains[1][k], 1, 0.02);  // exposed between the two
-  }
-}
-
 TEST(Bake, SameBitsAtOneAndTwoThreads) {
   const Mesh mesh = PatchSphere(8);
   const std::vector<View> views = AllRound(120);
@@ -424,6 +382,30 @@ TEST(Bake, MeshOutOfEveryViewIsAnInputError) {
   views[0].camera.width = 61;
   EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, views, photographs); }),
               ::testing::HasSubstr("pixels"));
+}
+
+TEST(Bake, TexelsFarFinerThanThePhotographsAreWhatTheyWouldBeOneByOne) {
+  const Mesh mesh = PatchSphere(6);
+  const std::vector<View> views = AllRound(80);
+  BakeOptions options = Small();
+  options.texture_size = 768;
+  options.hold_out = 0;
+  // 20 texels per pixel: nodes. The reference is the bilinear value of the same photographs, read
+  // one by one, which have 80 lines at best.
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth), options);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Smooth), 38);
+  EXPECT_EQ(result.unseen_texels(), 0);
+}
+
+TEST(AdviseTextureSize, DoublesWithTheFocalLength) {
+  const Mesh mesh = PatchSphere(12);
+  std::vector<View> views = AllRound(240);
+  const int size = AdviseTextureSize(mesh, views);
+  // From 3 radii away a pixel is 1 / 124 of the radius. A quarter of the way round, 195 pixels, has
+  // 29 % of the layout's width, 44 % of its height.
+  EXPECT_EQ(size, 512);
+  for (View& view : views) view.camera.fx *= 2, view.camera.fy *= 2;
+  EXPECT_EQ(AdviseTextureSize(mesh, views), 2 * size);
 }
 
 }  // namespace keypose::texture::bake_test

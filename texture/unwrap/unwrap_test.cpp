@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "core/numbers/parallel.h"
-#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
 #include "texture/charts/charts.h"
-#include "texture/charts/parametrise.h"
+#include "texture/testing/snowman.h"
 
 namespace keypose::texture::unwrap_test {
 
@@ -43,18 +42,6 @@ Mesh Torus(int n, int m) {
       mesh.faces.row(2 * p + 1) << p, r, s;
     }
   }
-  return mesh;
-}
-
-/// A unit square of two triangles in the plane z = 0, with the texture coordinates `uvs`.
-Mesh Square(const UvsX2& uvs) {
-  Mesh mesh;
-  mesh.points.resize(4, 3);
-  mesh.points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0;
-  mesh.faces.resize(2, 3);
-  mesh.faces << 0, 1, 2, 0, 2, 3;
-  mesh.uvs = OnGrid(uvs);
-  mesh.uv_faces = mesh.faces;
   return mesh;
 }
 
@@ -204,125 +191,33 @@ TEST(Unwrapped, NanVertexThrowsInputError) {
   EXPECT_THROW(Unwrapped(mesh, {}), InputError);
 }
 
-TEST(FindAtlasFaults, SquareHasNone) {
-  UvsX2 uvs(4, 2);
-  uvs << 0, 0, 1, 0, 1, 1, 0, 1;
-  EXPECT_TRUE(FindAtlasFaults(Square(uvs)).none());
-}
-
-TEST(FindAtlasFaults, MirroredSquareIsFlipped) {
-  UvsX2 uvs(4, 2);
-  uvs << 1, 0, 0, 0, 0, 1, 1, 1;
-  EXPECT_EQ(FindAtlasFaults(Square(uvs)).flipped, 2);
-}
-
-TEST(FindAtlasFaults, TriangleWithoutAreaIsFlipped) {
-  UvsX2 uvs(4, 2);
-  uvs << 0, 0, 0.5, 0.5, 1, 1, 0, 1;
-  EXPECT_EQ(FindAtlasFaults(Square(uvs)).flipped, 1);
-}
-
-TEST(FindAtlasFaults, SeesTwoChartsThatCrossAndOneInsideAnother) {
-  UvsX2 uvs(4, 2);
-  uvs << 0.1, 0.1, 0.9, 0.1, 0.9, 0.9, 0.1, 0.9;
-  const Mesh large = Square(uvs);
-  for (const bool nested : {false, true}) {
-    Mesh both = large;
-    both.points.conservativeResize(8, 3);
-    both.points.bottomRows(4) = large.points;
-    both.faces.conservativeResize(4, 3);
-    both.faces.bottomRows(2) = large.faces.array() + 4;
-    both.uv_faces = both.faces;
-    both.uvs.conservativeResize(8, 2);
-    const Eigen::RowVector2d shift =
-        nested ? Eigen::RowVector2d(0.25, 0.25) : Eigen::RowVector2d(0.5, 0.5);
-    both.uvs.bottomRows(4) = OnGrid((large.uvs * 0.5).rowwise() + shift);
-    const AtlasFaults faults = FindAtlasFaults(both);
-    EXPECT_EQ(faults.crossings > 0, !nested);
-    EXPECT_TRUE(!nested || faults.nested == 1);
-    EXPECT_EQ(faults.flipped, 0);
+TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
+  const Mesh figure = Snowman(5);
+  UnwrapOptions options;
+  options.elastic_packing = false;
+  options.effort = 20;
+  options.enough_utilisation = 0;
+  const UnwrapResult hidden = Unwrapped(figure, options);
+  options.hide_seams = false;
+  const UnwrapResult plain = Unwrapped(figure, options);
+  EXPECT_LT(hidden.seam_exposure, 0.9 * hidden.edge_exposure);
+  EXPECT_LT(hidden.seam_exposure, plain.seam_exposure);
+  EXPECT_LT(hidden.seam_front_over_diag, plain.seam_front_over_diag);
+  // Share of the way around the waist that is seam: by angle, in 72 sectors.
+  const Surface s = MakeSurface(figure);
+  std::vector<char> sector(72, 0);
+  for (int f = 0; f < figure.face_count(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = figure.faces(f, k), b = figure.faces(f, (k + 1) % 3), g = s.neighbors(f, k);
+      int at = 0;
+      while (figure.faces(g, at) != a || figure.faces(g, (at + 2) % 3) != b) ++at;
+      if (hidden.mesh.uv_faces(g, at) == hidden.mesh.uv_faces(f, k)) continue;
+      const Eigen::RowVector3d m = (figure.points.row(a) + figure.points.row(b)) / 2;
+      if (std::abs(m.z()) < 0.08)
+        sector[std::min(71, static_cast<int>((std::atan2(m.y(), m.x()) / EIGEN_PI + 1) * 36))] = 1;
+    }
   }
-}
-
-TEST(FindAtlasFaults, FanThatWindsAroundTwiceCrossesItself) {
-  // No triangle flips, but the fan covers the plane twice: only its boundary reveals that.
-  const int n = 12;
-  Mesh fan;
-  fan.points = PointsX3::Zero(n + 2, 3);
-  fan.uvs.resize(n + 2, 2);
-  fan.uvs.row(n + 1) << 0.5, 0.5;
-  fan.faces.resize(n, 3);
-  for (int i = 0; i <= n; ++i) {
-    const double angle = 3.8 * EIGEN_PI * i / n;
-    fan.uvs.row(i) << 0.5 + (0.2 + 0.01 * i) * std::cos(angle),
-        0.5 + (0.2 + 0.01 * i) * std::sin(angle);
-    if (i < n) fan.faces.row(i) << n + 1, i, i + 1;
-  }
-  fan.uvs = OnGrid(fan.uvs);
-  fan.uv_faces = fan.faces;
-  const AtlasFaults faults = FindAtlasFaults(fan);
-  EXPECT_EQ(faults.flipped, 0);
-  EXPECT_GT(faults.crossings, 0);
-}
-
-TEST(FindAtlasFaults, OutsideOfTheSquareIsAFault) {
-  UvsX2 uvs(4, 2);
-  uvs << 0, 0, 1.25, 0, 1.25, 1, 0, 1;
-  EXPECT_EQ(FindAtlasFaults(Square(uvs)).outside, 2);
-}
-
-TEST(MeasureAtlasStretch, KnownAffineMap) {
-  // The unit square onto 0.8 x 0.2: after scaling to equal area the map back stretches by 2 and
-  // 1/2.
-  UvsX2 uvs(4, 2);
-  uvs << 0, 0, 0.8, 0, 0.8, 0.2, 0, 0.2;
-  const AtlasStretch stretch = MeasureAtlasStretch(Square(uvs));
-  EXPECT_NEAR(stretch.linf, 2, 1e-9);
-  EXPECT_NEAR(stretch.l2, std::sqrt((4 + 0.25) / 2), 1e-9);
-  EXPECT_NEAR(stretch.conformal_mean, 4, 1e-9);
-  EXPECT_NEAR(stretch.area_deviation, 0, 1e-9);
-  EXPECT_NEAR(stretch.utilisation, 0.16, 1e-9);
-}
-
-TEST(Stretches, RotationHasNone) {
-  const Eigen::Vector2d s = Stretches({0, 0, 1}, {2, 0, 1}, {1, 3, 1}, {0, 0}, {0, 2}, {-3, 1});
-  EXPECT_NEAR(s[0], 1, 1e-12);
-  EXPECT_NEAR(s[1], 1, 1e-12);
-}
-
-TEST(Flattened, DevelopableStripBecomesItsOwnPlan) {
-  const Mesh tube = MakeCylinder(0.5, 1, 32, 8);
-  const Surface surface = MakeSurface(tube);
-  std::vector<int> faces;  // a third of the way round the side
-  for (int f = 0; f < tube.face_count(); ++f)
-    if (std::abs(surface.normals(f, 2)) < 0.1 && surface.centers(f, 0) > 0.25) faces.push_back(f);
-  const Chart chart = MakeChart(surface, faces);
-  ASSERT_TRUE(chart.disk);
-  const auto uvs = Flattened(surface, chart, 200);
-  ASSERT_TRUE(uvs.has_value());
-  EXPECT_LT(MeasureDistortion(surface, chart, *uvs).max, 1.001);
-}
-
-TEST(MakeChart, RingIsNoDiskAndPinchedVertexCountsTwice) {
-  const Mesh tube = MakeCylinder(0.5, 1, 16, 4);
-  const Surface surface = MakeSurface(tube);
-  std::vector<int> side;
-  for (int f = 0; f < tube.face_count(); ++f)
-    if (std::abs(surface.normals(f, 2)) < 0.1) side.push_back(f);
-  EXPECT_FALSE(MakeChart(surface, side).disk);
-  // Two faces that share only a vertex: six local vertices, not connected.
-  const int v = tube.faces(side[0], 0);
-  for (const int f : side) {
-    int shared = 0;
-    for (int k = 0; k < 3; ++k)
-      shared += (tube.faces.row(side[0]).array() == tube.faces(f, k)).any();
-    if (shared != 1 || !(tube.faces.row(f).array() == v).any()) continue;
-    const Chart pinched = MakeChart(surface, {side[0], f});
-    EXPECT_EQ(pinched.vertices.size(), 6u);
-    EXPECT_FALSE(pinched.disk);
-    return;
-  }
-  FAIL() << "the tube has no such pair";
+  EXPECT_GE(std::count(sector.begin(), sector.end(), 1), 60);
 }
 
 }  // namespace keypose::texture::unwrap_test

@@ -2,27 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
-#include "texture/unwrap/unwrap.h"
+#include "texture/testing/snowman.h"
 
 namespace keypose::texture::hidden_seams_test {
-
-/// Two balls, one on the other, with a deep crease around the waist at z = 0.
-Mesh Snowman(int levels) {
-  Mesh mesh = MakeIcosphere(levels);
-  for (int v = 0; v < mesh.vertex_count(); ++v) {
-    const double z = mesh.points(v, 2), narrow = 1 - 0.6 * std::exp(-z * z / 0.02);
-    mesh.points(v, 0) *= narrow;
-    mesh.points(v, 1) *= narrow;
-    mesh.points(v, 2) *= 1.8;
-  }
-  return mesh;
-}
 
 int Nearest(const Surface& s, const Eigen::RowVector3d& p) {
   Eigen::Index at = 0;
@@ -92,35 +79,6 @@ TEST(BetterBorder, MovesFromATiltedCircleToACheapRing) {
   for (const int f : changed) label[f] = 10 - label[f];
   for (int f = 0; f < std::ssize(label); ++f) EXPECT_EQ(label[f], s.centers(f, 2) > 0 ? 3 : 7) << f;
   EXPECT_TRUE(BetterBorder(s, costs, label, 3, 7, 12).empty());  // the best stays
-}
-
-TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
-  const Mesh figure = Snowman(5);
-  UnwrapOptions options;
-  options.elastic_packing = false;
-  options.effort = 20;
-  options.enough_utilisation = 0;
-  const UnwrapResult hidden = Unwrapped(figure, options);
-  options.hide_seams = false;
-  const UnwrapResult plain = Unwrapped(figure, options);
-  EXPECT_LT(hidden.seam_exposure, 0.9 * hidden.edge_exposure);
-  EXPECT_LT(hidden.seam_exposure, plain.seam_exposure);
-  EXPECT_LT(hidden.seam_front_over_diag, plain.seam_front_over_diag);
-  // Share of the way around the waist that is seam: by angle, in 72 sectors.
-  const Surface s = MakeSurface(figure);
-  std::vector<char> sector(72, 0);
-  for (int f = 0; f < figure.face_count(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = figure.faces(f, k), b = figure.faces(f, (k + 1) % 3), g = s.neighbors(f, k);
-      int at = 0;
-      while (figure.faces(g, at) != a || figure.faces(g, (at + 2) % 3) != b) ++at;
-      if (hidden.mesh.uv_faces(g, at) == hidden.mesh.uv_faces(f, k)) continue;
-      const Eigen::RowVector3d m = (figure.points.row(a) + figure.points.row(b)) / 2;
-      if (std::abs(m.z()) < 0.08)
-        sector[std::min(71, static_cast<int>((std::atan2(m.y(), m.x()) / EIGEN_PI + 1) * 36))] = 1;
-    }
-  }
-  EXPECT_GE(std::count(sector.begin(), sector.end(), 1), 60);
 }
 
 }  // namespace keypose::texture::hidden_seams_test
