@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <Eigen/Dense>
 
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
@@ -130,6 +130,23 @@ TEST(CheckLandmarks, ImpossiblePairsAreErrorsThatNameThem) {
   picks = Honest(tube, tube, {1, 1, 1});
   picks.push_back(PickAt("two places", tube, kPlaces[0], tube, kPlaces[6]));
   ExpectRefused(picks, tube, tube, "'p0' and 'two places' are the same point of the source");
+}
+
+TEST(CheckLandmarks, DropsRepeatsAndRefusesContradictions) {
+  const Mesh mesh = MakeIcosphere(1);
+  const Eigen::Vector3d corner(1, 0, 0);
+  const PickedPair a{"a", 0, 0, corner, corner}, again{"b", 0, 0, corner, corner},
+      against{"c", 0, 50, corner, corner};
+  EXPECT_EQ(CheckLandmarks({a, again}, mesh, mesh).duplicates, 1);
+  EXPECT_EQ(CheckLandmarks({a, again}, mesh, mesh).goals.size(), 1u);
+  try {
+    CheckLandmarks({a, against}, mesh, mesh);
+    FAIL() << "contradiction accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'a' and 'c'"), std::string::npos);
+  }
+  EXPECT_THROW(CheckLandmarks({{"off", 9001, 0, corner, corner}}, mesh, mesh), InputError);
+  EXPECT_THROW(CheckLandmarks({{"off", 0, 0, {2, -1, 0}, corner}}, mesh, mesh), InputError);
 }
 
 }  // namespace keypose::registration::landmarks_test

@@ -9,10 +9,10 @@
 #include <numbers>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -23,7 +23,7 @@ namespace {
 constexpr int kAlignmentSamples = 500, kCoarseRounds = 15, kFineRounds = 60, kYawStarts = 24;
 
 // Chosen on synthetic shapes and the registration pairs that the tests use
-// (register/nricp_test.cpp, register/pairs_test.cpp); sensitivity: docs/results/sensitivity.md.
+// (nricp_test.cpp, register/pairs_test.cpp); sensitivity: docs/results/sensitivity.md.
 struct AlignmentTuning {
   KEYPOSE_TUNED(double, kTrim, 0.8);  // share of the pairs, the closest, that ICP fits
   // factor on the distance that a turned start must reach to be taken instead of the unturned one
