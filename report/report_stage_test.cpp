@@ -1,5 +1,3 @@
-// keypose-report on a small run made here: photographs of an ellipsoid from all round, and one
-// stray photograph.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,13 +16,13 @@
 #include "core/surfaces/shapes.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
+#include "report/testing/minimal_report.h"
 
 namespace keypose::report::report_stage_test {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
-
 constexpr int kViews = 9, kStray = 4, kWidth = 200, kHeight = 180;
 
 Mesh Ellipsoid() {
@@ -203,6 +201,29 @@ TEST(ReportStage, ElseTheFirstMasksAre) {
   project.TakeToRoom("colours and views");
   ASSERT_EQ(project.Report(), 0) << project.Text("log");
   EXPECT_EQ(json::parse(project.Text("stage.json"))["verdicts"][0]["grade"], "wrong");
+}
+
+TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
+  std::filesystem::create_directories(folder / "run");
+  std::ofstream(folder / "run/run.json") << kRun;
+  const std::string f = folder.string();
+  const std::string command = BinFolder() + "/keypose-report --run " + f + "/run --report " + f +
+                              "/report --report " + f + "/stage.json > " + f + "/log 2>&1";
+  std::ostringstream log;
+  const int code = std::system(command.c_str()) >> 8;
+  log << std::ifstream(folder / "log").rdbuf();
+  ASSERT_EQ(code, 0) << log.str();
+  std::ostringstream page;
+  page << std::ifstream(folder / "report/index.html").rdbuf();
+  EXPECT_THAT(page.str(), HasSubstr("no longer there"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "report/report.json"));
+  const nlohmann::json said = nlohmann::json::parse(std::ifstream(folder / "stage.json"));
+  ASSERT_EQ(said["verdicts"].size(), 2u);
+  EXPECT_EQ(said["verdicts"][1]["about"], "up");
+  EXPECT_EQ(said["verdicts"][1]["grade"], "wrong");
+  EXPECT_THAT(std::string(said["verdicts"][1]["why"]), HasSubstr("keypose log cleanup/up"));
 }
 
 }  // namespace keypose::report::report_stage_test

@@ -1,4 +1,3 @@
-// The verdicts on measurements of real runs: ideal sets, and sets that were spoilt on purpose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,13 +5,12 @@
 #include <tuple>
 
 #include "report/contents.h"
-#include "report/html.h"
+#include "report/testing/minimal_report.h"
 
 namespace keypose::report::verdicts_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
 using Numbers = std::map<std::string, double>;
 
 StepRecord Step(const std::string& stage, const std::string& pose, const Numbers& numbers) {
@@ -356,6 +354,26 @@ TEST(Judge, PoseFromFewPhotographsSaysWhatToDoWhenTheyDisagree) {
     bad[name] = value;
     EXPECT_EQ(JudgedWave(Fitted(0.98, bad)).grade, Grade::kLook) << name;
   }
+}
+
+TEST(FindAll, NamesAPhotographWhoseDetailsTheRenderDoesNotRepeat) {
+  Contents contents = Minimal();
+  std::vector<ViewEvidence> views(5);
+  for (int i = 0; i < 5; ++i) {
+    views[i].name = "IMG_" + std::to_string(i);
+    views[i].outline_off = 0.0005, views[i].edges = 1;
+    views[i].structure = i == 3 ? 0.29 : 0.9;
+  }
+  contents.poses[0].evidence = Summarize(views);
+  const auto named = [&] {
+    const std::vector<Finding> all = FindAll(contents);
+    return std::count_if(all.begin(), all.end(), [](const Finding& f) {
+      return f.grade == Grade::kLook && f.text.find("<b>IMG_3</b>") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(named(), 1);
+  contents.poses[0].evidence.views[3].structure = 0.31;
+  EXPECT_EQ(named(), 0);
 }
 
 }  // namespace keypose::report::verdicts_test
