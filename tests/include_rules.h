@@ -39,8 +39,8 @@ struct Breach {
 /// *_colmap.{h,cpp} -> core/io. core/io, core/stage -> core, by their links; core's tests -> all of
 /// core. synth, pipeline -> core, core/io. studio -> core, core/io, pipeline, and its own
 /// sub-rooms as linked. tests, bench -> anything. Headers
-/// -> the project's own, Eigen and the standard library. CGAL, PCL, Ceres, TetGen, OpenCV and
-/// Embree only in .cpp.
+/// -> the project's own, Eigen and the standard library; those in folders `testing` also
+/// GoogleTest. CGAL, PCL, Ceres, TetGen, OpenCV and Embree only in .cpp.
 std::vector<Breach> IncludeBreaches(const Rooms& rooms, const std::string& file,
                                     const std::string& text);
 

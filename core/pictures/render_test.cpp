@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/numbers/parallel.h"
-#include "core/pictures/cloud_picture.h"
+#include "core/pictures/testing/from_above.h"
 #include "core/values/errors.h"
 
 namespace keypose::render_test {
@@ -21,53 +21,6 @@ Mesh Square(double z = 0) {
   mesh.uvs << 0, 0, 1, 0, 1, 1, 0, 1;
   mesh.uv_faces = mesh.faces;
   return mesh;
-}
-
-View FromAbove(int size = 40) {
-  View view;
-  view.camera.width = view.camera.height = size;
-  view.camera.fx = view.camera.fy = size;  // at distance 4 the square covers the middle half
-  view.camera.cx = view.camera.cy = size / 2.0;
-  view.camera_from_world = LookAt({0, 0, 4}, {0, 0, 0}, {0, 1, 0});
-  return view;
-}
-
-TEST(LookAt, TargetIsAheadAndUpIsUpwards) {
-  const Eigen::Vector3d eye(3, -2, 1), target(0.5, 0.2, -0.3);
-  const Rigid3 camera_from_world = LookAt(eye, target);
-  const Eigen::Vector3d ahead = camera_from_world * target;
-  EXPECT_NEAR(ahead.x(), 0, 1e-12);
-  EXPECT_NEAR(ahead.y(), 0, 1e-12);
-  EXPECT_NEAR(ahead.z(), (target - eye).norm(), 1e-12);
-  EXPECT_NEAR((camera_from_world * eye).norm(), 0, 1e-12);
-  EXPECT_LT((camera_from_world * (target + Eigen::Vector3d(0, 0, 0.1))).y(), 0);  // y is down
-  EXPECT_THROW(LookAt(eye, eye), InputError);
-}
-
-TEST(FitView, HoldsEveryPointAndFillsThePicture) {
-  PointsX3 points(3, 3);
-  points << 0, 0, 0, 5, 1, 0, 1, 2, 9;
-  for (const double azimuth : {0.0, 77.0, 200.0}) {
-    const View view = FitView(points, azimuth, 20, 320, 200);
-    double most = 0;
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector2d p = view.Project(points.row(i));
-      EXPECT_GT(p.minCoeff(), 0);
-      EXPECT_LT(p.x(), 320);
-      EXPECT_LT(p.y(), 200);
-      most = std::max({most, std::abs(p.x() / 160 - 1), std::abs(p.y() / 100 - 1)});
-    }
-    EXPECT_GT(most, 0.85);
-  }
-}
-
-TEST(FitView, AzimuthZeroSeesTheFrontAndNinetyTheRight) {
-  PointsX3 points(2, 3);
-  points << -1, -1, -1, 1, 1, 1;
-  EXPECT_LT(FitView(points, 0, 0, 10, 10).Center().y(), -1);
-  EXPECT_GT(FitView(points, 90, 0, 10, 10).Center().x(), 1);
-  EXPECT_GT(FitView(points, 0, 60, 10, 10).Center().z(), 1);
-  EXPECT_THROW(FitView(PointsX3(0, 3), 0, 0, 10, 10), InputError);
 }
 
 TEST(Rasterize, GivesTheDepthAndFaceOfEachPixel) {
@@ -289,30 +242,6 @@ TEST(MapColor, RunsFromEndToEndAndMarksNaN) {
   EXPECT_EQ(MapColor(std::nan(""))[0], MapColor(std::nan(""))[2]);
   EXPECT_EQ(MapColor(0.5, ColorMap::kDiverging),
             (Eigen::Matrix<std::uint8_t, 3, 1>(242, 242, 242)));
-}
-
-TEST(RenderCloud, TheNearestPointIsInFrontInItsOwnColour) {
-  PointCloud cloud;
-  cloud.points.resize(2, 3);
-  cloud.points << 0, 0, 1, 0, 0, 0;  // the view is from above: the first is nearer
-  cloud.colors.resize(2, 3);
-  cloud.colors << 200, 10, 20, 1, 2, 3;
-  const Image8 picture = RenderCloud(cloud, FromAbove());
-  EXPECT_EQ(*picture.at(20, 20), 200);
-  EXPECT_EQ(*picture.at(5, 5), 247);
-}
-
-TEST(TileImages, PlacesImagesInRowsWithGaps) {
-  const std::vector<Image8> images = {Image8(4, 2, 3, 10), Image8(4, 2, 1, 20),
-                                      Image8(2, 2, 3, 30)};
-  const Image8 sheet = TileImages(images, 2, 1);
-  EXPECT_EQ(sheet.width, 9);
-  EXPECT_EQ(sheet.height, 5);
-  EXPECT_EQ(sheet.at(0, 0)[0], 10);
-  EXPECT_EQ(sheet.at(5, 1)[2], 20);
-  EXPECT_EQ(sheet.at(4, 0)[0], 255);
-  EXPECT_EQ(sheet.at(1, 3)[1], 30);
-  EXPECT_THROW(TileImages({}, 2), InputError);
 }
 
 }  // namespace keypose::render_test

@@ -5,14 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 #include <limits>
 #include <mutex>
 #include <random>
 #include <set>
 #include <thread>
 
-#include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
@@ -103,37 +101,6 @@ TEST(RayScene, StartsNoThreadHoweverManyAreMadeAndGone) {
 
 TEST(RayScene, EmptyMeshThrowsInputError) {
   EXPECT_THROW(RayScene(PointsX3(0, 3), FacesX3(0, 3)), InputError);
-}
-
-TEST(KdTree, FindsWhatBruteForceFinds) {
-  const PointsX3 points = PointsX3::Random(500, 3);
-  const KdTree tree(points);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Vector3d p = Eigen::Vector3d::Random();
-    Eigen::Index best = 0;
-    (points.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&best);
-    EXPECT_EQ(tree.Nearest(p).index, best);
-    EXPECT_EQ(tree.Nearest(p, 5).front().index, best);
-    const auto within = tree.Within(p, 0.5);
-    EXPECT_EQ(std::ssize(within),
-              ((points.rowwise() - p.transpose()).rowwise().norm().array() < 0.5).count());
-  }
-}
-
-TEST(ParallelFor, VisitsEachIndexOnceAndRethrows) {
-  for (const int threads : {1, 2, 5}) {
-    SetThreadCount(threads);
-    std::vector<int> visits(1000, 0);
-    ParallelFor(
-        1000, [&](std::int64_t i) { ++visits[i]; }, 7);
-    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), 1000);
-    EXPECT_THROW(ParallelFor(10,
-                             [](std::int64_t i) {
-                               if (i == 3) throw InputError("three");
-                             }),
-                 InputError);
-  }
-  SetThreadCount(0);
 }
 
 }  // namespace keypose::ray_scene_test

@@ -1,52 +1,21 @@
+#include "core/io/meshes/mesh_io.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/meshes/mesh_io.h"
-#include "core/io/meshes/mesh_look.h"
+#include <cstring>
+
+#include "core/io/testing/damaged_file.h"
+#include "core/io/testing/mesh_files.h"
 #include "core/io/text/files.h"
 #include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/shapes.h"
-#include "core/testing/folder.h"
 #include "core/values/errors.h"
 
 namespace keypose::mesh_io_test {
 
-Mesh ColoredSphereWithUvs() {
-  Mesh mesh = MakeIcosphere(2);
-  mesh.normals = VertexNormals(mesh.points, mesh.faces);
-  mesh.colors = ColorsX3::Constant(mesh.points.rows(), 3, 77);
-  mesh.uvs = (mesh.points.leftCols(2).array() * 0.5 + 0.5).matrix();
-  mesh.uv_faces = mesh.faces;
-  return mesh;
-}
-
-class MeshIo : public ::testing::Test, public TestingFolder {};
-
-TEST_F(MeshIo, PlyKeepsEveryBitAndTheUvs) {
-  const Mesh mesh = ColoredSphereWithUvs();
-  WriteMesh(folder_ / "m.ply", mesh);
-  const Mesh read = ReadMesh(folder_ / "m.ply");
-  EXPECT_EQ(read.points, mesh.points);
-  EXPECT_EQ(read.faces, mesh.faces);
-  EXPECT_EQ(read.colors, mesh.colors);
-  EXPECT_LT((read.normals - mesh.normals).norm(), 1e-5);
-  ASSERT_TRUE(read.has_uvs());
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(read.uvs.row(read.uv_faces(f, k)), mesh.uvs.row(mesh.uv_faces(f, k)));
-}
-
-TEST_F(MeshIo, ObjKeepsPositionsUvsAndNamesItsMaterial) {
-  const Mesh mesh = ColoredSphereWithUvs();
-  WriteMesh(folder_ / "m.obj", mesh, "texture.png");
-  const Mesh read = ReadMesh(folder_ / "m.obj");
-  // The OBJ parser rounds decimals itself and may miss the last bits.
-  EXPECT_LT((read.points - mesh.points).cwiseAbs().maxCoeff(), 1e-14);
-  EXPECT_EQ(read.faces, mesh.faces);
-  EXPECT_EQ(read.uv_faces, mesh.uv_faces);
-  EXPECT_LT((read.uvs - mesh.uvs).cwiseAbs().maxCoeff(), 1e-14);
-  EXPECT_NE(ReadFile(folder_ / "m.mtl").find("map_Kd texture.png"), std::string::npos);
-}
+namespace fs = std::filesystem;
 
 TEST_F(MeshIo, FormatIsToldByContentNotByName) {
   WriteMesh(folder_ / "m.ply", MakeIcosphere(1));
@@ -117,35 +86,6 @@ TEST_F(MeshIo, ObjVertexThatIsNoNumberThrowsWithItsLine) {
   }
 }
 
-/// Both triangles of a unit square whose texture coordinates are its places.
-void ExpectUvsAreThePlaces(const Mesh& mesh) {
-  ASSERT_EQ(mesh.face_count(), 2);
-  ASSERT_TRUE(mesh.has_uvs());
-  for (int f = 0; f < 2; ++f)
-    for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(mesh.uvs.row(mesh.uv_faces(f, k)), mesh.points.row(mesh.faces(f, k)).head(2));
-}
-
-const char* const kSquareFace = "element face 1\nproperty list uchar int vertex_indices\n";
-
-TEST_F(MeshIo, TextureCoordinatesOfPlyVerticesAreReadAsBlenderAndMeshLabWriteThem) {
-  for (const auto& [u, v] : {std::pair{"s", "t"}, {"texture_u", "texture_v"}})
-    ExpectUvsAreThePlaces(ReadMesh(
-        Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
-                                 "property float y\nproperty float z\nproperty float ") +
-                         u + "\nproperty float " + v + "\n" + kSquareFace +
-                         "end_header\n0 0 5 0 0\n1 0 5 1 0\n1 1 5 1 1\n0 1 5 0 1\n4 0 1 2 3\n")));
-}
-
-TEST_F(MeshIo, QuadsOfAPlyKeepTheTextureCoordinatesOfTheirCorners) {
-  ExpectUvsAreThePlaces(ReadMesh(
-      Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
-                               "property float y\nproperty float z\n") +
-                       kSquareFace +
-                       "property list uchar float texcoord\nend_header\n"
-                       "0 0 5\n1 0 5\n1 1 5\n0 1 5\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n")));
-}
-
 TEST_F(MeshIo, AnObjFaceWithoutTextureCoordinatesDoesNotTakeThoseOfOthers) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.5 0.5\nvt 1 0\nvt 1 1\n";
   const Mesh mesh = ReadMesh(Put("m.obj", square + "f 1/1 2/2 3/3\nf 1 3 4\n"));
@@ -155,19 +95,6 @@ TEST_F(MeshIo, AnObjFaceWithoutTextureCoordinatesDoesNotTakeThoseOfOthers) {
     EXPECT_EQ(mesh.uvs.row(mesh.uv_faces(1, k)), Eigen::RowVector2d(0, 0));
   EXPECT_FALSE(ReadMesh(Put("m.obj", square + "f 1 2 3\nf 1 3 4\n")).has_uvs());
   EXPECT_THROW(ReadMesh(Put("m.obj", square + "f 1/9 2/2 3/3\nf 1 3 4\n")), InputError);
-}
-
-TEST_F(MeshIo, ObjKeepsColoursOfItsVertices) {
-  const ColorsX3 expected = (ColorsX3(3, 3) << 255, 0, 51, 0, 255, 0, 0, 0, 255).finished();
-  EXPECT_EQ(
-      ReadMesh(Put("m.obj", "v 0 0 0 1 0 0.2\nv 1 0 0 0 1.0 0\nv 0 1 0 0 0 1\nf 1 2 3\n")).colors,
-      expected);
-  EXPECT_EQ(ReadMesh(Put("m.obj",
-                         "v 0 0 0 255 0 51\r\nv 1 0 0 0 255 0\r\nv 0 1 0 0 0 255\r\nf 1 2 3\r\n"))
-                .colors,
-            expected);
-  EXPECT_EQ(ReadMesh(Put("m.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n")).colors.rows(), 0)
-      << "a fourth coordinate is no colour";
 }
 
 TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
@@ -187,39 +114,76 @@ TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
       ReadMesh(Put("m.bin", head));
       ADD_FAILURE() << kind << " was read";
     } catch (const InputError& error) {
-      EXPECT_THAT(error.what(),
-                  ::testing::AllOf(::testing::HasSubstr(kind), ::testing::HasSubstr("export it as OBJ")));
+      EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr(kind),
+                                                 ::testing::HasSubstr("export it as OBJ")));
     }
 }
 
-TEST_F(MeshIo, WhatOneMaterialWithOneTextureCannotShowIsSaid) {
-  const std::string square =
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 1.5 1\n";
-  const auto warnings = [&](const std::string& faces) {
-    const fs::path path = Put("two parts.obj", square + faces);
-    return LookWarnings(path, ReadMesh(path));
-  };
-  EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nusemtl unused\n"),
-              ::testing::IsEmpty());
-  EXPECT_THAT(warnings("usemtl skin\nf 1/1 2/2 3/3\nusemtl red cloth\r\nf 1/1 3/3 4/2\n"),
-              ::testing::ElementsAre(::testing::HasSubstr("2 materials (red cloth, skin)")));
-  EXPECT_THAT(
-      warnings("f 1/1 2/2 3/4\nf 1/1 3/3 4/2\n"),
-      ::testing::ElementsAre(::testing::HasSubstr("1 of 2 faces of two parts.obj lie outside")));
-  EXPECT_THAT(warnings("f 1/1 2/2 3/3\nf 1 3 4\n"),
-              ::testing::ElementsAre(::testing::HasSubstr("1 of 2 faces")));
-  EXPECT_THAT(warnings("f 1 2 3\nusemtl cloth\nf 1 3 4\n"), ::testing::IsEmpty());
+TEST_F(HostileMesh, ObjCornerThatNamesNoVertexThrows) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (const char* face :
+       {"f 0 1 2\n", "f 1 2 x\n", "f 1 2 -4\n", "f 1 2 4\n", "f 1 2 99999999999\n"})
+    MeshMessage(Put("corner.obj", vertices + face));
 }
 
-TEST_F(MeshIo, CloudKeepsConfidence) {
-  PointCloud cloud;
-  cloud.points = PointsX3::Random(10, 3);
-  cloud.normals = cloud.points.rowwise().normalized();
-  cloud.confidence = Eigen::VectorXf::LinSpaced(10, 0, 1);
-  WritePointCloud(folder_ / "c.ply", cloud);
-  const PointCloud read = ReadPointCloud(folder_ / "c.ply");
-  EXPECT_EQ(read.points, cloud.points);
-  EXPECT_EQ(read.confidence, cloud.confidence);
+TEST_F(HostileMesh, ObjTexturePlacesMayCountBackwards) {
+  const std::string whole =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf -3/-3 -2/-2 -1/-1\n";
+  EXPECT_TRUE(ReadMesh(Put("whole.obj", whole)).has_uvs());
+}
+
+TEST_F(HostileMesh, CountsThatTheFileCannotHoldTakeNoMemory) {
+  const std::string ply = "ply\nformat ascii 1.0\nelement vertex ",
+                    properties = "\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::int64_t growth = GrowthBytes([&] {
+    EXPECT_TRUE(Says(MeshMessage(Put("a.off", "OFF\n10000000 10000000 0\n0 0 0\n1 0 0\n0 1 0\n")),
+                     "10000000 vertices"));
+    EXPECT_TRUE(Says(MeshMessage(Put("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n10000000 0 1 2\n")),
+                     "face 0 claims 10000000 corners"));
+    EXPECT_TRUE(
+        Says(MeshMessage(Put("c.ply", ply + "1x" + properties + "end_header\n0 0 0\n")), "line 3"));
+    EXPECT_TRUE(Says(MeshMessage(Put("d.ply", ply + "10000" + properties + "end_header\n0 0 0\n")),
+                     "claims 10000 of 'vertex'"));
+    EXPECT_TRUE(Says(MeshMessage(Put("e.ply", ply + "1" + properties +
+                                                  "element nothing 1000\nend_header\n0 0 0\n")),
+                     "claims 1000 of 'nothing'"));
+  });
+  EXPECT_LT(growth, 100 << 20);
+}
+
+/// A square of two triangles as binary OFF. Each face is followed by the number of its colours.
+std::string BinaryOff(std::uint32_t corners_of_second) {
+  const auto real = [](float value) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, 4);
+    return BigEndian32(bits);
+  };
+  std::string bytes = "OFF BINARY\n" + BigEndian32(4) + BigEndian32(2) + BigEndian32(0);
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
+    bytes += real(value);
+  for (const std::uint32_t value : {3u, 0u, 1u, 2u, 0u, corners_of_second, 0u, 2u, 3u, 0u})
+    bytes += BigEndian32(value);
+  return bytes;
+}
+
+TEST_F(HostileMesh, BinaryOffIsReadAndItsDamageNamed) {
+  const Mesh square = ReadMesh(Put("square.off", BinaryOff(3)));
+  ASSERT_EQ(square.face_count(), 2);
+  EXPECT_NEAR(SurfaceArea(square.points, square.faces), 1, 1e-12);
+  for (const std::uint32_t corners : {100000u, 1000u})
+    EXPECT_TRUE(Says(MeshMessage(Put("bad.off", BinaryOff(corners))), "cannot hold"));
+  MeshMessage(Put("bad.off", BinaryOff(4)));
+}
+
+TEST_F(HostileMesh, CoordinatesBeyondSinglePrecisionAreNoUsableMesh) {
+  Mesh mesh = MakeIcosphere(1);
+  mesh.points(5, 1) = 1e30;
+  try {
+    RequireUsable(mesh, "far.ply");
+    FAIL() << "1e30 is usable";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(Says(error.what(), "far.ply: vertex 5")) << error.what();
+  }
 }
 
 }  // namespace keypose::mesh_io_test

@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <filesystem>
 
-#include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
 #include "core/testing/dng.h"
@@ -92,13 +90,6 @@ TEST_F(Raw, ThatIsDamagedIsNamed) {
   WriteFile(file, "");
   EXPECT_THROW(ReadRawInfo(file), InputError);
   EXPECT_THROW(ReadRaw(folder_ / "none.nef"), DiskError);
-}
-
-TEST(IsRawName, KnowsTheKindsOfTheBigMakersInAnyCase) {
-  for (const char* name : {"a.CR2", "a.cr3", "a.NEF", "a.arw", "a.dng", "a.RAF", "a.orf", "a.rw2"})
-    EXPECT_TRUE(IsRawName(name)) << name;
-  for (const char* name : {"a.jpg", "a", ".dng", "a.dng.txt"})
-    EXPECT_FALSE(IsRawName(name)) << name;
 }
 
 }  // namespace keypose::raw_io_test

@@ -3,28 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/text/files.h"
-#include "core/pictures/image_turns.h"
 #include "core/testing/folder.h"
+#include "core/testing/waves.h"
 #include "core/values/errors.h"
 
 namespace keypose::reduced_image_test {
-
-/// Slow waves, other ones in each channel: what any way of averaging agrees on.
-Image8 Waves(int width, int height) {
-  Image8 image(width, height, 3);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c)
-        image.at(x, y)[c] = static_cast<std::uint8_t>(
-            std::lround(128 + 60 * std::sin(0.05 * x + c) + 50 * std::cos(0.04 * y + 2 * c)));
-  return image;
-}
 
 int LargestDifference(const Image8& a, const Image8& b) {
   EXPECT_EQ(a.width, b.width);
@@ -34,22 +22,6 @@ int LargestDifference(const Image8& a, const Image8& b) {
   for (std::size_t i = 0; i < std::min(a.data.size(), b.data.size()); ++i)
     largest = std::max(largest, std::abs(a.data[i] - b.data[i]));
   return largest;
-}
-
-TEST(Oriented, EachOfTheEightWaysIsUndone) {
-  Image8 stored(3, 2, 1);
-  std::copy_n("abcdef", 6, stored.data.begin());
-  const std::array<std::string, 9> upright = {"",       "abcdef", "cbafed", "fedcba", "defabc",
-                                              "adbecf", "daebfc", "fcebda", "cfbead"};
-  for (int way = 1; way <= 8; ++way) {
-    const Image8 image = Oriented(stored, way);
-    EXPECT_EQ(image.width, way < 5 ? 3 : 2);
-    EXPECT_EQ(std::string(image.data.begin(), image.data.end()), upright[way]) << way;
-  }
-  // Larger than the squares in which pixels are moved.
-  const Image8 waves = Waves(75, 41);
-  EXPECT_EQ(Oriented(Oriented(waves, 6), 8).data, waves.data);
-  EXPECT_EQ(Oriented(Oriented(waves, 7), 7).data, waves.data);
 }
 
 TEST(EighthsFor, TakesTheFewestThatKeepThePixels) {

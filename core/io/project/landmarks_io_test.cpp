@@ -2,6 +2,9 @@
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/project/landmarks_io.h"
+#include "core/io/project/poses_io.h"
+#include "core/io/project/timeline_json.h"
+#include "core/io/testing/damaged_file.h"
 #include "core/io/text/files.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
@@ -10,6 +13,8 @@
 #include "core/values/size_of.h"
 
 namespace keypose::landmarks_io_test {
+
+namespace fs = std::filesystem;
 
 class LandmarksIo : public ::testing::Test, public TestingFolder {};
 
@@ -184,6 +189,47 @@ TEST_F(LandmarksIo, WrapsPointsOfAnotherMeshAreInputErrors) {
     EXPECT_THROW(ReadPicks(Put("w.json", text), mesh), InputError) << text;
   const fs::path one = Put("w.json", R"({"nose": [3, 0.2, 0.3]})");
   EXPECT_THROW(ReadLandmarkPairs({one}, mesh, mesh), InputError);
+}
+
+using HostilePicks = HostileFile;
+
+TEST_F(HostilePicks, XmlWithoutItsRootOrWithoutEndIsAnInputError) {
+  const Mesh mesh = MakeIcosphere(1);
+  const auto refuse = [&](const std::string& text) {
+    const fs::path path = Put("picks.pp", text);
+    return Message<InputError>(path, [&] { ReadPicks(path, mesh); });
+  };
+  EXPECT_TRUE(
+      Says(refuse("<Foo><point x=\"0\" y=\"0\" z=\"0\" name=\"a\"/></Foo>"), "PickedPoints"));
+  EXPECT_TRUE(Says(refuse("<?xml version=\"1.0\"?>\n"), "PickedPoints"));
+  constexpr int kLevels = 150;
+  std::string deep;
+  for (int k = 0; k < kLevels; ++k) deep += "<a>";
+  EXPECT_TRUE(Says(refuse(deep), "levels"));
+  std::string hidden;  // end tags without a start tag must not hide the depth
+  for (int k = 0; k < kLevels; ++k) hidden += "<a b=\"/></a>\"><!-- </a></a> -->";
+  EXPECT_TRUE(Says(refuse(hidden), "levels"));
+  refuse("<PickedPoints><point x=\"1e300\" y=\"0\" z=\"0\" name=\"a\"/></PickedPoints>");
+  std::string flat = "<!DOCTYPE PickedPoints>\n<PickedPoints>\n";
+  for (int k = 0; k < 300; ++k)
+    flat += "<point x=\"1\" y=\"0\" z=\"0\" active=\"1\" name=\"p" + std::to_string(k) + "\"/>\n";
+  EXPECT_EQ(ReadPicks(Put("flat.pp", flat + "</PickedPoints>\n"), MakeIcosphere(3)).size(), 300u);
+}
+
+TEST_F(HostilePicks, JsonNestedDeepIsAnInputError) {
+  const Mesh mesh = MakeIcosphere(1);
+  const std::string deep = std::string(150, '[') + std::string(150, ']');
+  const fs::path picks = Put("picks.json", R"({"mesh":)" + deep + R"(,"landmarks":[]})");
+  EXPECT_TRUE(Says(Message<InputError>(picks, [&] { ReadPicks(picks, mesh); }), "levels"));
+  const fs::path pairs = Put("pairs.json", R"({"source":)" + deep + R"(,"pairs":[]})");
+  EXPECT_TRUE(
+      Says(Message<InputError>(pairs, [&] { ReadLandmarkPairs({pairs}, mesh, mesh); }), "levels"));
+  const fs::path transforms = Put("transforms.json", R"({"frames":)" + deep + "}");
+  EXPECT_TRUE(Says(Message<InputError>(transforms, [&] { ReadPoses(transforms); }), "levels"));
+  EXPECT_THROW(ParseTimeline(R"({"fps":24,"keys":)" + deep + "}", "timeline.json"), Error);
+  EXPECT_TRUE(IsShallowJson(R"({"a":"[[[[[[[[[[[[\"[[[[[[[[[[[[[","b":[[1]]})"));
+  EXPECT_TRUE(IsShallowJson("[" + std::string(150, '"') + "]"));
+  EXPECT_FALSE(IsShallowJson(deep));
 }
 
 }  // namespace keypose::landmarks_io_test
