@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/testing/message_of.h"
+#include "capture/testing/input_error.h"
 #include "core/values/exif_focal.h"
 
 namespace keypose::capture::photograph_checks_test {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "capture/pictures/working_image.h"
-#include "capture/testing/message_of.h"
+#include "capture/testing/input_error.h"
 #include "capture/testing/test_images.h"
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"

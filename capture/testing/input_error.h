@@ -1,8 +1,6 @@
 // The message of an InputError.
 #pragma once
 
-#include <gmock/gmock.h>
-
 #include <string>
 
 #include "core/values/errors.h"
