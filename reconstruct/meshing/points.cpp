@@ -18,7 +18,7 @@ namespace {
 constexpr int kFewestPoints = 100;
 constexpr std::int64_t kPointGrain = 2048;
 
-// kThinning was tuned on the wrong patch of meshing_test.cpp and on the masks of a set that the
+// kThinning was tuned on the wrong patch of surface_test.cpp and on the masks of a set that the
 // record does not name (docs/algorithms/mesh.md); of the others there is no record.
 // Sensitivity: docs/results/sensitivity.md.
 struct MeshPointTuning {

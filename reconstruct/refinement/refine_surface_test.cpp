@@ -10,51 +10,19 @@
 #include "core/numbers/statistics.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
-#include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
-#include "reconstruct/refinement/displacement_solve.h"
-#include "reconstruct/refinement/photo_profile.h"
+#include "reconstruct/refinement/testing/wavy_surface.h"
 #include "reconstruct/testing/rendered_ring.h"
 
-namespace keypose::reconstruct::refine_test {
+namespace keypose::reconstruct::refine_surface_test {
 
-using testing::Prepared;
 using testing::RenderedScene;
 using testing::RenderRing;
-using testing::RingOptions;
-
-constexpr int kLevels = 2;
 
 RefineOptions Options() {
   RefineOptions options;
   options.levels = kLevels;
   return options;
-}
-
-std::vector<PreparedView> Views(const RenderedScene& scene) { return Prepared(scene, kLevels); }
-
-const RenderedScene& Painted() {
-  static const RenderedScene scene = RenderRing({.views = 9});
-  return scene;
-}
-
-// The true surface, displaced along its normals by smooth waves of `footprints`; vertices about two
-// pixels apart.
-Mesh Wavy(const RenderedScene& scene, double footprints) {
-  Mesh mesh = MakeIcosphere(5);
-  const RayScene rays(scene.truth.points, scene.truth.faces);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
-    const Eigen::Vector3d way = mesh.points.row(v).normalized();
-    mesh.points.row(v) = rays.Cast(3 * way, -way).distance * -way + 3 * way;
-  }
-  const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
-    const Eigen::Vector3d x = mesh.points.row(v);
-    const double wave =
-        std::sin(7 * x.x() + 1) * std::sin(6 * x.y() - 2) + std::sin(5 * x.z() + 3 * x.x());
-    mesh.points.row(v) += footprints * scene.footprint * wave * normals.row(v);
-  }
-  return mesh;
 }
 
 // Distances to the true surface in footprints, for the part that the rings see well.
@@ -181,78 +149,4 @@ TEST(RefineSurface, AMeshWithoutFacesIsRefused) {
   EXPECT_THROW(RefineSurface(points, Views(Painted()), Options()), InputError);
 }
 
-TEST(CostProfiles, TheLeastCostIsAtTheTrueSurface) {
-  const std::vector<PreparedView> views = Views(Painted());
-  const Mesh mesh = Wavy(Painted(), 0);
-  const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
-  const std::vector<VertexViews> chosen =
-      ChooseViews(mesh.points, views, AllSights(mesh, normals, views));
-  const Profiles profiles =
-      CostProfiles(mesh.points, normals, chosen, views, 0, 8, 0.5 * Painted().footprint);
-  int compared = 0, central = 0;
-  for (int v = 0; v < mesh.vertex_count(); ++v) {
-    const float* row = profiles.Row(v);
-    const int least = static_cast<int>(std::min_element(row, row + profiles.count()) - row);
-    if (row[least] >= 0.3f) continue;
-    ++compared, central += std::abs(least - profiles.steps) <= 1;
-  }
-  EXPECT_GT(compared, mesh.vertex_count() / 2);
-  EXPECT_GT(central, 0.95 * compared);
-}
-
-TEST(CostProfiles, VectorCodeMeasuresWhatPlainLoopsMeasure) {
-  const std::vector<PreparedView> views = Views(Painted());
-  const Mesh mesh = Wavy(Painted(), 1);
-  const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
-  const std::vector<VertexViews> chosen =
-      ChooseViews(mesh.points, views, AllSights(mesh, normals, views));
-  const Profiles fast =
-      CostProfiles(mesh.points, normals, chosen, views, 1, 3, Painted().footprint);
-  const Profiles plain =
-      CostProfilesPlain(mesh.points, normals, chosen, views, 1, 3, Painted().footprint);
-  float largest = 0;
-  for (std::size_t i = 0; i < fast.cost.size(); ++i)
-    largest = std::max(largest, std::abs(fast.cost[i] - plain.cost[i]));
-  EXPECT_LT(largest, 1e-4f);
-}
-
-TEST(SolveDisplacement, StrongDataAreMet) {
-  const Mesh ball = MakeIcosphere(3);
-  const Neighbors neighbors = MakeNeighbors(ball.points, ball.faces);
-  DisplacementEnergy energy{neighbors.mean_edge, 0.02, 1, 1e-4, {}, {}, {}, {}};
-  energy.target.assign(ball.vertex_count(), 0.7f), energy.weight.assign(ball.vertex_count(), 1e4f);
-  std::vector<float> shift(ball.vertex_count(), 0.0f);
-  SolveDisplacement(ball.points, ball.points, neighbors, energy, &shift);
-  for (const float d : shift) EXPECT_NEAR(d, 0.7f, 1e-3f);
-}
-
-TEST(SolveDisplacement, WithoutDataNoiseIsSmoothedAway) {
-  Mesh ball = MakeIcosphere(4);
-  const Neighbors neighbors = MakeNeighbors(ball.points, ball.faces);
-  const PointsX3 normals = ball.points;
-  for (int v = 0; v < ball.vertex_count(); ++v)
-    ball.points.row(v) *= 1 + 0.01 * std::sin(12.9898 * v);
-  DisplacementEnergy energy{neighbors.mean_edge, 0.02, 10, 1e-4, {}, {}, {}, {}};
-  energy.target.assign(ball.vertex_count(), 0.0f), energy.weight.assign(ball.vertex_count(), 0.0f);
-  std::vector<float> shift(ball.vertex_count(), 0.0f);
-  SolveDisplacement(ball.points, normals, neighbors, energy, &shift);
-  double before = 0, after = 0;
-  for (int v = 0; v < ball.vertex_count(); ++v) {
-    before += std::pow(ball.points.row(v).norm() - 1, 2);
-    after += std::pow(
-        (ball.points.row(v) + shift[v] * neighbors.mean_edge * normals.row(v)).norm() - 1, 2);
-  }
-  EXPECT_LT(after, 0.25 * before);
-}
-
-TEST(Diffuse, VerticesThatKnowNothingTakeFromTheOthers) {
-  const Mesh ball = MakeIcosphere(2);
-  const Neighbors neighbors = MakeNeighbors(ball.points, ball.faces);
-  std::vector<char> known(ball.vertex_count(), 1);
-  std::vector<float> values(ball.vertex_count(), 3.0f);
-  known[5] = 0, values[5] = 100;
-  Diffuse(neighbors, 1, 1, known, &values);
-  for (const float value : values) EXPECT_NEAR(value, 3, 1e-5f);
-}
-
-}  // namespace keypose::reconstruct::refine_test
+}  // namespace keypose::reconstruct::refine_surface_test

@@ -2,12 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
-#include "reconstruct/stereo/dense_colmap.h"
 #include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct::dense_test {
@@ -140,13 +136,6 @@ TEST(ReconstructDense, TooFewOrLonelyViewsThrowWithTheirNames) {
   }
   views.resize(2);
   EXPECT_THROW(ReconstructDense(views, scene.scene, {}), InputError);
-}
-
-TEST(ColmapDense, KnowsBuildsWithoutCuda) {
-  EXPECT_FALSE(BuiltWithCuda(
-      "COLMAP 3.8 -- Structure-from-Motion\n (Commit Unknown on Unknown without CUDA)"));
-  EXPECT_TRUE(BuiltWithCuda("COLMAP 3.8 -- Structure-from-Motion\n (Commit 1 on 2023 with CUDA)"));
-  EXPECT_FALSE(BuiltWithCuda(""));
 }
 
 }  // namespace keypose::reconstruct::dense_test

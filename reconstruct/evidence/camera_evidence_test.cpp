@@ -4,31 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iterator>
 
-#include "core/pictures/image_turns.h"
-#include "core/pictures/joined_images.h"
-#include "core/pictures/render.h"
 #include "core/values/size_of.h"
-#include "reconstruct/turntable/upside_down.h"
+#include "reconstruct/matching/testing/ball_figure.h"
 
 namespace keypose::reconstruct::camera_evidence_test {
 
 using Eigen::Vector3d;
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr int kWidth = 320, kHeight = 240;
-
-struct Ball {
-  Vector3d center;
-  double radius;
-};
-
-/// A figure of balls, asymmetric in all directions: trunk, head, arms, a nose, feet.
-const std::vector<Ball> kFigure = {{{0.02, 0.03, 0}, 0.3},     {{0, 0.05, 0.38}, 0.2},
-                                   {{0.34, 0.1, 0.12}, 0.12},  {{-0.42, -0.05, 0.2}, 0.1},
-                                   {{0.05, -0.22, 0.4}, 0.08}, {{0.15, -0.1, -0.38}, 0.13},
-                                   {{-0.16, 0.08, -0.4}, 0.14}};
 
 Image8 MaskOf(const View& view, const std::vector<Ball>& figure = kFigure) {
   Image8 mask(kWidth, kHeight, 1, 0);
@@ -43,59 +25,6 @@ Image8 MaskOf(const View& view, const std::vector<Ball>& figure = kFigure) {
       }
   }
   return mask;
-}
-
-Scene Ring(int count, double step_deg) {
-  Scene scene;
-  for (int k = 0; k < count; ++k) {
-    const double turn = k * step_deg * kDegree, raised = 20 * kDegree;
-    View view;
-    view.name = "v" + std::to_string(100 + k);
-    view.camera = {.width = kWidth,
-                   .height = kHeight,
-                   .fx = 500,
-                   .fy = 500,
-                   .cx = kWidth / 2.0,
-                   .cy = kHeight / 2.0};
-    view.camera_from_world =
-        LookAt(3 * Vector3d(std::cos(turn) * std::cos(raised), std::sin(turn) * std::cos(raised),
-                            std::sin(raised)),
-               Vector3d::Zero());
-    scene.views.push_back(view);
-  }
-  return scene;
-}
-
-/// Points on the balls, each a feature of all images, with matches of neighbours.
-struct Matched {
-  std::vector<Features> features;
-  std::vector<PairMatches> pairs;
-};
-
-Matched MatchesOf(const Scene& truth) {
-  std::vector<Vector3d> points;
-  for (const Ball& ball : kFigure)
-    for (int k = 0; k < 10; ++k)
-      points.push_back(ball.center +
-                       ball.radius *
-                           Vector3d(std::cos(k), std::sin(k), std::cos(3.0 * k)).normalized());
-  Matched matched;
-  for (const View& view : truth.views) {
-    Features features;
-    features.positions.resize(std::ssize(points), 2);
-    features.scales = Eigen::VectorXf::Ones(features.positions.rows());
-    for (std::size_t p = 0; p < points.size(); ++p)
-      features.positions.row(p) = view.Project(points[p]).transpose().cast<float>();
-    matched.features.push_back(std::move(features));
-  }
-  const int images = SizeOf(truth.views);
-  for (int i = 0; i < images; ++i)
-    for (int j = i + 1; j < std::min(images, i + 3); ++j) {
-      PairMatches pair{i, j, {}};
-      for (std::uint32_t p = 0; p < points.size(); ++p) pair.features.emplace_back(p, p);
-      matched.pairs.push_back(std::move(pair));
-    }
-  return matched;
 }
 
 std::vector<int> Counted(std::size_t count) {
@@ -219,48 +148,6 @@ TEST(CameraEvidence, TheFirstStrategyStaysUnlessAnotherIsClearlyBetter) {
   first.hull_iou = 0.95;
   first.placed = 11;
   EXPECT_TRUE(IsBetter(other, first));
-}
-
-TEST(UpsideDown, MatchesTellThePhotographsThatWereTurnedOver) {
-  const Scene truth = Ring(15, 24);
-  Matched matched = MatchesOf(truth);
-  for (const std::size_t i : {3, 10}) {
-    matched.features[i].positions.col(0) = kWidth - matched.features[i].positions.col(0).array();
-    matched.features[i].positions.col(1) = kHeight - matched.features[i].positions.col(1).array();
-  }
-  const std::vector<int> found = UpsideDownByMatches(15, PointsOf(matched.pairs, matched.features));
-  for (int i = 0; i < 15; ++i) EXPECT_EQ(found[i], i == 3 || i == 10) << i;
-}
-
-TEST(UpsideDown, OutlinesTellWhereNoMatchDoes) {
-  std::vector<Image8> masks;
-  for (int i = 0; i < 12; ++i) {  // pears: wider towards the bottom
-    Image8 mask(kWidth, kHeight, 1, 0);
-    for (int y = 40; y < 200; ++y)
-      for (int x = 160 - (y - 40) / 3 - i % 3; x < 160 + (y - 40) / 3; ++x) *mask.at(x, y) = 255;
-    masks.push_back(i == 4 ? TurnedOver(mask) : mask);
-  }
-  const std::vector<int> found = UpsideDownByOutlines(std::vector<int>(12, -1), masks);
-  for (int i = 0; i < 12; ++i) EXPECT_EQ(found[i], i == 4) << i;
-}
-
-TEST(FallsApart, SixSidesShotManyTimesDoAndRingsOrBareClayDoNot) {
-  std::vector<ImageTie> sides, rings, chain;
-  for (int i = 0; i + 6 < 34; ++i)
-    sides.push_back({i, i + 6, 300});  // six sides, 60 degrees apart, each from several heights
-  EXPECT_EQ(JoinedImages(34, sides).size(), 6U);
-  EXPECT_TRUE(FallsApart(34, sides, 60));
-  for (int ring = 0; ring < 4; ++ring)  // four rings of twelve without common features yet
-    for (int k = 0; k < 12; ++k)
-      rings.push_back(
-          {12 * ring + std::min(k, (k + 1) % 12), 12 * ring + std::max(k, (k + 1) % 12), 300});
-  EXPECT_FALSE(FallsApart(48, rings, 60));
-  for (int i = 0; i + 1 < 24; ++i)
-    if (i % 3 != 2)
-      chain.push_back({i, i + 1, 25});  // weak texture: few matches between some neighbours
-  EXPECT_EQ(JoinedImages(24, chain).size(), 8U);
-  EXPECT_FALSE(FallsApart(24, chain, 60));
-  EXPECT_FALSE(FallsApart(24, {}, 60));  // no texture: left to the outlines
 }
 
 }  // namespace keypose::reconstruct::camera_evidence_test

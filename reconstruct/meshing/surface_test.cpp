@@ -9,55 +9,9 @@
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/values/errors.h"
-#include "core/values/size_of.h"
-#include "reconstruct/meshing/merge.h"
+#include "reconstruct/meshing/testing/sphere_cloud.h"
 
-namespace keypose::reconstruct::meshing_test {
-
-const Eigen::RowVector3d kCenter(3, -2, 10);
-constexpr double kRadius = 5;
-
-// Nearly even points on a sphere (a golden-angle spiral); red above the middle, blue below.
-PointCloud SphereCloud(int count) {
-  PointCloud cloud;
-  cloud.points.resize(count, 3);
-  cloud.normals.resize(count, 3);
-  cloud.colors.resize(count, 3);
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2.0 * i + 1) / count, ring = std::sqrt(1 - z * z);
-    const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    cloud.normals.row(i) << ring * std::cos(turn), ring * std::sin(turn), z;
-    cloud.points.row(i) = kCenter + kRadius * cloud.normals.row(i);
-    cloud.colors.row(i) << (z > 0 ? 220 : 10), 30, (z > 0 ? 10 : 220);
-  }
-  return cloud;
-}
-
-PointCloud Rows(const PointCloud& cloud, const std::vector<int>& rows) {
-  return {cloud.points(rows, Eigen::all),
-          cloud.normals(rows, Eigen::all),
-          cloud.colors(rows, Eigen::all),
-          {}};
-}
-
-PointCloud UpperCap(const PointCloud& cloud, double lowest_z) {
-  std::vector<int> rows;
-  for (int i = 0; i < cloud.points.rows(); ++i) {
-    if (cloud.normals(i, 2) > lowest_z) rows.push_back(i);
-  }
-  return Rows(cloud, rows);
-}
-
-PointCloud Joined(const PointCloud& a, const PointCloud& b) {
-  PointCloud out{PointsX3(a.points.rows() + b.points.rows(), 3),
-                 PointsX3(a.points.rows() + b.points.rows(), 3),
-                 ColorsX3(a.points.rows() + b.points.rows(), 3),
-                 {}};
-  out.points << a.points, b.points;
-  out.normals << a.normals, b.normals;
-  out.colors << a.colors, b.colors;
-  return out;
-}
+namespace keypose::reconstruct::surface_test {
 
 double LargestRadiusError(const Mesh& mesh) {
   return ((mesh.points.rowwise() - kCenter).rowwise().norm().array() - kRadius).abs().maxCoeff();
@@ -71,26 +25,6 @@ MeshOptions Fast() {
 
 SurfaceResult Reconstruct(const PointCloud& cloud, const MeshOptions& options = Fast()) {
   return ReconstructSurface(cloud, options, "cloud.ply", nullptr);
-}
-
-TEST(MergeWithinCells, MeanOfACellIsWeightedByConfidenceSquared) {
-  PointCloud cloud = SphereCloud(4);
-  cloud.points << 0, 0, 0, 0.3, 0, 0, 0.3, 0, 0, 2, 0, 0;
-  cloud.normals << 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0,
-      1;  // the third is on the other side of a thin sheet
-  cloud.confidence = Eigen::Vector4f(1, 0.5f, 0.25f, 0.75f);
-  const PointCloud merged = MergeWithinCells(cloud, 1);
-  ASSERT_EQ(merged.points.rows(), 3);
-  EXPECT_NEAR(merged.points.col(0).sum(), 0.3 * 0.25 / 1.25 + 0.3 + 2, 1e-12);
-  EXPECT_NEAR(merged.confidence.sum(), 1.25 / 1.5 + 0.25 + 0.75, 1e-6);
-  EXPECT_EQ(merged.normals.col(2).sum(), 1);
-}
-
-TEST(MergeWithinCells, PointsApartKeepTheirValues) {
-  const PointCloud cloud = SphereCloud(500);
-  const PointCloud merged = MergeWithinCells(cloud, 1e-3);
-  ASSERT_EQ(merged.points.rows(), cloud.points.rows());
-  EXPECT_NEAR((merged.points.colwise().sum() - cloud.points.colwise().sum()).norm(), 0, 1e-9);
 }
 
 TEST(ReconstructSurface, PointsBeyondTheMeshsFinenessAreMerged) {
@@ -192,28 +126,6 @@ TEST(ReconstructSurface, LonelyPointsAreRemovedBeforeTheFit) {
   const auto result = Reconstruct(Joined(SphereCloud(8000), strays));
   EXPECT_EQ(result.used.removed_outliers, 5);
   EXPECT_LT(LargestRadiusError(result.mesh), 0.01 * kRadius);
-}
-
-TEST(FilterPoints, SparseHullPointsAreNoStraysBesideManyLayers) {
-  constexpr double kCell = 0.1;
-  PointCloud cloud = UpperCap(SphereCloud(60000), -0.5);
-  const PointCloud layer = cloud;
-  for (const double lift : {-0.2, -0.1, 0.1, 0.2}) {
-    PointCloud more = layer;
-    more.points += lift * more.normals;
-    cloud = Joined(cloud, more);
-  }
-  const PointCloud sparse = SphereCloud(2565);  // 3.5 cells apart
-  std::vector<int> below;
-  for (int i = 0; i < sparse.points.rows(); ++i)
-    if (sparse.normals(i, 2) < -0.55) below.push_back(i);
-  const FilteredPoints filtered =
-      FilterPoints(Joined(cloud, Rows(sparse, below)), {}, kCell, "cloud.ply", nullptr);
-  EXPECT_EQ(filtered.removed_outliers, 0);
-  int kept = 0;
-  for (Eigen::Index i = 0; i < filtered.cloud.points.rows(); ++i)
-    kept += filtered.cloud.normals(i, 2) < -0.55;
-  EXPECT_EQ(kept, SizeOf(below));
 }
 
 TEST(ReconstructSurface, SmallFloatingBlobIsRemoved) {
@@ -368,4 +280,4 @@ TEST(DepthForSampling, HalvingTheSpacingAddsOneLevelUpToTheCap) {
   EXPECT_EQ(DepthForSampling(100, 50, 12), 4);
 }
 
-}  // namespace keypose::reconstruct::meshing_test
+}  // namespace keypose::reconstruct::surface_test
