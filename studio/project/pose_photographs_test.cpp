@@ -1,43 +1,21 @@
 #include "studio/project/pose_photographs.h"
-#include "studio/project/originals.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "core/io/pictures/image_io.h"
-#include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
-#include "core/testing/dng.h"
 #include "core/testing/folder.h"
+#include "studio/project/testing/photographs.h"
 
-namespace keypose::studio::photographs_test {
+namespace keypose::studio::pose_photographs_test {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
-using ::testing::UnorderedElementsAre;
-
-class Photographs : public ::testing::Test, public TestingFolder {
- protected:
-  Photographs() {
-    fs::create_directories(photos());
-    WriteFile(folder_ / "pipeline.yaml", "name: raw\nposes: {rest: photos/rest}\ntemplate: rest\n");
-  }
-
-  fs::path photos() const { return folder_ / "photos/rest"; }
-  void Put(const std::string& name) const { WriteFile(photos() / name, name); }
-  /// Grey of one linear value.
-  void PutRaw(const std::string& name, float linear) const {
-    WriteDng(photos() / name, ImageF(64, 48, 3, linear), {});
-  }
-};
-
-TEST_F(Photographs, RawFilesCountWhereNoOtherPhotographHasTheirStem) {
-  for (const char* name : {"a.CR2", "b.jpg", "b.CR2", "c.HEIC", "Thumbs.db", "shoot.json", "d.x3f"})
-    Put(name);
-  EXPECT_THAT(OriginalPhotographs(photos()), UnorderedElementsAre("a.CR2", "b.jpg", "c.HEIC"));
-}
 
 TEST_F(Photographs, APoseOfRawFilesOnlyIsListed) {
   PutRaw("p1.dng", 0.2f);
@@ -70,4 +48,4 @@ TEST_F(Photographs, WhatIsNoPhotographIsNotFound) {
     EXPECT_THROW(PhotographSource(snapshot, "rest", name), NotFound) << name;
 }
 
-}  // namespace keypose::studio::photographs_test
+}  // namespace keypose::studio::pose_photographs_test
