@@ -7,8 +7,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::ending_test {
 
 using ::testing::HasSubstr;
 using Names = std::vector<std::string>;
@@ -115,5 +114,4 @@ TEST(Forecast, FirstRunIsForecastFromThePhotographs) {
       << "an earlier run tells more than a guess";
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::ending_test
