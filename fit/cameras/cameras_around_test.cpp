@@ -4,51 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/numbers/parallel.h"
-#include "core/pictures/fit_view.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
-#include "fit/cameras/views_around.h"
-#include "fit/testing/spotted_lump.h"
+#include "fit/cameras/testing/photographed_figure.h"
 
 namespace keypose::fit::cameras_around_test {
-
-class CamerasAround : public ::testing::Test {
- protected:
-  /// From beside all directions that are tried.
-  PreparedView Photograph(double azimuth, double elevation) const {
-    const Camera lens = RingAround(mesh_, {0})[0].camera;
-    return PhotographOf(mesh_, texture_,
-                        FitView(mesh_.points, azimuth, elevation, lens.width, lens.height));
-  }
-  static double Off(const Rigid3& camera, const PreparedView& view) {
-    return (camera.Inverse().translation - view.Center()).norm() / view.Center().norm();
-  }
-
-  Mesh mesh_ = SpottedLump();
-  Image8 texture_ = Spots();
-};
-
-TEST_F(CamerasAround, OneOfTheMostAlikeIsNearTheTrueOne) {
-  const RayScene scene(mesh_.points, mesh_.faces);
-  for (const double azimuth : {8.0, 113.0, 262.0}) {
-    const PreparedView view = Photograph(azimuth, 34);
-    double nearest = 1;
-    for (const ViewAround& around : ViewsAround(mesh_, texture_, scene, view, 6)) {
-      nearest = std::min(nearest, Off(around.camera_from_world, view));
-      EXPECT_GT(around.overlap, 0.8);
-    }
-    EXPECT_LT(nearest, 0.3) << azimuth;  // directions are 15 and 20 degrees apart
-  }
-}
-
-TEST_F(CamerasAround, ALikelyPlaceOfTheMaskIsKept) {
-  const RayScene scene(mesh_.points, mesh_.faces);
-  const PreparedView view = Photograph(8, 25);
-  EXPECT_GT(ViewsAround(mesh_, {}, scene, view, 1).at(0).overlap, 0.95);
-}
 
 TEST_F(CamerasAround, EachPhotographsIsFoundExactlyWithoutAnyMatchOfItsOwn) {
   const std::vector<PreparedView> views = {Photograph(8, 34), Photograph(113, 12),

@@ -1,48 +1,17 @@
+#include "fit/tracking/calm_take.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <random>
 
 #include "core/numbers/parallel.h"
-#include "core/numbers/rotations.h"
-#include "core/values/angles.h"
-#include "fit/tracking/calm_take.h"
-#include "fit/tracking/pose_band.h"
+#include "fit/tracking/testing/wandering.h"
 
-namespace keypose::fit::calm_test {
+namespace keypose::fit::calm_take_test {
 
 /// The place of the left elbow in a pose.
 int Elbow() { return Joints()[kElbowL].first_dof; }
-
-class Noise {
- public:
-  explicit Noise(unsigned seed) : engine_(seed) {}
-  double Draw() { return normal_(engine_); }
-  DofVector Numbers() {
-    DofVector numbers;
-    for (double& x : numbers) x = Draw();
-    return numbers;
-  }
-
- private:
-  std::mt19937 engine_;
-  std::normal_distribution<double> normal_;
-};
-
-/// A course whose acceleration changes by `jerk` a frame (standard deviation).
-/// @param home  1: it is pulled back to zero slowly; 0: it goes where it goes
-std::vector<double> Wandering(int frames, double jerk, double home, Noise* noise) {
-  std::vector<double> course;
-  double at = 0, speed = 0, acceleration = 0;
-  for (int f = 0; f < frames; ++f) {
-    course.push_back(at);
-    acceleration += jerk * noise->Draw();
-    acceleration -= home * (0.02 * at + 0.1 * speed + 0.2 * acceleration);
-    speed += acceleration, at += speed;
-  }
-  return course;
-}
 
 /// Fits of true poses: correlated errors of an information matrix, the same for all frames.
 std::vector<FittedFrame> Fitted(const std::vector<BodyPose>& truth, double deviation,
@@ -84,60 +53,6 @@ std::vector<BodyPose> PosesOf(const std::vector<FittedFrame>& frames) {
   std::vector<BodyPose> poses;
   for (const FittedFrame& frame : frames) poses.push_back(frame.pose);
   return poses;
-}
-
-TEST(PoseBand, SolvesAsADenseFactorDoes) {
-  Noise noise(1);
-  const int frames = 5, n = frames * kDofs;
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
-  PoseBand band(frames);
-  for (int f = 0; f < frames; ++f)
-    for (int later = 0; later <= std::min(PoseBand::kReach, frames - 1 - f); ++later) {
-      DofMatrix block;
-      for (double& x : block.reshaped()) x = 0.1 * noise.Draw();
-      if (later == 0) block = (block * block.transpose() + 5 * DofMatrix::Identity()).eval();
-      band.Block(f, later) = block;
-      dense.block<kDofs, kDofs>((f + later) * kDofs, f * kDofs) = block;
-      dense.block<kDofs, kDofs>(f * kDofs, (f + later) * kDofs) = block.transpose();
-    }
-  std::vector<DofVector> right;
-  Eigen::VectorXd all(n);
-  for (int f = 0; f < frames; ++f)
-    right.push_back(noise.Numbers()), all.segment<kDofs>(f * kDofs) = right[f];
-  const Eigen::VectorXd expected = dense.llt().solve(all);
-  const std::vector<DofVector> solved = band.Solve(right);
-  for (int f = 0; f < frames; ++f)
-    EXPECT_LT((solved[f] - expected.segment<kDofs>(f * kDofs)).cwiseAbs().maxCoeff(), 1e-12);
-}
-
-TEST(FindMotionNoise, TellsNoiseFromMotion) {
-  constexpr double kChange = 0.02;
-  for (const double deviation : {0.02, 0.05, 0.2}) {
-    Noise noise(7);
-    Course course;
-    for (const double x : Wandering(400, kChange, 0, &noise)) {
-      // The variances that are claimed are wrong by a factor of four.
-      course.values.push_back(x + deviation * noise.Draw());
-      course.variances.push_back(deviation * deviation / 4);
-    }
-    const MotionNoise found = FindMotionNoise(course);
-    EXPECT_NEAR(std::sqrt(found.noise), 2, 0.3) << deviation;
-    EXPECT_NEAR(std::sqrt(found.jerk), kChange, 0.4 * kChange) << deviation;
-  }
-}
-
-TEST(FindMotionNoise, AFewHitsAreMotionAndNotNoise) {
-  Noise noise(3);
-  Course course;
-  double at = 0, speed = 0.2;
-  for (int f = 0; f < 200; ++f) {
-    if (f % 40 == 20) speed = -speed;
-    at += speed;
-    course.values.push_back(at + 0.01 * noise.Draw()), course.variances.push_back(1e-4);
-  }
-  const MotionNoise found = FindMotionNoise(course);
-  EXPECT_NEAR(std::sqrt(found.noise), 1, 0.2);
-  EXPECT_LT(std::sqrt(found.jerk), 0.02);  // a hit changes the speed by 0.4
 }
 
 TEST(CalmTake, ErrorsFallByWhatTheBestEstimateAllows) {
@@ -241,4 +156,4 @@ TEST(CalmTake, SameBitsForAnyThreadCount) {
   }
 }
 
-}  // namespace keypose::fit::calm_test
+}  // namespace keypose::fit::calm_take_test

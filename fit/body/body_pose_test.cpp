@@ -1,74 +1,14 @@
+#include "fit/body/body_pose.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 #include <tuple>
 
-#include "core/io/meshes/bvh_io.h"
-#include "core/surfaces/geometry.h"
-#include "core/values/angles.h"
-#include "core/values/motion_clip.h"
-#include "fit/body/body_clip.h"
-#include "fit/body/body_pose.h"
 #include "fit/body/body_surface.h"
+#include "fit/body/testing/some_pose.h"
 
-namespace keypose::fit::body_test {
-
-// A pose in which no number is zero, within the limits, the same on every machine.
-BodyPose SomePose(int seed) {
-  BodyPose pose;
-  for (int i = 0; i < kDofs; ++i) {
-    const double wave = std::sin(12.9898 * (i + 1) + 78.233 * (seed + 1));
-    const DofModel& dof = Dofs()[i];
-    pose.q[i] = dof.low == dof.high ? 0.7 * wave
-                                    : (dof.low + dof.high) / 2 + 0.45 * wave * (dof.high - dof.low);
-  }
-  pose.root_chart = Eigen::Quaterniond(
-      Eigen::AngleAxisd(1.1 * seed, Eigen::Vector3d(0.2, 0.3, 0.9).normalized()));
-  return pose;
-}
-
-TEST(BodyTemplate, HasSixteenSegmentsAndItsDofsAreAllUsedOnce) {
-  std::array<int, kDofs> used{};
-  for (int i = 0; i < 3; ++i) ++used[i];
-  for (const JointModel& joint : Joints())
-    for (int k = 0; k < (joint.ball ? 3 : static_cast<int>(joint.hinges.size())); ++k)
-      ++used[joint.first_dof + k];
-  for (int i = 0; i < kDofs; ++i) EXPECT_EQ(used[i], i >= 6 && i < 9 ? 2 : 1) << Dofs()[i].name;
-  for (const DofModel& dof : Dofs()) EXPECT_FALSE(dof.name.empty());
-  EXPECT_GE(kDofs, 35);
-  EXPECT_LE(kDofs, 38);
-}
-
-TEST(BodySurface, EverySegmentIsAClosedManifold) {
-  const BodyShape shape = AverageShape();
-  const LocalSurface surface = SurfaceOf(shape);
-  for (int s = 0; s < kSegments; ++s) {
-    const ClosedReport report = CheckClosed({surface.points[s], SegmentFaces(), {}, {}, {}, {}});
-    EXPECT_TRUE(report.closed()) << Segments()[s].name;
-    EXPECT_EQ(report.components, 1);
-    EXPECT_EQ(report.euler, 2);
-  }
-  const PosedBody body = Posed({}, shape);
-  const PointsX3 points = BodyPoints(surface, body);
-  EXPECT_EQ(CheckClosed({points, BodyFaces(), {}, {}, {}, {}}).components, kSegments);
-  // A person of 1.75 m, 1.7 m wide with its arms out, and 0.3 m deep at the feet.
-  const Eigen::RowVector3d size = points.colwise().maxCoeff() - points.colwise().minCoeff();
-  EXPECT_NEAR(size.z(), 1.75, 0.03);
-  EXPECT_NEAR(size.x(), 1.78, 0.1);
-  EXPECT_NEAR(shape.height(), 1.75, 0.03);
-}
-
-TEST(BodySurface, LeftAndRightAreMirrored) {
-  const PointsX3 points = BodyPoints(SurfaceOf(AverageShape()), Posed({}, AverageShape()));
-  for (const auto& [left, right] : {std::pair{4, 7}, {6, 9}, {10, 13}, {12, 15}}) {
-    const auto rows = [&](int s) {
-      return points.middleRows(s * kSegmentVertices, kSegmentVertices);
-    };
-    EXPECT_NEAR(rows(left).col(0).maxCoeff(), -rows(right).col(0).minCoeff(), 1e-12);
-    EXPECT_NEAR(rows(left).col(2).mean(), rows(right).col(2).mean(), 1e-12);
-  }
-}
+namespace keypose::fit::body_pose_test {
 
 TEST(LeftJacobian, MatchesCentralDifferencesAtSmallAndLargeAngles) {
   for (const double size : {0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.5, 2.0, 3.1}) {
@@ -179,22 +119,4 @@ TEST(BodyPose, RechartedPoseIsTheSame) {
   }
 }
 
-TEST(ClipOf, BvhHasTheJointsWhereTheTemplateHasThem) {
-  const BodyShape shape = AverageShape();
-  const std::vector<BodyPose> poses{SomePose(0), SomePose(1), SomePose(2)};
-  const Eigen::Quaterniond up(Eigen::AngleAxisd(-kPi / 2, Eigen::Vector3d::UnitX()));
-  const MotionClip clip = ParseBvh(BvhText(ClipOf(poses, shape, 0.04, up)), "clip");
-  for (int f = 0; f < 3; ++f) {
-    const std::vector<Rigid3> frames = JointFrames(clip, f);
-    const PosedBody body = Posed(poses[f], shape);
-    for (int j = 0; j < kJoints; ++j) {
-      const int place = clip.Find(Joints()[j].name);
-      ASSERT_GE(place, 0);
-      // six decimals of a degree and of a metre, through a chain of six joints
-      EXPECT_LT((frames[place].translation - up * body.position[j]).norm(), 1e-5)
-          << Joints()[j].name;
-    }
-  }
-}
-
-}  // namespace keypose::fit::body_test
+}  // namespace keypose::fit::body_pose_test
