@@ -14,18 +14,13 @@
 #include <thread>
 
 #include "armature/controller/steady_clock.h"
+#include "armature/controller/testing/simulated_joint.h"
 #include "armature/description/description_file.h"
-#include "armature/simulation/simulated_box.h"
 #include "core/io/text/serial_port.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
 
 namespace keypose::armature::armature_reader_test {
-
-Armature OneJoint() {
-  return DescriptionFile::Parse("node { name a axis 1 0 0 sensor 0 scale 25 }", "arm.txt")
-      .armature();
-}
 
 /// Reads until it has told of this, and adds the codes of all that it tells.
 void ReadUntil(ArmatureReader& reader, const std::string& code, std::vector<std::string>* codes) {

@@ -5,7 +5,6 @@
 #include <random>
 #include <utility>
 
-#include "armature/firmware/keypose_box.h"
 #include "armature/firmware/testing/box_bench.h"
 
 namespace keypose::armature::box_link_test {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "armature/example/theropod.h"
+#include "armature/testing/theropods.h"
 
 namespace keypose::armature::armature_test {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "armature/description/description_file.h"
-#include "armature/example/theropod.h"
+#include "armature/testing/theropods.h"
 #include "core/values/errors.h"
 
 namespace keypose::armature::chain_file_test {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "armature/example/theropod.h"
+#include "armature/testing/theropods.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 

@@ -9,7 +9,7 @@
 
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
-#include "armature/example/theropod.h"
+#include "armature/testing/theropods.h"
 #include "core/values/errors.h"
 
 namespace keypose::armature::mutations_test {

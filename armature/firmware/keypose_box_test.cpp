@@ -5,7 +5,6 @@
 #include <map>
 #include <random>
 
-#include "armature/controller/box_link.h"
 #include "armature/firmware/testing/box_bench.h"
 
 namespace keypose::armature::keypose_box_test {

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include <Eigen/Geometry>
-#include "armature/example/theropod.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/live/testing/theropod_parts.h"
+#include "armature/testing/theropods.h"
 
 namespace keypose::armature::pose_text_test {
 

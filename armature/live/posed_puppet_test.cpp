@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include "armature/example/theropod.h"
 #include "armature/live/testing/theropod_parts.h"
+#include "armature/testing/theropods.h"
 
 namespace keypose::armature::posed_puppet_test {
 

@@ -4,8 +4,8 @@
 
 #include "armature/description/chain_file.h"
 #include "armature/description/description_file.h"
-#include "armature/example/theropod.h"
-#include "armature/example/theropod_body.h"
+#include "armature/live/testing/theropod_parts.h"
+#include "armature/testing/theropods.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "armature/example/theropod.h"
+#include "armature/testing/theropods.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
 

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "armature/example/theropod.h"
 #include "armature/recording/testing/walk.h"
+#include "armature/testing/theropods.h"
 #include "core/io/meshes/bvh_io.h"
 #include "core/values/errors.h"
 

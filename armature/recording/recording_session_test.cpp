@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "armature/example/theropod.h"
+#include <chrono>
+
 #include "armature/recording/joint_curves.h"
 #include "armature/recording/recording_session.h"
 #include "armature/recording/testing/walk.h"
+#include "armature/testing/theropods.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "armature/example/theropod.h"
 #include "armature/recording/testing/walk.h"
+#include "armature/testing/theropods.h"
 
 namespace keypose::armature::still_joints_test {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "armature/example/theropod.h"
+#include "armature/example/theropod_body.h"
 #include "armature/live/posed_puppet.h"
 #include "armature/skinning/stick_mesh.h"
 

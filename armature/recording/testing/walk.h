@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "armature/example/theropod.h"
 #include "armature/recording/joint_curves.h"
+#include "armature/testing/theropods.h"
 
 namespace keypose::armature {
 
@@ -12,18 +12,11 @@ inline JointCurves Walk(const Armature& theropod, int frames, int step) {
   JointCurves curves;
   curves.step = step;
   curves.values.resize(frames, static_cast<Eigen::Index>(theropod.joints.size()));
-  for (int f = 0; f < frames; ++f) {
-    const std::vector<double> values = TheropodWalk(theropod, f / 12.0);
+  const auto rows = Frames(theropod, frames);
+  for (int f = 0; f < frames; ++f)
     curves.values.row(f) = Eigen::Map<const Eigen::RowVectorXd>(
-        values.data(), static_cast<Eigen::Index>(values.size()));
-  }
+        rows[f].data(), static_cast<Eigen::Index>(rows[f].size()));
   return curves;
-}
-
-inline std::vector<std::vector<double>> Frames(const Armature& theropod, int count) {
-  std::vector<std::vector<double>> frames;
-  for (int f = 0; f < count; ++f) frames.push_back(TheropodWalk(theropod, f / 12.0));
-  return frames;
 }
 
 }  // namespace keypose::armature
