@@ -3,73 +3,20 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "interpolate/maps/face_maps.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/paper_arap.h"
-#include "interpolate/turns/turns.h"
+#include "interpolate/surface/testing/bent_sheets.h"
 
 namespace keypose::interpolation::surface_test {
 
-constexpr double kPi = std::numbers::pi;
-
 Eigen::Matrix3d Turn(double angle, const Eigen::Vector3d& axis) {
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-}
-
-double Diagonal(const PointsX3& p) { return BoundingDiagonal(p); }
-double Gap(const PointsX3& a, const PointsX3& b) {
-  return (a - b).rowwise().norm().maxCoeff() / Diagonal(b);
-}
-
-/// A tube along z from 0 to `length`, bent through `angle` in the xz plane and squashed across.
-PointsX3 Bent(const PointsX3& points, double length, double angle, double squash = 1) {
-  PointsX3 bent = points;
-  const double radius = length / angle;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double a = points(i, 2) / radius, r = radius - squash * points(i, 0);
-    bent.row(i) << radius - r * std::cos(a), points(i, 1) / squash, r * std::sin(a);
-  }
-  return bent;
-}
-
-struct Keys {
-  Mesh mesh = MakeCylinder(0.12, 2, 16, 40);
-  PointsX3 u = Bent(mesh.points, 2, 150 * kPi / 180, 1.2);
-};
-
-TEST(PolarOf, EqualsSingularValueDecompositionOnTenThousandTriangles) {
-  double worst = 0;
-  for (int k = 0; k < 10000; ++k) {
-    const auto wave = [&](double f) { return std::sin(f * (k + 1)); };
-    Eigen::Matrix2d j;
-    j << 1.05 + wave(1.1), 2 * wave(2.3), 0,
-        1.02 + wave(3.7);  // a ratio of upper triangular matrices has a positive diagonal
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(3 * wave(0.7)).toRotationMatrix();
-    j = (turn * j).eval();
-    const Eigen::JacobiSVD<Eigen::Matrix2d> svd(j, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Polar2 polar = PolarOf(j);
-    Eigen::Matrix2d rotation;
-    rotation << polar.cosine, -polar.sine, polar.sine, polar.cosine;
-    worst = std::max(worst,
-                     (rotation - svd.matrixU() * svd.matrixV().transpose()).cwiseAbs().maxCoeff());
-    worst = std::max(worst, (rotation * polar.stretch - j).cwiseAbs().maxCoeff());
-  }
-  EXPECT_LT(worst, 1e-12);
-}
-
-TEST(PowerOf, HalfPowerSquaredIsTheMatrix) {
-  Eigen::Matrix2d m;
-  m << 2, 0.4, 0.4, 0.6;
-  EXPECT_LT((PowerOf(m, 0.5) * PowerOf(m, 0.5) - m).norm(), 1e-14);
-  EXPECT_LT((PowerOf(m, 0) - Eigen::Matrix2d::Identity()).norm(), 1e-14);
-  EXPECT_LT((PowerOf(m, 1) - m).norm(), 1e-14);
 }
 
 TEST(Arap, RigidMotionGivesRigidFrames) {
@@ -107,13 +54,6 @@ TEST(Arap, MiddleOfATurnBy179DegreesIs89AndAHalf) {
   const PointsX3 start = mesh.points.rowwise() - mesh.points.colwise().mean();
   EXPECT_LT(Gap(centred, start * Turn(89.5 * kPi / 180, Eigen::Vector3d::UnitZ()).transpose()),
             1e-10);
-}
-
-TEST(Arap, ReducedSystemEqualsThePapersTetrahedra) {
-  const Keys keys;
-  const ArapInterpolator reduced(keys.mesh.points, keys.u, keys.mesh.faces, PaperOptions());
-  const PaperInterpolator paper(keys.mesh.points, keys.u, keys.mesh.faces);
-  for (double t : {0.0, 0.1, 0.5, 0.8, 1.0}) EXPECT_LT(Gap(reduced.At(t), paper.At(t)), 1e-9);
 }
 
 TEST(Arap, EndsAreTheKeysAndIdenticalKeysStayPut) {

@@ -2,95 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include "core/io/project/timeline_json.h"
-#include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
 #include "interpolate/timing/easing.h"
-#include "interpolate/timing/rules.h"
-#include "interpolate/timing/spline.h"
 
-namespace keypose::interpolation::timeline_test {
+namespace keypose::interpolation::frame_schedule_test {
 
 Schedule FromText(const std::string& text, int keys, int steps = 9) {
   return MakeSchedule(ParseTimeline(text, "timeline.json"), keys, steps, "timeline.json");
-}
-
-TEST(EaseAt, KnownCurvesAndExactEnds) {
-  const Ease in_out = EaseNamed("in-out").value();
-  EXPECT_EQ(EaseAt(in_out, 0), 0);
-  EXPECT_EQ(EaseAt(in_out, 1), 1);
-  EXPECT_NEAR(EaseAt(in_out, 0.5), 0.5, 1e-12);  // symmetric
-  EXPECT_NEAR(EaseAt(in_out, 0.2) + EaseAt(in_out, 0.8), 1, 1e-12);
-  EXPECT_LT(EaseAt(in_out, 0.1), 0.03);
-  EXPECT_EQ(EaseAt({}, 0.3), 0.3);
-  // With x(u) = u the curve is its own polynomial: y = 3 u (1-u)^2 y1 + 3 u^2 (1-u) y2 + u^3.
-  const double u = 0.4;
-  EXPECT_NEAR(EaseAt({1.0 / 3, 0.9, 2.0 / 3, 0.2}, u),
-              3 * u * (1 - u) * (1 - u) * 0.9 + 3 * u * u * (1 - u) * 0.2 + u * u * u, 1e-12);
-  EXPECT_LT(EaseAt({0.4, -0.8, 0.6, 1}, 0.2), 0);  // moves backwards first
-}
-
-TEST(EaseAt, SlopesAreTheDerivativesAtTheEnds) {
-  const double h = 1e-6;
-  for (const Ease& ease : {Ease{}, Ease{0.3, 0.1, 0.6, 0.8}, Ease{0.42, 0, 0.58, 1},
-                           Ease{0, 0, 0.5, 0.7}, Ease{0.2, 0.3, 1, 1}}) {
-    EXPECT_NEAR(SlopeAtStart(ease), EaseAt(ease, h) / h, 1e-3);
-    EXPECT_NEAR(SlopeAtEnd(ease), (1 - EaseAt(ease, 1 - h)) / h, 1e-3);
-  }
-}
-
-TEST(VelocityAtKey, ClampedIsTheHarmonicMeanAndNeverSwingsBeyond) {
-  EXPECT_NEAR(VelocityAtKey(1.0, 2.0, 1, 1, false), 2 / (1 / 1.0 + 1 / 2.0), 1e-12);
-  EXPECT_EQ(VelocityAtKey(1.0, -2.0, 1, 1, false), 0);
-  EXPECT_EQ(VelocityAtKey(0.0, 3.0, 1, 1, false), 0);
-  EXPECT_NEAR(VelocityAtKey(1.0, 2.0, 1, 3, true), (3 * 1.0 + 1 * 2.0) / 4, 1e-12);
-  EXPECT_EQ(VelocityAtKey(0.0, 3.0, 1, 1, true), 0);
-}
-
-TEST(VelocityAtKey, DoesNotDependOnTheBasisOrTheDirectionOfTime) {
-  const Eigen::Vector3d a(1, 0.2, -0.3), b(0.7, 0.9, 0.1);
-  const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  const Eigen::Vector3d v = VelocityAtKey(a, b, 2, 3, false);
-  EXPECT_LT(
-      (VelocityAtKey(Eigen::Vector3d(turn * a), Eigen::Vector3d(turn * b), 2, 3, false) - turn * v)
-          .norm(),
-      1e-14);
-  EXPECT_LT((VelocityAtKey(Eigen::Vector3d(-b), Eigen::Vector3d(-a), 3, 2, false) + v).norm(),
-            1e-14);
-}
-
-TEST(SpanSpline, IsStraightInOneSpanAndMonotoneThroughMany) {
-  const Schedule one = MakeSchedule({9});
-  const SpanSpline<double> straight(one, {1.0, 3.0});
-  EXPECT_NEAR(straight.At(0, 0.3), 1.6, 1e-15);
-  const Schedule three = MakeSchedule({9, 4, 9});
-  const SpanSpline<double> rising(three, {0.0, 1.0, 1.1, 5.0});
-  double before = -1;
-  for (int span = 0; span < 3; ++span)
-    for (int k = 0; k <= 50; ++k) {
-      const double value = rising.At(span, k / 50.0);
-      EXPECT_GE(value, before - 1e-12);
-      before = value;
-    }
-  EXPECT_EQ(rising.At(1, 0), 1.0);
-  const SpanSpline<double> still(three, {2.0, 0.3, 0.3, 1.0});
-  for (const double way : {0.1, 0.5, 0.77})
-    EXPECT_EQ(still.At(1, way), 0.3);  // between equal keys, to the bit
-}
-
-TEST(SpanSpline, PassesItsWaypointsWithoutAJumpOfPace) {
-  const Schedule schedule = MakeSchedule({9, 9});
-  const SpanSpline<double> spline(schedule, {0.0, 1.0, 2.0}, {{{0.5, 3.0}}, {}});
-  EXPECT_NEAR(spline.At(0, 0.5), 3, 1e-14);
-  const double h = 1e-6;
-  EXPECT_NEAR((spline.At(0, 0.5) - spline.At(0, 0.5 - h)) / h,
-              (spline.At(0, 0.5 + h) - spline.At(0, 0.5)) / h, 1e-4);
-  EXPECT_NEAR((spline.At(0, 1) - spline.At(0, 1 - h)) / h, (spline.At(1, h) - spline.At(1, 0)) / h,
-              1e-4);
 }
 
 TEST(MakeSchedule, RoundsTimesToFrames) {
@@ -167,55 +86,4 @@ TEST(MakeSchedule, NamesTheKeyThatDoesNotFit) {
   }
 }
 
-class RulesTest : public ::testing::Test {
- protected:
-  Rules Read(const std::string& rest) const {
-    const Timeline timeline = ParseTimeline(
-        R"({"fps":10,"keys":[{"time":0,"turns":{"leg":1}},{"time":1,"hold":0.2},{"time":2,"interpolation":"stepped"},
-        {"time":3}],"regions":[{"name":"leg","vertices":[0,1,2,12,13,14]},{"name":"top","center":[0,0,2],"radius":0.2}])" +
-            rest + "}",
-        "timeline.json");
-    return RulesFrom(timeline, MakeSchedule(timeline, 4, 9, "timeline.json"), mesh_.points,
-                     mesh_.faces, true, "timeline.json");
-  }
-  Mesh mesh_ = MakeCylinder(0.12, 2, 12, 30);
-};
-
-TEST_F(RulesTest, TakesRegionsPinsPathsAndVolumes) {
-  const Rules rules = Read(
-      R"(,"table":0.5,"volume":[{"time":0.5,"ratio":0.5}],"pins":[{"region":"leg","from":1.1,"to":2}],
-      "trajectories":[{"region":"top","points":[{"time":0.25,"at":[1,2,3]},{"time":1.6,"at":[0,0,1]}]}])");
-  EXPECT_EQ(rules.table_height.value(), 0.5);
-  ASSERT_EQ(rules.held.size(), 2u);
-  EXPECT_EQ(rules.held[0].spans, (std::vector<char>{0, 1, 0}));
-  EXPECT_EQ(rules.held[1].spans, (std::vector<char>{1, 1, 0}));
-  EXPECT_NEAR(rules.held[1].waypoints[0][0].way, 0.25, 1e-12);
-  EXPECT_NEAR(rules.held[1].waypoints[1][0].way, 0.5, 1e-12);  // the hold does not count
-  EXPECT_GT(rules.held[1].vertices.size(), 10u);
-  EXPECT_NEAR(rules.log_volume[0][0].value, std::log(0.5), 1e-12);
-  ASSERT_EQ(rules.turns[0].size(), 1u);
-  EXPECT_EQ(rules.turns[0][0].extra_turns, 1);
-  EXPECT_EQ(rules.turns[0][0].faces.size(), 4u);
-  EXPECT_TRUE(rules.turns[1].empty());
-}
-
-TEST_F(RulesTest, RefusesWhatLiesNowhere) {
-  EXPECT_THROW(Read(R"(,"pins":[{"region":"leg","from":0.5}])"), InputError);
-  EXPECT_THROW(Read(R"(,"trajectories":[{"region":"top","points":[{"time":2.5,"at":[0,0,0]}]}])"),
-               InputError);  // stepped
-  EXPECT_THROW(Read(R"(,"trajectories":[{"region":"top","points":[{"time":1.1,"at":[0,0,0]}]}])"),
-               InputError);  // held
-  EXPECT_THROW(Read(R"(,"trajectories":[{"region":"top","points":[{"time":9,"at":[0,0,0]}]}])"),
-               InputError);
-  EXPECT_THROW(Read(R"(,"volume":[{"time":1,"ratio":0.5}])"), InputError);  // at a key
-  const auto with_region = [&](const std::string& region) {
-    const Timeline timeline = ParseTimeline(
-        R"({"fps":10,"keys":[{"time":0},{"time":1}],"regions":[)" + region + "]}", "timeline.json");
-    return RulesFrom(timeline, MakeSchedule(timeline, 2, 9, "t"), mesh_.points, mesh_.faces, true,
-                     "timeline.json");
-  };
-  EXPECT_THROW(with_region(R"({"name":"a","vertices":[5000]})"), InputError);
-  EXPECT_THROW(with_region(R"({"name":"a","center":[9,9,9],"radius":0.1})"), InputError);
-}
-
-}  // namespace keypose::interpolation::timeline_test
+}  // namespace keypose::interpolation::frame_schedule_test

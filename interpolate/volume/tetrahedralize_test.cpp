@@ -9,7 +9,6 @@
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
 #include "interpolate/testing/bars.h"
-#include "interpolate/volume/place_inside.h"
 #include "interpolate/volume/run_tetgen.h"
 #include "interpolate/volume/tet_maps.h"
 
@@ -74,7 +73,7 @@ TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
   open.faces.conservativeResize(11, 3);
   EXPECT_THAT(fault(open),
               ::testing::AllOf(::testing::HasSubstr("pose: the surface is not closed: 3 edges"),
-                             ::testing::HasSubstr("keypose-cleanup")));
+                               ::testing::HasSubstr("keypose-cleanup")));
   Mesh flat = MakeBox(1, 1, 1);
   flat.points.row(0) = flat.points.row(1);
   EXPECT_THAT(fault(flat), ::testing::HasSubstr("has no area"));
@@ -85,30 +84,6 @@ TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
   crossing.points = Bar(0.1).Bent(2.3 * kPi);
   EXPECT_THAT(fault(crossing),
               ::testing::HasSubstr("passes through itself, where the face of vertices"));
-}
-
-TEST(PlaceInside, UntanglesInnerPointsThatWerePushedThroughTheirNeighbours) {
-  const Mesh mesh = MakeIcosphere(2);
-  const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
-  const std::vector<TetShape> shapes = TetShapesOf(solid.points, solid.tets);
-  PointsX3 tangled = solid.points;
-  for (Eigen::Index i = mesh.vertex_count(); i < tangled.rows(); i += 3)
-    tangled.row(i) = 0.9 * tangled.row(i).reverse();
-  int inverted = 0;
-  for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
-    inverted += MapOf(shapes[t], tangled, solid.tets, t).determinant() <= 0;
-  EXPECT_GT(inverted, 50);
-  EXPECT_EQ(Untangle(solid, shapes, mesh.vertex_count(), tangled), 0);
-  EXPECT_TRUE(SameBits(tangled.topRows(mesh.vertex_count()), mesh.points));
-}
-
-TEST(PlaceInside, InnerPointsOfAnEvenlyStretchedSolidAreStretchedAlike) {
-  const Mesh mesh = MakeIcosphere(2);
-  const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
-  const Eigen::Matrix3d map = Turn(2, {1, 2, 3}) * 1.7;
-  const PointsX3 placed = PlaceInside(solid, TetShapesOf(solid.points, solid.tets), mesh.faces,
-                                      mesh.points * map.transpose());
-  EXPECT_LT(Gap(placed, solid.points * map.transpose()), 1e-12);
 }
 
 }  // namespace keypose::interpolation::tetrahedralize_test

@@ -1,38 +1,19 @@
-// Directions in which faces turn: consistent turns, overrides, relative rotations.
-#include "interpolate/turns/turns.h"
+#include "interpolate/surface/face_paths.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <iterator>
-#include <numbers>
 
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
-#include "core/values/camera.h"
 #include "core/values/errors.h"
-#include "deform/solvers/lanes.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/turns/differential_turns.h"
+#include "interpolate/turns/testing/twisted_bar.h"
+#include "interpolate/turns/turns.h"
 
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-namespace keypose::interpolation::turns_test {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kLength = 2;
-
-PointsX3 Twisted(const PointsX3& points, double degrees, double from = 0) {
-  PointsX3 twisted = points;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double a = std::max(0.0, points(i, 2) - from) / (kLength - from) * degrees * kPi / 180;
-    twisted.row(i) << std::cos(a) * points(i, 0) - std::sin(a) * points(i, 1),
-        std::sin(a) * points(i, 0) + std::cos(a) * points(i, 1), points(i, 2);
-  }
-  return twisted;
-}
+namespace keypose::interpolation::face_paths_test {
 
 double TwistOfTop(const PointsX3& start, const PointsX3& frame, int segments, int rings) {
   const int first = rings * segments;
@@ -41,48 +22,6 @@ double TwistOfTop(const PointsX3& start, const PointsX3& frame, int segments, in
   const Eigen::RowVector3d u = start.row(first) - a.transpose() / segments,
                            v = frame.row(first) - b.transpose() / segments;
   return std::atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]) * 180 / kPi;
-}
-
-TEST(FollowTurns, KeepsEveryRotationToAThousandDegrees) {
-  const Mesh mesh = MakeCylinder(0.08, kLength, 12, 60);
-  const PointsX3 end = Twisted(mesh.points, 1000);
-  const PoissonSystem system({mesh.points, end}, mesh.faces);
-  SegmentMaps maps = FaceMapsOf(mesh.points, end, mesh.faces);
-  const TurnReport report = FollowTurns(system, maps);
-  EXPECT_FALSE(report.differential);
-  EXPECT_EQ(report.torn_edges, 0);
-  // Any region whose rotation is a whole number of turns may be the body; from end to end the tube
-  // turns by the full angle.
-  double least = 0, most = 0;
-  for (const FaceMap& map : maps.faces)
-    least = std::min(least, map.turn[2]), most = std::max(most, map.turn[2]);
-  EXPECT_NEAR(most - least, 1000 * kPi / 180, 1000 * kPi / 180 / 60);  // a ring of faces
-  const Eigen::Matrix3d body = ExpOf(maps.body_turn);
-  for (const FaceMap& map : maps.faces)
-    EXPECT_LT((body * ExpOf(map.turn) * ExpOf(map.remainder) - map.rotation).norm(), 1e-9);
-}
-
-TEST(FollowTurns, RemaindersLieAcrossTheTurns) {
-  const Mesh mesh = MakeCylinder(0.12, kLength, 12, 40);
-  const PointsX3 end = Twisted(mesh.points, 300);
-  const PoissonSystem system({mesh.points, end}, mesh.faces);
-  SegmentMaps maps = FaceMapsOf(mesh.points, end, mesh.faces);
-  FollowTurns(system, maps);
-  for (const FaceMap& map : maps.faces)
-    if (map.turn.norm() > 0.5) {
-      EXPECT_LT(std::abs(map.turn.normalized().dot(map.remainder)), 1e-9);
-    }
-}
-
-TEST(FollowTurns, BodyIsWhatMostFacesTurnWith) {
-  // Two thirds of the tube turn rigidly by 70 degrees; the rest twists by 200 more.
-  const Mesh mesh = MakeCylinder(0.12, kLength, 12, 40);
-  const Eigen::Vector3d turn = 70 * kPi / 180 * Eigen::Vector3d(1, 2, 2) / 3;
-  const PointsX3 end = Twisted(mesh.points, 200, 1.3) * ExpOf(turn).transpose();
-  const PoissonSystem system({mesh.points, end}, mesh.faces);
-  SegmentMaps maps = FaceMapsOf(mesh.points, end, mesh.faces);
-  FollowTurns(system, maps);
-  EXPECT_LT((maps.body_turn - turn).norm(), 0.02);
 }
 
 TEST(TurnOverride, AddsWholeTurnsAndReversesWithTheKeys) {
@@ -180,25 +119,6 @@ TEST(HalfTurn, GoesTheWayRoundThatDoesNotPassThroughTheBody) {
   }
 }
 
-TEST(DifferentialTurns, GivesTheSameWayWhereBothServe) {
-  const Mesh mesh = MakeCylinder(0.08, kLength, 12, 60);
-  const PointsX3 end = Twisted(mesh.points, 400);
-  const PoissonSystem system({mesh.points, end}, mesh.faces);
-  SegmentMaps maps = FaceMapsOf(mesh.points, end, mesh.faces);
-  FollowTurns(system, maps);
-  const DifferentialTurns differential(system, maps);
-  double worst = 0;
-  const std::vector<Eigen::Matrix3d> half = differential.At(0.5), whole = differential.At(1);
-  const Eigen::Matrix3d body = ExpOf(maps.body_turn);
-  for (std::size_t f = 0; f < half.size(); ++f) {
-    EXPECT_LT((body * whole[f] - maps.faces[f].rotation).norm(), 1e-9);
-    worst = std::max(
-        worst,
-        (half[f] - ExpOf(0.5 * maps.faces[f].turn) * ExpOf(0.5 * maps.faces[f].remainder)).norm());
-  }
-  EXPECT_LT(worst, 0.15);
-}
-
 TEST(DifferentialTurns, TakesOverWhereTurnsDoNotClose) {
   // A ring whose tube is twisted by a whole turn around the ring: rotations wind once, and no
   // rotation vectors are consistent everywhere.
@@ -233,18 +153,4 @@ TEST(DifferentialTurns, TakesOverWhereTurnsDoNotClose) {
               1, 1e-8);
 }
 
-TEST(Lanes, ElementaryFunctionsAreThoseOfTheLibrary) {
-  double worst_sine = 0, worst_exp = 0;
-  for (int k = -40000; k < 40000; ++k) {
-    const double x = 0.00173 * k;
-    Lanes sine, cosine;
-    plain::SinCos(plain::Spread(x), sine, cosine);
-    worst_sine =
-        std::max({worst_sine, std::abs(sine[1] - std::sin(x)), std::abs(cosine[2] - std::cos(x))});
-    worst_exp = std::max(worst_exp, std::abs(plain::Exp(plain::Spread(x))[3] / std::exp(x) - 1));
-  }
-  EXPECT_LT(worst_sine, 4e-16);
-  EXPECT_LT(worst_exp, 1e-15);
-}
-
-}  // namespace keypose::interpolation::turns_test
+}  // namespace keypose::interpolation::face_paths_test
