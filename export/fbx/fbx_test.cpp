@@ -5,12 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
 #include "export/caches/testing/test_scene.h"
-#include "export/fbx/fbx_error.h"
 #include "export/fbx/fbx_records.h"
 
 namespace keypose::exporting::fbx_test {
@@ -64,21 +62,6 @@ TEST(MakeFbx, ErrorIsThatOfSinglePrecision) {
   EXPECT_LT(made.error_over_diagonal, 1e-7);
   EXPECT_EQ(made.measured.at("shapes"), 3);
   EXPECT_EQ(made.files.at(0).path, "character.fbx");
-}
-
-TEST(FbxErrorOverDiagonal, IsTheDistanceByWhichAFrameIsOff) {
-  Scene scene = TestScene();
-  const std::string bytes = BytesOf(scene);
-  const double diagonal = SceneDiagonal(scene);
-  scene.frames[2].points.row(17) += Eigen::RowVector3d(0.03, 0, -0.04) * diagonal;
-  EXPECT_NEAR(FbxErrorOverDiagonal(bytes, scene, nullptr), 0.05, 1e-6);
-}
-
-TEST(FbxErrorOverDiagonal, SeesAFrameThatComesTooLate) {
-  TestSceneOptions options;
-  const std::string bytes = BytesOf(TestScene(options));
-  options.playback.fps = 5;
-  EXPECT_GT(FbxErrorOverDiagonal(bytes, TestScene(options), nullptr), 0.01);
 }
 
 TEST(MakeFbx, EachPictureIsOneShapeNamedAfterItsFirstFrame) {

@@ -1,15 +1,13 @@
 // Vertex animation textures, decoded by other programs: node with three.js, Chromium, and Khronos'
 // validator.
 #include "export/vat/vat.h"
-#include "core/testing/paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "core/testing/folder.h"
+#include "core/testing/paths.h"
 #include "core/values/errors.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
@@ -23,27 +21,6 @@ const std::string& BytesOf(const FormatFiles& made, const std::string& path) {
   for (const FormatFile& file : made.files)
     if (file.path == path) return file.bytes;
   throw std::runtime_error("no file " + path);
-}
-
-TEST(MakeVatLayout, EveryVertexOfEveryFrameHasAPlaceOfItsOwn) {
-  for (const int vertices : {1, 8192, 8193, 20000}) {
-    const VatLayout layout = MakeVatLayout(vertices, 7);
-    EXPECT_LE(layout.columns, kMostVatColumns);
-    EXPECT_EQ(layout.rows_per_frame, (vertices - 1) / 8192 + 1);
-    EXPECT_LT(layout.columns * layout.rows_per_frame - vertices, layout.rows_per_frame)
-        << "no wider than needed";
-    EXPECT_LT((vertices - 1) / layout.columns, layout.rows_per_frame);
-  }
-}
-
-TEST(MakeVatLayout, TooManyFramesThrowInputErrorThatSaysHowManyFit) {
-  EXPECT_EQ(MakeVatLayout(20000, 5461).rows(), 16383);
-  try {
-    MakeVatLayout(20000, 5462);
-    FAIL() << "no error";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("at most 5461 frames"));
-  }
 }
 
 TEST(MakeVat, ErrorIsBelowHalfAQuantum) {
