@@ -3,39 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <opencv2/aruco/charuco.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/numbers/parallel.h"
-#include "core/numbers/statistics.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/ray_scene.h"
-#include "core/values/errors.h"
-#include "synth/photographs/board_picture.h"
+#include "synth/photographs/testing/small_photographs.h"
 #include "synth/worlds/polygonize.h"
 
 namespace keypose::synth::photographer_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-const World& Creature() {
-  static const World world = [] {
-    WorldOptions options;
-    options.spacing_m = 0.005;
-    return MakeWorld(options);
-  }();
-  return world;
-}
-
-PhotographerOptions Small(int views = 4) {
-  PhotographerOptions options;
-  options.views = views;
-  options.elevations_deg = {15, 35};
-  options.width = 240;
-  options.height = 180;
-  return options;
-}
 
 // A grey ball without grain, with one red spot.
 World SpottedBall(const Vector3d& center, const Vector3d& spot) {
@@ -198,56 +176,6 @@ TEST(Photographer, NoiseAndVignettingAreAsAsked) {
   const auto linear = [](std::uint8_t v) { return std::pow((v / 255.0 + 0.055) / 1.055, 2.4); };
   EXPECT_NEAR(linear(dark.at(0, 0)[1]) / linear(dark.at(dark.width / 2, dark.height / 2)[1]), 0.7,
               0.02);
-}
-
-TEST(Photographer, OpenCvFindsTheBoardsCornersWhereTheTruthSays) {
-  PhotographerOptions options = Small(1);
-  options.elevations_deg = {50};
-  options.width = 1000, options.height = 750;
-  options.fill = 0.5;
-  options.board.charuco = true;
-  const SyntheticView photograph =
-      Photographer(Creature(), Creature().PoseNamed("rest"), options).Take(0);
-  const BoardPicture board = MakeBoardPicture(options.board);
-  cv::Mat grey(options.height, options.width, CV_8UC1);
-  for (int y = 0; y < options.height; ++y)
-    for (int x = 0; x < options.width; ++x)
-      grey.at<std::uint8_t>(y, x) = photograph.image.at(x, y)[1];
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
-  const auto cv_board = cv::aruco::CharucoBoard::create(
-      options.board.squares_x, options.board.squares_y, static_cast<float>(options.board.square_m),
-      static_cast<float>(options.board.marker_m), dictionary);
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> ids, corner_ids;
-  std::vector<cv::Point2f> corners;
-  cv::aruco::detectMarkers(grey, dictionary, markers, ids);
-  ASSERT_GE(ids.size(), 10u);
-  cv::aruco::interpolateCornersCharuco(markers, ids, grey, cv_board, corners, corner_ids);
-  ASSERT_GE(corners.size(), 12u);
-  // OpenCV 4.6 returns these corners half a pixel off its own convention, so they are refined
-  // again: its pixel centres are at whole numbers.
-  cv::cornerSubPix(grey, corners, {4, 4}, {-1, -1},
-                   cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-5));
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    errors.push_back((Vector2d(corners[i].x + 0.5, corners[i].y + 0.5) -
-                      photograph.view.Project(board.corners.row(corner_ids[i])))
-                         .norm());
-  EXPECT_LT(UpperMedian(errors), 0.2);
-}
-
-TEST(Photographer, BadOptionsThrowUsageError) {
-  const auto refuse = [](auto change) {
-    PhotographerOptions options = Small();
-    change(options);
-    EXPECT_THROW(Photographer(Creature(), Creature().PoseNamed("rest"), options), UsageError);
-  };
-  refuse([](PhotographerOptions& o) { o.elevations_deg.clear(); });
-  refuse([](PhotographerOptions& o) { o.elevations_deg = {89}; });
-  refuse([](PhotographerOptions& o) { o.views = 1; });
-  refuse([](PhotographerOptions& o) { o.width = 3; });
-  refuse([](PhotographerOptions& o) { o.background = "beach"; });
-  refuse([](PhotographerOptions& o) { o.board.charuco = true, o.board.marker_m = 0.05; });
 }
 
 TEST(TruthScene, PointsProjectIntoTheMasksOfTheViewsThatSeeThem) {

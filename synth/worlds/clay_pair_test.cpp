@@ -8,42 +8,19 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <set>
 
-#include "core/io/meshes/mesh_io.h"
-#include "core/io/text/files.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
-#include "core/testing/folder.h"
 #include "core/values/errors.h"
-#include "synth/commands/pair_command.h"
-#include "synth/worlds/polygonize.h"
-#include "synth/worlds/surface_grid.h"
+#include "synth/worlds/testing/pair_options.h"
 
 namespace keypose::synth::clay_pair_test {
 
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.141592653589793;
-
-ClayPairOptions Options(double bend_deg, std::uint64_t seed = 0,
-                        const std::string& shape = "tentacle") {
-  ClayPairOptions options;
-  options.shape.bend_deg = bend_deg;
-  options.shape.seed = seed;
-  options.shape.shape = shape;
-  options.vertices = 600;
-  return options;
-}
-
-double MeanEdge(const Mesh& mesh) {
-  double sum = 0;
-  const auto edges = UndirectedEdges(mesh.faces);
-  for (const auto& [a, b] : edges) sum += (mesh.points.row(a) - mesh.points.row(b)).norm();
-  return sum / static_cast<double>(edges.size());
-}
 
 double SmallestAngleDeg(const Mesh& mesh) {
   double smallest = kPi;
@@ -60,13 +37,6 @@ double SmallestAngleDeg(const Mesh& mesh) {
 int EulerNumber(const Mesh& mesh) {
   return mesh.vertex_count() - static_cast<int>(UndirectedEdges(mesh.faces).size()) +
          mesh.face_count();
-}
-
-// A coarse sample of the solid's surface in the rest pose.
-PointsX3 RestSample(const Clay& clay) {
-  Vector3d low, high;
-  clay.Bounds(&low, &high);
-  return Polygonize([&](const Vector3d& x) { return clay.Distance(x); }, low, high, 0.008).points;
 }
 
 TEST(ClayPair, MeshesAreClosedEvenAndOfTheAskedSize) {
@@ -139,50 +109,6 @@ TEST(ClayPair, TessellationsShareNoVertices) {
     coincide += std::sqrt(tree.Nearest(Vector3d(pair.truth.row(i))).squared_distance) < near;
   // For random points this would happen in 0.9 % of the cases.
   EXPECT_LT(coincide, 0.03 * static_cast<double>(pair.truth.rows()));
-}
-
-TEST(LimbedShape, PosesAreOneToOneForAllSeedsAndAngles) {
-  for (const char* shape : {"tentacle", "character"})
-    for (std::uint64_t seed = 0; seed < (shape == std::string("tentacle") ? 40 : 10); ++seed) {
-      LimbedShapeOptions options;
-      options.seed = seed;
-      options.shape = shape;
-      const PointsX3 rest = RestSample(MakeLimbedShape(options).clay);
-      for (const double bend_deg : {90.0, 270.0}) {
-        options.bend_deg = bend_deg;
-        const LimbedShape thing = MakeLimbedShape(options);
-        const PointsX3 posed = thing.pose(rest);
-        const KdTree tree(posed);
-        for (Eigen::Index i = 0; i < rest.rows(); ++i) {
-          ASSERT_GT(thing.pose.Jacobian(rest.row(i)).determinant(), 0.2)
-              << shape << seed << " bent by " << bend_deg;
-          for (const auto& other : tree.Nearest(Vector3d(posed.row(i)), 24))
-            ASSERT_FALSE(other.squared_distance < 0.007 * 0.007 &&
-                         (rest.row(i) - rest.row(other.index)).norm() > 0.05)
-                << shape << seed << " touches itself at " << bend_deg;
-        }
-      }
-    }
-}
-
-TEST(LimbedShape, NothingOfTheSolidLiesWhereALimbsHoldFades) {
-  // Otherwise the bend would shear the part: the truth would be smooth, but not a bend.
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    LimbedShapeOptions options;
-    options.seed = seed;
-    options.shape = "character";
-    options.bend_deg = 100;
-    const LimbedShape thing = MakeLimbedShape(options);
-    const PointsX3 rest = RestSample(thing.clay);
-    for (const Deformation& step : thing.pose.steps)
-      for (Eigen::Index i = 0; i < rest.rows(); ++i) {
-        const Vector3d x = rest.row(i);
-        if ((x - step.origin).dot(step.axis) <= step.begin) continue;
-        const double weight = step.Weight(x);
-        ASSERT_TRUE(weight == 0 || weight == 1)
-            << "seed " << seed << " weight " << weight << " at " << x.transpose();
-      }
-  }
 }
 
 TEST(ClayPair, SourceIsTheSameWhateverBecomesOfTheTarget) {
@@ -351,45 +277,6 @@ TEST(ClayPair, OptionsOutOfRangeThrowUsageError) {
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.hole_area = 0.9; })), UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.turn_deg = NAN; })), UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.scale = 0; })), UsageError);
-}
-
-TEST(Tessellate, TooFewVerticesThrowInputError) {
-  LimbedShapeOptions options;
-  const LimbedShape thing = MakeLimbedShape(options);
-  EXPECT_THROW(Tessellate(PosedSurface(thing.clay, thing.pose, 0.004), 20, 1), InputError);
-}
-
-TEST(PairCommand, FilesComeBackAsTheyWereMade) {
-  const TestingFolder own;
-  const fs::path folder = own.path();
-  PairCommand command{folder, Options(120, 8)};
-  command.pair.holes = 2;
-  RunPair(command);
-  const ClayPair pair = MakeClayPair(command.pair);
-  const Mesh source = ReadMesh(folder / "source.ply"), target = ReadMesh(folder / "target.ply"),
-             truth = ReadMesh(folder / "truth.ply");
-  EXPECT_EQ(source.points, pair.source.points);
-  EXPECT_EQ(target.points, pair.target.points);
-  EXPECT_EQ(target.faces, pair.target.faces);
-  EXPECT_EQ(truth.points, pair.truth);
-  EXPECT_EQ(truth.faces, source.faces);
-  const auto picks = ReadLandmarkPairs(
-      {folder / "source_landmarks.json", folder / "target_landmarks.json"}, source, target);
-  ASSERT_EQ(picks.size(), 13u);
-  EXPECT_LT((PositionOf(picks[4].target, target) - PositionOf(pair.picks[4].target, target)).norm(),
-            1e-12);
-  // Snapping to a vertex costs at most half an edge.
-  for (const LandmarkPair& pick : ReadLandmarkPairs({folder / "landmarks.txt"}, source, target)) {
-    int corner = 0;
-    pick.source.barycentric.maxCoeff(&corner);
-    const Vector3d place = pair.truth.row(source.faces(pick.source.face, corner));
-    EXPECT_LT((PositionOf(pick.target, target) - place).norm(), 1.2 * MeanEdge(target));
-  }
-  command.pair.shape.places = 0;
-  RunPair(command);
-  EXPECT_FALSE(fs::exists(folder / "landmarks.txt"));
-  EXPECT_FALSE(fs::exists(folder / "source_landmarks.json"));
-  EXPECT_THROW(RunPair({"/dev/null/x", Options(60)}), DiskError);
 }
 
 }  // namespace keypose::synth::clay_pair_test

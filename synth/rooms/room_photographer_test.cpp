@@ -1,39 +1,18 @@
+#include "synth/rooms/room_photographer.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 
-#include "core/io/pictures/image_io.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/testing/folder.h"
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/values/size_of.h"
-#include "synth/photographs/truth_files.h"
-#include "synth/rooms/room_command.h"
-#include "synth/rooms/room_photographer.h"
+#include "synth/rooms/testing/small_room.h"
 
-namespace keypose::synth::rooms_test {
+namespace keypose::synth::room_photographer_test {
 
-namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-/// A small room in about a second.
-RoomOptions Small(const std::string& kind, std::uint64_t seed = 3, int photographs = 6) {
-  RoomOptions options;
-  options.kind = kind, options.seed = seed, options.photographs = photographs;
-  options.width = 240, options.height = 160;
-  options.second = "none", options.hands = 0;
-  options.detail = 0.06, options.spacing_m = 0.007;
-  return options;
-}
 
 RoomPhotographer Photographed(const RoomOptions& options) {
   return RoomPhotographer(PlanRoom(options));
@@ -218,120 +197,4 @@ TEST(Rooms, TurnedCameraSeesThePictureTurnedClockwise) {
   EXPECT_NEAR(after.y(), before.x(), 1e-9);
 }
 
-TEST(RoomPlans, TwentyFourSeedsHoldAllKindsInBalance) {
-  std::map<std::string, int> kinds, seconds;
-  int hands = 0, without_exif = 0;
-  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
-    RoomOptions options;
-    options.seed = seed;
-    const RoomPlan plan = PlanRoom(options);
-    EXPECT_TRUE(plan.free_standing());
-    ++kinds[NameOf(plan.kind)], ++seconds[plan.second];
-    hands += plan.hands > 0, without_exif += !plan.exif;
-  }
-  EXPECT_EQ(kinds, (std::map<std::string, int>{
-                       {"walk", 6}, {"mat", 6}, {"mat-hand", 4}, {"both", 5}, {"one-side", 3}}));
-  EXPECT_EQ(seconds["touching"], 6);
-  EXPECT_GE(seconds["apart"], 3);
-  EXPECT_GE(hands, 4);
-  EXPECT_EQ(without_exif, 4);
-}
-
-TEST(RoomPlans, BadOptionsThrowUsageError) {
-  const auto refuse = [](auto change) {
-    RoomOptions options = Small("walk");
-    change(options);
-    EXPECT_THROW(PlanRoom(options), UsageError);
-  };
-  refuse([](RoomOptions& o) { o.kind = "garden"; });
-  refuse([](RoomOptions& o) { o.photographs = 2; });
-  refuse([](RoomOptions& o) { o.width = 3; });
-  refuse([](RoomOptions& o) { o.second = "three"; });
-  refuse([](RoomOptions& o) { o.exif = "maybe"; });
-  refuse([](RoomOptions& o) { o.lenses = 3; });
-  refuse([](RoomOptions& o) { o.hands = 7; });
-  refuse([](RoomOptions& o) { o.detail = 0; });
-  int width = 0, height = 0;
-  ReadSize("640x480", &width, &height);
-  EXPECT_EQ(width, 640);
-  EXPECT_EQ(height, 480);
-  for (const char* text : {"640", "640x", "x480", "640x480x3", "ax9"})
-    EXPECT_THROW(ReadSize(text, &width, &height), UsageError) << text;
-}
-
-TEST(RoomCommand, WritesPhotographsAndTheirTruthBesideThem) {
-  const TestingFolder folder;
-  RoomCommand command;
-  command.output = folder.path();
-  command.room = Small("both", 4, 10);
-  command.room.lenses = 2, command.room.exif = "yes";
-  RunRoom(command, nullptr);
-  const fs::path truth = folder.path() / "truth/figure", photos = folder.path() / "photos/figure";
-  const auto json = nlohmann::json::parse(ReadFile(truth / "room.json"));
-  EXPECT_EQ(json.at("kind"), "both");
-  ASSERT_EQ(json.at("photographs").size(), 10u);
-  const auto &ring = json["photographs"][0], &close = json["photographs"][9];
-  EXPECT_EQ(ring.at("part"), "ring");
-  EXPECT_EQ(ring.at("tripod"), 0);
-  EXPECT_TRUE(close.at("tripod").is_null());
-  EXPECT_NE(ring.at("portrait"), close.at("portrait"));
-  EXPECT_NEAR(ReadImageInfo(photos / "IMG_0010.jpg").focal_35mm.value_or(0) /
-                  json["lenses"][1]["focal_35mm"].get<double>(),
-              1, 0.02);
-  // A pixel inside the figure; both models hold the same camera in two frames.
-  const Image8 mask = ReadImage(truth / "masks/IMG_0010.jpg.png", 1);
-  EXPECT_EQ(*mask.at(close["inside"][0], close["inside"][1]), 255);
-  const Scene of_figure = ReadColmapModel(truth / "cameras"),
-              of_room = ReadColmapModel(truth / "cameras_of_room");
-  const double turn = close["turn_deg"].get<double>() * kDegree;
-  const Vector3d turned = Eigen::AngleAxisd(turn, Vector3d::UnitZ()) * of_figure.views[9].Center();
-  EXPECT_LT((turned - of_room.views[9].Center()).norm(), 1e-9);
-  EXPECT_GT(ReadTruth(truth).cameras.points.size(), 100u);
-}
-
-TEST(RoomCommand, ALineLiesOnWhatTouchesTheFigure) {
-  const TestingFolder folder;
-  RoomCommand command;
-  command.output = folder.path();
-  command.room = Small("walk", 5, 6);
-  command.room.second = "touching";
-  RunRoom(command, nullptr);
-  const fs::path truth = folder.path() / "truth/figure";
-  const auto json = nlohmann::json::parse(ReadFile(truth / "room.json"));
-  int lines = 0;
-  for (const auto& photograph : json.at("photographs")) {
-    const auto& beside = photograph.at("beside");
-    if (beside[0] < 0) continue;
-    ++lines;
-    const Image8 parts =
-        ReadImage(truth / "parts" / (photograph["name"].get<std::string>() + ".png"), 1);
-    EXPECT_EQ(beside[1], beside[3]);
-    for (int x = beside[0]; x <= beside[2]; ++x)
-      ASSERT_EQ(*parts.at(x, beside[1].get<int>()), static_cast<int>(Part::kThing));
-  }
-  EXPECT_GE(lines, 4);
-}
-
-TEST(RoomCommand, WithoutExifNoneIsWritten) {
-  const TestingFolder folder;
-  RoomCommand command;
-  command.output = folder.path();
-  command.room = Small("mat", 4, 4);
-  command.room.exif = "no";
-  RunRoom(command, nullptr);
-  const ImageInfo info = ReadImageInfo(folder.path() / "photos/figure/IMG_0001.jpg");
-  EXPECT_FALSE(info.focal_35mm.has_value());
-  EXPECT_FALSE(info.focal_mm.has_value());
-}
-
-TEST(RoomCommand, PhotographsOfSomebodyElseAreNotWrittenOver) {
-  const TestingFolder folder;
-  fs::create_directories(folder.path() / "photos/figure");
-  WriteFile(folder.path() / "photos/figure/IMG_0001.jpg", "a real one");
-  RoomCommand command;
-  command.output = folder.path();
-  command.room = Small("mat", 4, 4);
-  EXPECT_THROW(RunRoom(command, nullptr), UsageError);
-}
-
-}  // namespace keypose::synth::rooms_test
+}  // namespace keypose::synth::room_photographer_test
