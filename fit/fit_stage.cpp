@@ -78,7 +78,8 @@ Camera LensFor(const Scene& rig, const CapturedImage& image) {
     if (sizes.empty()) camera = view.camera.Scaled(factor);
     sizes.emplace(view.camera.width, view.camera.height);
   }
-  camera.width = image.width, camera.height = image.height;
+  camera.width = image.width;
+  camera.height = image.height;
   if (sizes.size() == 1) return camera;
   if (sizes.size() > 1)
     throw InputError("fit: " + image.name + " has " + std::to_string(image.width) + " x " +
@@ -192,7 +193,8 @@ Scene SceneOf(const Scene& unplaced, const std::vector<BendView>& views,
 void ReportRig(StageContext& stage, const Scene& rig, const std::vector<PreparedView>& views,
                const std::vector<RigMotion>& motions, const std::optional<RigMotion>& on_rig) {
   stage.Report("rig", on_rig.has_value());
-  const int agreeing = on_rig ? on_rig->agreeing : motions.empty() ? 0 : motions.front().agreeing;
+  int agreeing = motions.empty() ? 0 : motions.front().agreeing;
+  if (on_rig) agreeing = on_rig->agreeing;
   stage.Report("rig_agreeing", agreeing);
   if (!on_rig) {
     if (!motions.empty())
@@ -285,8 +287,10 @@ double ReportViews(StageContext& stage, const std::vector<BendView>& views,
                     {"correlation", q.correlation},
                     {"iou", q.overlap},
                     {"worst", worst[v]}});
-    overlap += share * q.overlap, gap += share * q.outline_gap_px;
-    correlation += share * q.correlation, least = std::min(least, q.overlap);
+    overlap += share * q.overlap;
+    gap += share * q.outline_gap_px;
+    correlation += share * q.correlation;
+    least = std::min(least, q.overlap);
     matches += q.matches;
   }
   stage.ReportJson("views", list.dump());

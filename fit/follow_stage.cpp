@@ -74,7 +74,8 @@ void NoteFrame(const Mesh& mesh, const PointsX3& base, const BentFrame& bent,
   note.iou_before = MeanOverlap(base, mesh.faces, views);
   note.iou = MeanOverlap(bent.points, mesh.faces, views);
   const Eigen::VectorXd moves = (bent.points - base).rowwise().norm();
-  note.move_mean = moves.mean(), note.move_largest = moves.maxCoeff();
+  note.move_mean = moves.mean();
+  note.move_largest = moves.maxCoeff();
   note.flipped = bent.flipped;
   note.area = SurfaceArea(bent.points, mesh.faces);
   note.volume = SignedVolume(bent.points, mesh.faces);
@@ -85,7 +86,8 @@ class FlickerSum {
  public:
   void Add(const PointsX3& points) {
     if (count_ >= 2) sum_ += Flicker(before_, now_, points);
-    before_ = std::move(now_), now_ = points;
+    before_ = std::move(now_);
+    now_ = points;
     ++count_;
   }
   double sum() const { return sum_; }
@@ -118,10 +120,12 @@ Judged WriteFrames(StageContext& stage, FollowInput& input, const FollowedFrames
     });
     for (int i = 0; i < count; ++i) {
       writer.Write(folder / FrameFileName(first + i), input.Opened(made[i]));
-      before.Add(bases[i]), after.Add(made[i]);
+      before.Add(bases[i]);
+      after.Add(made[i]);
     }
   }
-  judged.flicker_before = before.sum(), judged.flicker = after.sum();
+  judged.flicker_before = before.sum();
+  judged.flicker = after.sum();
   return judged;
 }
 
@@ -134,20 +138,35 @@ void WriteNotes(StageContext& stage, const Judged& judged, double fps) {
   WriteFile(stage.Output("followed") / "distortion.json", FrameNotesText(measures, fps, "follow"));
 }
 
-void ReportFrames(StageContext& stage, const Judged& judged, double diagonal) {
+nlohmann::json NodesOf(const std::vector<FrameNote>& notes) {
   nlohmann::json list = nlohmann::json::array();
+  for (const FrameNote& note : notes) {
+    nlohmann::json entry = {{"move_mean", note.move_mean}, {"move_largest", note.move_largest}};
+    if (note.seen) {
+      entry["iou_before"] = note.iou_before;
+      entry["iou"] = note.iou;
+    }
+    list.push_back(entry);
+  }
+  return list;
+}
+
+void ReportFrames(StageContext& stage, const Judged& judged, double diagonal) {
   double before = 0, after = 0, least = 1, move = 0, largest = 0;
   int seen = 0, worst = 0, flipped = 0;
   for (int f = 0; f < SizeOf(judged.frames); ++f) {
     const FrameNote& note = judged.frames[f];
-    nlohmann::json entry = {{"move_mean", note.move_mean}, {"move_largest", note.move_largest}};
-    if (note.seen) entry["iou_before"] = note.iou_before, entry["iou"] = note.iou;
-    list.push_back(entry);
     move += note.move_mean / SizeOf(judged.frames);
-    largest = std::max(largest, note.move_largest), flipped += note.flipped;
+    largest = std::max(largest, note.move_largest);
+    flipped += note.flipped;
     if (!note.seen) continue;
-    ++seen, before += note.iou_before, after += note.iou;
-    if (note.iou < least) least = note.iou, worst = f;
+    ++seen;
+    before += note.iou_before;
+    after += note.iou;
+    if (note.iou < least) {
+      least = note.iou;
+      worst = f;
+    }
   }
   stage.Report("frames", SizeOf(judged.frames));
   stage.Report("iou_before_mean", before / std::max(1, seen));
@@ -159,7 +178,7 @@ void ReportFrames(StageContext& stage, const Judged& judged, double diagonal) {
   stage.Report("flipped", flipped);
   if (judged.flicker_before > 0)
     stage.Report("second_difference_ratio", judged.flicker / judged.flicker_before);
-  stage.ReportJson("per_frame", list.dump());
+  stage.ReportJson("per_frame", NodesOf(judged.frames).dump());
   if (least < kLowOverlap)
     stage.Warn("in frame " + std::to_string(worst) + " the bent mesh covers only " +
                std::to_string(static_cast<int>(100 * least)) +

@@ -190,7 +190,8 @@ double FitFirst(const std::vector<Silhouette>& silhouettes, Actor* actor, Progre
   std::vector<ActorFrame> frames(1);
   frames[0] = {silhouettes, actor->pose, {RestPrior()}};
   ActorOptions coarse;
-  coarse.waves = false, coarse.rounds = 6;
+  coarse.waves = false;
+  coarse.rounds = 6;
   FitActor(&frames, &actor->shape, coarse, progress);
   const double cost = FitActor(&frames, &actor->shape, {}, progress);
   actor->pose = frames[0].pose.Recharted();
@@ -216,7 +217,10 @@ Actor FirstActor(TrackInput& input, const TrackOptions& options, const BodyShape
     Actor actor{start, pose};
     SubProgress fitting(progress, 0.7, 1);
     const double cost = FitFirst(silhouettes, &actor, &fitting);
-    if (least < 0 || cost < least) least = cost, best = actor;
+    if (least < 0 || cost < least) {
+      least = cost;
+      best = actor;
+    }
   }
   return best;
 }
@@ -231,7 +235,8 @@ void RefineActor(TrackInput& input, const TrackOptions& options,
     frames.push_back({input.Read(f, 1)[0], tracked[f].pose, {RestPrior()}});
   }
   ActorOptions fine;
-  fine.first_reach = fine.reach, fine.rounds = 20;
+  fine.first_reach = fine.reach;
+  fine.rounds = 20;
   FitActor(&frames, &actor->shape, fine, progress);
   actor->pose = tracked[std::min(options.actor_frame, input.frames() - 1)].pose;
 }
@@ -296,7 +301,10 @@ void ReportQuality(StageContext& stage, TrackInput& input,
   for (int f = 0; f < SizeOf(frames); ++f) {
     const double iou = frames[f].coverage.IoU();
     sum += iou;
-    if (iou < least) least = iou, worst = f;
+    if (iou < least) {
+      least = iou;
+      worst = f;
+    }
     found += SizeOf(frames[f].found);
   }
   stage.Report("frames", SizeOf(frames));
@@ -323,7 +331,10 @@ void CompareOthers(StageContext& stage, TrackInput& input, const BodyShape& shap
         MakeSilhouette(input.cameras()[c], c, input.cameras()[c].Reduced(input.Mask(c, at)), 100);
     const double iou = CoverageOf({s}, surface, Posed(frames[at].pose, shape)).IoU();
     sum += iou;
-    if (iou < least) least = iou, worst = input.cameras()[c].view().name;
+    if (iou < least) {
+      least = iou;
+      worst = input.cameras()[c].view().name;
+    }
   }
   stage.Report("iou_other_cameras", sum / SizeOf(input.compared()));
   stage.Report("iou_other_cameras_least", least);
@@ -396,9 +407,8 @@ void WritePicture(StageContext& stage, TrackInput& input, const BodyShape& shape
 void Run(StageContext& stage, const TrackOptions& options) {
   TrackInput input(stage, stage.Input("video"), options.Input());
   WarnOfCameras(stage, input);
-  const double fps = options.fps > 0                 ? options.fps
-                     : input.frames_per_second() > 0 ? input.frames_per_second()
-                                                     : 25;
+  const double own_fps = input.frames_per_second() > 0 ? input.frames_per_second() : 25;
+  const double fps = options.fps > 0 ? options.fps : own_fps;
   BodyShape known;
   const bool has_actor = stage.Has("actor");
   if (has_actor)

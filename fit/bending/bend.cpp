@@ -254,10 +254,9 @@ void Bending::RunRounds(const std::vector<Round>& rounds) {
     if (round.rematch > 0 && !texture_.blank())
       evidence_->MatchAgain({FullPoints(at_), faces(), true}, poses_, round.rematch);
     for (int k = 0; k < round.repeats; ++k) {
+      const char* by = round.appearance > 0 ? "texture" : "features and outlines";
       ReportProgress(progress_, std::min(1.0, static_cast<double>(done_++) / rounds_),
-                     texture_.blank()       ? "outlines"
-                     : round.appearance > 0 ? "texture"
-                                            : "features and outlines");
+                     texture_.blank() ? "outlines" : by);
       RunRound(round);
     }
   }

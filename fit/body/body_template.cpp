@@ -15,14 +15,19 @@ Vector3d AxisZ() { return Vector3d::UnitZ(); }
 
 JointModel Ball(std::string name, int parent, int dof, double share = 1) {
   JointModel joint;
-  joint.name = std::move(name), joint.parent = parent, joint.first_dof = dof;
-  joint.ball = true, joint.share = share;
+  joint.name = std::move(name);
+  joint.parent = parent;
+  joint.first_dof = dof;
+  joint.ball = true;
+  joint.share = share;
   return joint;
 }
 
 JointModel Hinges(std::string name, int parent, int dof, std::vector<Vector3d> axes) {
   JointModel joint;
-  joint.name = std::move(name), joint.parent = parent, joint.first_dof = dof;
+  joint.name = std::move(name);
+  joint.parent = parent;
+  joint.first_dof = dof;
   joint.hinges = std::move(axes);
   return joint;
 }
@@ -135,6 +140,14 @@ std::array<SegmentModel, kSegments> MakeSegments() {
   return segments;
 }
 
+struct TrunkDof {
+  const char* name;
+  double low, high;
+};
+constexpr TrunkDof kTrunkDofs[] = {{"spine_bend", -0.6, 1.6},  {"spine_lean", -0.8, 0.8},
+                                   {"spine_twist", -0.9, 0.9}, {"head_nod", -0.9, 1.0},
+                                   {"head_lean", -0.7, 0.7},   {"head_turn", -1.2, 1.2}};
+
 std::array<DofModel, kDofs> MakeDofs() {
   std::array<DofModel, kDofs> dofs;
   int at = 0;
@@ -143,8 +156,7 @@ std::array<DofModel, kDofs> MakeDofs() {
   };
   for (const char* axis : {"x", "y", "z"}) add(std::string("root_") + axis, 0, 0);
   for (const char* axis : {"x", "y", "z"}) add(std::string("root_turn_") + axis, 0, 0);
-  add("spine_bend", -0.6, 1.6), add("spine_lean", -0.8, 0.8), add("spine_twist", -0.9, 0.9);
-  add("head_nod", -0.9, 1.0), add("head_lean", -0.7, 0.7), add("head_turn", -1.2, 1.2);
+  for (const TrunkDof& dof : kTrunkDofs) add(dof.name, dof.low, dof.high);
   for (const double side : {1.0, -1.0}) {
     const std::string p = side > 0 ? "left_" : "right_";
     // A range of the left side, mirrored for the right one where the axis keeps its direction.
@@ -156,7 +168,8 @@ std::array<DofModel, kDofs> MakeDofs() {
     mirrored("shoulder_lower", -1.7, 1.9);
     mirrored("shoulder_back", -2.3, 1.2);
     add(p + "elbow", 0.0, 2.6);
-    add(p + "wrist_bend", -1.3, 1.3), add(p + "wrist_turn", -0.6, 0.6);
+    add(p + "wrist_bend", -1.3, 1.3);
+    add(p + "wrist_turn", -0.6, 0.6);
   }
   for (const double side : {1.0, -1.0}) {
     const std::string p = side > 0 ? "left_" : "right_";
@@ -167,7 +180,8 @@ std::array<DofModel, kDofs> MakeDofs() {
     mirrored("hip_in", -1.3, 0.6);
     mirrored("hip_twist", -0.9, 0.9);
     add(p + "knee", 0.0, 2.6);
-    add(p + "ankle_point", -0.6, 1.0), add(p + "ankle_turn", -0.5, 0.5);
+    add(p + "ankle_point", -0.6, 1.0);
+    add(p + "ankle_turn", -0.5, 0.5);
   }
   return dofs;
 }

@@ -80,7 +80,9 @@ SparseRow RowOf(const OutlineResidual& r, const PosedBody& body, double weight, 
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (numbers[i] != 0) row.entries.emplace_back(first + static_cast<int>(i), numbers[i]);
   };
-  take(lengths, 0), take(radii, kLengths + sample.segment * kRadii), take(pose, first_pose);
+  take(lengths, 0);
+  take(radii, kLengths + sample.segment * kRadii);
+  take(pose, first_pose);
   return row;
 }
 
@@ -144,9 +146,8 @@ class ShapePrior {
   void AddRadii(int s, int m) {
     const bool limb = s >= 4 && !IsEnd(s);
     // A limb's bone runs through its middle; the trunk, hands and feet may lie beside their axes.
-    const double girth = m == 0          ? ActorTuning::kGirth
-                         : limb && m < 3 ? ActorTuning::kOneSided
-                                         : ActorTuning::kWave;
+    double girth = limb && m < 3 ? ActorTuning::kOneSided : ActorTuning::kWave;
+    if (m == 0) girth = ActorTuning::kGirth;
     const double sigma = options_.waves || m == 0 ? girth : 0.1 * girth;
     for (int k = 0; k < kStations; ++k) {
       const double average = average_.radii[s](k, m);
@@ -206,6 +207,15 @@ void Move(const Eigen::VectorXd& step, std::vector<ActorFrame>* frames, BodyShap
     (*frames)[f].pose.q += factor * step.segment<kDofs>(kFirstPose + kDofs * static_cast<int>(f));
 }
 
+void AddRows(const FrameRows& rows, System* system) {
+  double squares = 0;
+  for (const SparseRow& row : rows.rows) {
+    system->Add(row);
+    squares += row.value * row.value;
+  }
+  system->AddCost(ActorTuning::kTrust * rows.cost - squares);
+}
+
 }  // namespace
 
 double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOptions& options,
@@ -227,9 +237,7 @@ double FitActor(std::vector<ActorFrame>* frames, BodyShape* shape, const ActorOp
       ActorFrame& frame = (*frames)[f];
       const int first_pose = kFirstPose + kDofs * f;
       const FrameRows rows = RowsOfFrame(frame, *shape, surface, reach, first_pose);
-      double squares = 0;
-      for (const SparseRow& row : rows.rows) system.Add(row), squares += row.value * row.value;
-      system.AddCost(ActorTuning::kTrust * rows.cost - squares);
+      AddRows(rows, &system);
       PoseSystem priors;
       for (const QuadraticPrior& prior : frame.priors) AddQuadratic(prior, frame.pose.q, &priors);
       AddLimits(frame.pose.q, &priors);

@@ -98,7 +98,10 @@ PoseSystem OutlineSystem(const std::vector<Silhouette>& silhouettes,
     views[v] = SystemOfView(silhouettes[v], matches[v], body, reach);
   });
   ViewSystem sum;
-  for (const ViewSystem& view : views) sum.system += view.system, sum.measured += view.measured;
+  for (const ViewSystem& view : views) {
+    sum.system += view.system;
+    sum.measured += view.measured;
+  }
   if (measured) *measured = sum.measured;
   return sum.system;
 }
@@ -149,9 +152,8 @@ DofVector StandardDeviations(const PoseFit& fit) {
   for (int i = 0; i < kDofs; ++i) {
     const DofModel& dof = Dofs()[i];
     // Evenly spread over its range, a number has the range over the root of 12.
-    const double spread = i < 3                 ? 1.0
-                          : dof.low == dof.high ? kPi
-                                                : (dof.high - dof.low) / std::sqrt(12.0);
+    double spread = dof.low == dof.high ? kPi : (dof.high - dof.low) / std::sqrt(12.0);
+    if (i < 3) spread = 1.0;
     information(i, i) += 1 / (spread * spread);
   }
   return information.ldlt().solve(DofMatrix::Identity()).diagonal().cwiseMax(0).cwiseSqrt();

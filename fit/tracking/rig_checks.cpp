@@ -54,7 +54,8 @@ class PlanePencil {
                usable_ && !rays.empty()};
     for (const Vector3d& ray : rays) {
       const double angle = std::atan2(ray.dot(second_), ray.dot(first_));
-      t.low = std::min(t.low, angle), t.high = std::max(t.high, angle);
+      t.low = std::min(t.low, angle);
+      t.high = std::max(t.high, angle);
     }
     // An outline around the other camera's picture has no tangent plane.
     t.known = t.known && t.high - t.low < 120 * kDegree;
@@ -82,7 +83,8 @@ std::vector<double> PairCosts(const std::vector<OutlineRays>& a, const std::vect
       // A wrong mask must not decide: differences beyond five degrees count as five.
       const double off =
           std::abs(of_a[f].low - of_b[g].low) + std::abs(of_a[f].high - of_b[g].high);
-      sum += std::min(off, 10 * kDegree), ++count;
+      sum += std::min(off, 10 * kDegree);
+      ++count;
     }
     costs.push_back(count > 0 ? sum / (2 * count) : 0);
   }
@@ -103,6 +105,26 @@ double TotalCost(const std::vector<PairTable>& pairs, const std::vector<int>& of
   return sum / std::max<std::size_t>(1, pairs.size());
 }
 
+/// Each camera's offset by itself, until none becomes better.
+void Descend(const std::vector<PairTable>& pairs, int most, std::vector<int>* offsets) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t c = 1; c < offsets->size(); ++c) {
+      int best = (*offsets)[c];
+      double least = TotalCost(pairs, *offsets, most);
+      for (int k = -most; k <= most; ++k) {
+        (*offsets)[c] = k;
+        if (const double cost = TotalCost(pairs, *offsets, most); cost < least - 1e-12) {
+          least = cost;
+          best = k;
+          changed = true;
+        }
+      }
+      (*offsets)[c] = best;
+    }
+  }
+}
+
 }  // namespace
 
 RigAgreement CheckAgreement(const std::vector<Silhouette>& silhouettes,
@@ -115,7 +137,8 @@ RigAgreement CheckAgreement(const std::vector<Silhouette>& silhouettes,
       const CoarseHull hull = FindCoarseHull(Without(silhouettes, c), up_from_world);
       if (hull.voxels < kLeastVoxels || (best >= 0 && hull.voxels <= agreement.hull.voxels))
         continue;
-      best = c, agreement.hull = hull;
+      best = c;
+      agreement.hull = hull;
     }
     if (best >= 0) agreement.against.push_back(best);
   }
@@ -162,22 +185,12 @@ ClockOffsets FindClockOffsets(const std::vector<std::vector<OutlineRays>>& rays,
   std::vector<int> offsets(static_cast<std::size_t>(cameras), 0);
   ClockOffsets found;
   found.before = TotalCost(pairs, offsets, most);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (int c = 1; c < cameras; ++c) {
-      int best = offsets[c];
-      double least = TotalCost(pairs, offsets, most);
-      for (int k = -most; k <= most; ++k) {
-        offsets[c] = k;
-        if (const double cost = TotalCost(pairs, offsets, most); cost < least - 1e-12)
-          least = cost, best = k, changed = true;
-      }
-      offsets[c] = best;
-    }
-  }
+  Descend(pairs, most, &offsets);
   found.after = TotalCost(pairs, offsets, most);
-  if (found.after > kLeastGain * found.before)
-    std::fill(offsets.begin(), offsets.end(), 0), found.after = found.before;
+  if (found.after > kLeastGain * found.before) {
+    std::fill(offsets.begin(), offsets.end(), 0);
+    found.after = found.before;
+  }
   const int least = *std::min_element(offsets.begin(), offsets.end());
   for (int& offset : offsets) offset -= least;
   found.frames = offsets;
