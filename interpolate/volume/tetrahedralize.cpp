@@ -137,7 +137,10 @@ class Filler {
       for (int k = 0; k < 3; ++k)
         if (local_[faces(f, k)] < 0) local_[faces(f, k)] = 0;
     for (Eigen::Index i = 0; i < points.rows(); ++i)
-      if (local_[i] == 0) local_[i] = SizeOf(global_), global_.push_back(static_cast<int>(i));
+      if (local_[i] == 0) {
+        local_[i] = SizeOf(global_);
+        global_.push_back(static_cast<int>(i));
+      }
     for (Eigen::Index f = 0; f < faces_.rows(); ++f)
       for (int k = 0; k < 3; ++k) faces_(f, k) = local_[faces(f, k)];
     points_.resize(std::ssize(global_), 3);
@@ -189,6 +192,21 @@ Triple Rotated(const Triple& t) {
   return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
+/// Marks what is reached from `open` through no wall.
+void Flood(const std::vector<int>& neighbours, const std::vector<std::array<char, 4>>& wall,
+           std::vector<int> open, std::vector<char>* inner) {
+  while (!open.empty()) {
+    const int t = open.back();
+    open.pop_back();
+    for (int k = 0; k < 4; ++k) {
+      const int next = neighbours[4 * t + k];
+      if (wall[t][k] || next < 0 || (*inner)[next]) continue;
+      (*inner)[next] = 1;
+      open.push_back(next);
+    }
+  }
+}
+
 /// Tetrahedra on the inner side of the surface (TetGen fills hollows as well). Corners are in
 /// positive order afterwards.
 /// @return 1 for tetrahedra to keep; empty when a face of the surface is missing
@@ -202,9 +220,10 @@ std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
   std::vector<int> open;
   for (int t = 0; t < count; ++t) {
     int* corner = out.tets.data() + 4 * t;
-    if (SixVolumes(out.points, corner) < 0)
-      std::swap(corner[2], corner[3]),
-          std::swap(out.neighbours[4 * t + 2], out.neighbours[4 * t + 3]);
+    if (SixVolumes(out.points, corner) < 0) {
+      std::swap(corner[2], corner[3]);
+      std::swap(out.neighbours[4 * t + 2], out.neighbours[4 * t + 3]);
+    }
     for (int k = 0; k < 4; ++k) {
       const Triple side = {corner[kFaceOpposite[k][0]], corner[kFaceOpposite[k][1]],
                            corner[kFaceOpposite[k][2]]};
@@ -213,21 +232,15 @@ std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
           out_side != surface.end() || surface.count(Rotated({side[0], side[2], side[1]})) > 0;
       if (out_side == surface.end()) continue;
       ++out_side->second;
-      if (!inner[t]) inner[t] = 1, open.push_back(t);
+      if (!inner[t]) {
+        inner[t] = 1;
+        open.push_back(t);
+      }
     }
   }
   for (const auto& [side, seen] : surface)
     if (seen != 1) return {};
-  while (!open.empty()) {
-    const int t = open.back();
-    open.pop_back();
-    for (int k = 0; k < 4; ++k) {
-      const int next = out.neighbours[4 * t + k];
-      if (wall[t][k] || next < 0 || inner[next]) continue;
-      inner[next] = 1;
-      open.push_back(next);
-    }
-  }
+  Flood(out.neighbours, wall, std::move(open), &inner);
   return inner;
 }
 
