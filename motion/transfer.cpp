@@ -162,7 +162,8 @@ void Transfer::Impl::Align() {
   std::vector<int> root = tree.central;
   if (automatic) root.resize(BodyMarks(SizeOf(marks)));
   RootPathOptions root_options;
-  root_options.scale = options.scale > 0 ? options.scale : automatic ? 0 : 1;
+  root_options.scale = automatic ? 0 : 1;
+  if (options.scale > 0) root_options.scale = options.scale;
   path = std::make_unique<RootPath>(on_template, on_target, template_reference.col(2).minCoeff(),
                                     target.col(2).minCoeff(), std::move(root),
                                     report.alignment.scale, target_from_template, root_options);

@@ -66,9 +66,9 @@ StageSpec Spec() {
 
 TransferOptions OptionsOf(const TransferStageOptions& given) {
   TransferOptions options;
-  options.method = given.method == "paper"     ? TransferMethod::kPaper
-                   : given.method == "literal" ? TransferMethod::kLiteral
-                                               : TransferMethod::kAuto;
+  options.method = TransferMethod::kAuto;
+  if (given.method == "paper") options.method = TransferMethod::kPaper;
+  if (given.method == "literal") options.method = TransferMethod::kLiteral;
   options.align = given.align == "auto";
   options.follow = given.turns == "follow";
   options.rest = given.rest;
@@ -253,9 +253,8 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(target, "transfer: the target");
   const std::vector<Mark> marks = LoadMarks(stage, reference, target);
-  const double rate = FrameRateOf(folder), fps = options.fps > 0 ? options.fps
-                                                 : rate > 0      ? rate
-                                                                 : kUsualRate;
+  const double rate = FrameRateOf(folder), own_fps = rate > 0 ? rate : kUsualRate;
+  const double fps = options.fps > 0 ? options.fps : own_fps;
   WarnOfRate(stage, options.fps, rate);
   TransferOptions how = OptionsOf(options);
   how.fps = fps;

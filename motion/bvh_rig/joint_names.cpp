@@ -33,7 +33,8 @@ Words WordsOf(const std::string& name) {
 
 /// -1 none, 0 left, 1 right
 int SideOf(const std::string& word) {
-  return word == "l" || word == "left" ? 0 : word == "r" || word == "right" ? 1 : -1;
+  if (word == "l" || word == "left") return 0;
+  return word == "r" || word == "right" ? 1 : -1;
 }
 
 /// Without first words that nearly all names have, as in "Bip01 L Thigh" or "Character1_Hips".
@@ -44,7 +45,10 @@ std::vector<Words> WithoutPrefix(std::vector<Words> names) {
     std::map<std::string, int> count;
     int all = 0;
     for (const Words& words : names)
-      if (!words.empty()) ++count[words[0]], ++all;
+      if (!words.empty()) {
+        ++count[words[0]];
+        ++all;
+      }
     const auto most =
         std::max_element(count.begin(), count.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });

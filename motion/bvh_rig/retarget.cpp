@@ -65,8 +65,10 @@ RestUp UpOfLegs(const Limbs& limbs, bool on_clip) {
   RestUp up;
   up.has_legs = sum.norm() > 0;
   int axis = 0;
-  if (up.has_legs && sum.maxCoeff(&axis) > kUpright * sum.norm() && axis > 0)
-    up.axis = axis, up.upright = true;
+  if (up.has_legs && sum.maxCoeff(&axis) > kUpright * sum.norm() && axis > 0) {
+    up.axis = axis;
+    up.upright = true;
+  }
   return up;
 }
 
@@ -97,7 +99,10 @@ std::vector<Rigid3> FramesBetween(const MotionClip& clip, double frame) {
 
 double Size(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d low = points[0], high = points[0];
-  for (const Eigen::Vector3d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const Eigen::Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   return (high - low).norm();
 }
 
@@ -170,12 +175,12 @@ Retarget::Retarget(const MotionClip& clip, const RiggedMesh& rig, const std::vec
   std::vector<Eigen::Vector3d> heads;
   for (const Bone& bone : rig.bones) heads.push_back(bone.head);
   const double clip_size = Size(rest);
-  scale_ = clip_leg > 0 && rig_leg > 0 ? rig_leg / clip_leg
-           : clip_size > 0             ? Size(heads) / clip_size
-                                       : 1;
+  scale_ = clip_size > 0 ? Size(heads) / clip_size : 1;
+  if (clip_leg > 0 && rig_leg > 0) scale_ = rig_leg / clip_leg;
   for (int b = 0; b < SizeOf(rig.bones); ++b)
     if (joints_[b] >= 0) {
-      root_bone_ = b, root_joint_ = joints_[b];
+      root_bone_ = b;
+      root_joint_ = joints_[b];
       break;
     }
   clip_rest_ = rest[root_joint_];

@@ -70,7 +70,10 @@ class FreeLaplacian {
                 bool bounded)
       : place_(points.rows(), -1) {
     for (int i = 0; i < SizeOf(fixed); ++i)
-      if (!fixed[i]) place_[i] = SizeOf(vertices_), vertices_.push_back(i);
+      if (!fixed[i]) {
+        place_[i] = SizeOf(vertices_);
+        vertices_.push_back(i);
+      }
     std::vector<Eigen::Triplet<double>> entries;
     std::vector<double> diagonal(vertices_.size(), 0);
     for (const Edge& edge : EdgesOf(points, faces)) {
@@ -161,10 +164,22 @@ void FollowNearest(const PointsX3& points, const std::vector<int>& parts,
     if (!has_mark[parts[i]]) rows[i] = rows[nearest.at(parts[i]).second];
 }
 
+void RequireMarkedFaces(const std::vector<int>& marked_faces, Eigen::Index faces) {
+  if (marked_faces.empty()) throw InputError("transfer: there are no marks");
+  for (std::size_t k = 0; k < marked_faces.size(); ++k)
+    if (marked_faces[k] < 0 || marked_faces[k] >= faces)
+      throw InputError("transfer: mark " + std::to_string(k) + " is on triangle " +
+                       std::to_string(marked_faces[k]) + ", but the mesh has " +
+                       std::to_string(faces));
+}
+
 }  // namespace
 
 void WeightRows::Append(const std::vector<std::pair<int, double>>& row) {
-  for (const auto& term : row) mark.push_back(term.first), weight.push_back(term.second);
+  for (const auto& term : row) {
+    mark.push_back(term.first);
+    weight.push_back(term.second);
+  }
   begin.push_back(static_cast<int>(mark.size()));
 }
 
@@ -181,15 +196,11 @@ Eigen::Vector3d HalfCotangents(const PointsX3& p, const FacesX3& faces, Eigen::I
 MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
                        const std::vector<int>& marked_faces, const MarkFieldOptions& options)
     : marks_(SizeOf(marked_faces)), own_row_(faces.rows(), -1) {
-  if (marked_faces.empty()) throw InputError("transfer: there are no marks");
+  RequireMarkedFaces(marked_faces, faces.rows());
   const Eigen::Index n = points.rows();
   std::vector<Row> rows(n), own(faces.rows());
   std::vector<std::vector<int>> at_vertex(n);
   for (int k = 0; k < marks_; ++k) {
-    if (marked_faces[k] < 0 || marked_faces[k] >= faces.rows())
-      throw InputError("transfer: mark " + std::to_string(k) + " is on triangle " +
-                       std::to_string(marked_faces[k]) + ", but the mesh has " +
-                       std::to_string(faces.rows()));
     own[marked_faces[k]].emplace_back(k, 1.0);
     for (int c = 0; c < 3; ++c) at_vertex[faces(marked_faces[k], c)].push_back(k);
   }
@@ -203,7 +214,10 @@ MarkFields::MarkFields(const PointsX3& points, const FacesX3& faces,
   }
   FreeLaplacian laplacian(points, faces, fixed, options.bounded);
   for (int i = 0; i < static_cast<int>(n); ++i)
-    if (parts[i] == i && !has_mark[i]) laplacian.Ground(i), ++unmarked_parts_;
+    if (parts[i] == i && !has_mark[i]) {
+      laplacian.Ground(i);
+      ++unmarked_parts_;
+    }
   if (!laplacian.vertices().empty())
     SolveFree(laplacian, marks_, rows, std::min(options.least_weight, 1e-13), rows);
   for (int i : laplacian.vertices())

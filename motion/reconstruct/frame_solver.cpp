@@ -34,7 +34,8 @@ inline WeightedRow RowAt(const WeightRows& rows, int at) {
 /// What the marks' values are.
 enum class TurnKind { kQuaternion, kVector, kTwoVectors };
 inline int ComponentsOf(TurnKind kind) {
-  return kind == TurnKind::kQuaternion ? 4 : kind == TurnKind::kVector ? 3 : 6;
+  if (kind == TurnKind::kQuaternion) return 4;
+  return kind == TurnKind::kVector ? 3 : 6;
 }
 
 /// Rows of places: of the vertices, then of marked faces.
@@ -142,6 +143,13 @@ struct GroupValues {
   int groups = 0;
   std::vector<double> values;
 };
+
+/// Component of the turn, then of its remainder.
+double VectorAt(const FrameFields& frame, Eigen::Index k, int c) {
+  if (c < 3) return frame.turns(k, c);
+  return frame.remainders.size() > 0 ? frame.remainders(k, c - 3) : 0.0;
+}
+
 GroupValues ValuesOf(const std::vector<FrameFields>& frames, int first, TurnKind kind) {
   const bool quaternions = kind == TurnKind::kQuaternion;
   const int components = ComponentsOf(kind),
@@ -154,11 +162,8 @@ GroupValues ValuesOf(const std::vector<FrameFields>& frames, int first, TurnKind
     const FrameFields& frame = frames[std::min(first + lane, SizeOf(frames) - 1)];
     for (Eigen::Index k = 0; k < marks; ++k)
       for (int c = 0; c < components; ++c)
-        made.values[(k * components + c) * count + lane] = quaternions ? frame.quaternions(k, c)
-                                                           : c < 3     ? frame.turns(k, c)
-                                                           : frame.remainders.size() > 0
-                                                               ? frame.remainders(k, c - 3)
-                                                               : 0.0;
+        made.values[(k * components + c) * count + lane] =
+            quaternions ? frame.quaternions(k, c) : VectorAt(frame, k, c);
   }
   return made;
 }
@@ -220,7 +225,10 @@ void FrameSolver::CutPatches() {
     for (const int f : system_.FacesOfPatch(p))
       for (int k = 0; k < 3; ++k) {
         int& at = found[corners_(f, k)];
-        if (at < 0) at = SizeOf(patch.places), patch.places.push_back(corners_(f, k));
+        if (at < 0) {
+          at = SizeOf(patch.places);
+          patch.places.push_back(corners_(f, k));
+        }
         patch.corners.push_back(at);
       }
     for (const int i : patch.places) found[i] = -1;

@@ -35,7 +35,8 @@ RootPath::RootPath(const PointsX3& on_template, const PointsX3& on_target, doubl
   const double from = template_root_[2] - template_ground, to = target_root_[2] - target_ground;
   const double legs = from > 0 ? to / from : 0;
   const bool tells = legs > overall_scale / kMostUnlike && legs < overall_scale * kMostUnlike;
-  scale_ = options.scale > 0 ? options.scale : tells ? legs : overall_scale;
+  scale_ = tells ? legs : overall_scale;
+  if (options.scale > 0) scale_ = options.scale;
 }
 
 Eigen::RowVector3d RootPath::RootOf(const PointsX3& marks) const {
