@@ -70,9 +70,8 @@ bool CouldAgree(const Scene& first, const Scene& second, const Pairs& three, dou
     a[k] = (in_first(k + 1) - in_first(k)).norm();
     b[k] = (in_second(k + 1) - in_second(k)).norm();
   }
-  const double sum = b[0] + b[1] + b[2], scale = !with_scale ? 1
-                                                 : sum > 0   ? (a[0] + a[1] + a[2]) / sum
-                                                             : 0;
+  const double sum = b[0] + b[1] + b[2], ratio = sum > 0 ? (a[0] + a[1] + a[2]) / sum : 0;
+  const double scale = with_scale ? ratio : 1;
   for (std::size_t k = 0; k < 3; ++k)
     if (!(std::abs(a[k] - scale * b[k]) <= 2 * limit)) return false;
   return true;

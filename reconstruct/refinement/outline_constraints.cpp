@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "core/surfaces/geometry.h"
@@ -64,7 +65,7 @@ std::vector<InnerEdge> InnerEdges(const FacesX3& faces) {
       sides.push_back({std::min(i, j), std::max(i, j), f});
     }
   std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return x.low != y.low ? x.low < y.low : x.high != y.high ? x.high < y.high : x.face < y.face;
+    return std::tie(x.low, x.high, x.face) < std::tie(y.low, y.high, y.face);
   });
   std::vector<InnerEdge> edges;
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
@@ -100,7 +101,8 @@ class Picture {
         const Eigen::Vector2d &u = p[k], &v = p[(k + 1) % 3];
         if ((u.y() <= middle) == (v.y() <= middle)) continue;
         const double x = u.x() + (middle - u.y()) / (v.y() - u.y()) * (v.x() - u.x());
-        left = std::min(left, x), right = std::max(right, x);
+        left = std::min(left, x);
+        right = std::max(right, x);
       }
       if (!(right > 0 && left < width_)) continue;
       const int begin = static_cast<int>(std::max(0.0, std::ceil(left - 0.5)));
@@ -164,8 +166,9 @@ class Outline {
     const Mesh& mesh = surface_.mesh;
     const Eigen::Vector3d center =
         -(field_.from_world.leftCols<3>().inverse() * field_.from_world.col(3));
-    pixels_.resize(mesh.vertex_count()), ahead_.resize(mesh.vertex_count()),
-        front_.resize(mesh.face_count());
+    pixels_.resize(mesh.vertex_count());
+    ahead_.resize(mesh.vertex_count());
+    front_.resize(mesh.face_count());
     for (int v = 0; v < mesh.vertex_count(); ++v) {
       const Eigen::Vector3d h =
           field_.from_world * Eigen::Vector3d(mesh.points.row(v)).homogeneous();
@@ -265,9 +268,10 @@ class Outline {
     std::vector<Constraint> merged;
     for (std::size_t begin = 0, end = 0; begin < constraints_.size(); begin = end) {
       Constraint sum{constraints_[begin].vertex, view_, 0, 0, constraints_[begin].footprint};
-      for (; end < constraints_.size() && constraints_[end].vertex == sum.vertex; ++end)
-        sum.offset += constraints_[end].weight * constraints_[end].offset,
-            sum.weight += constraints_[end].weight;
+      for (; end < constraints_.size() && constraints_[end].vertex == sum.vertex; ++end) {
+        sum.offset += constraints_[end].weight * constraints_[end].offset;
+        sum.weight += constraints_[end].weight;
+      }
       sum.offset /= sum.weight;
       sum.weight = std::min(1.0, sum.weight / OutlineConstraintTuning::kFullLength);
       merged.push_back(sum);
@@ -300,10 +304,12 @@ std::vector<Constraint> Together(std::vector<Constraint> constraints) {
                    constraints[begin].footprint};
     for (; end < constraints.size() && constraints[end].vertex == sum.vertex &&
            constraints[end].view == sum.view;
-         ++end)
-      sum.offset += constraints[end].weight * constraints[end].offset,
-          sum.weight += constraints[end].weight;
-    sum.offset /= sum.weight, sum.weight = std::min(1.0, sum.weight);
+         ++end) {
+      sum.offset += constraints[end].weight * constraints[end].offset;
+      sum.weight += constraints[end].weight;
+    }
+    sum.offset /= sum.weight;
+    sum.weight = std::min(1.0, sum.weight);
     out.push_back(sum);
   }
   return out;
@@ -349,9 +355,10 @@ std::vector<Constraint> FrontierTerms(const Surface& surface,
 // Mean distance of occluding contours from the masks' outlines, pixels.
 double UsualMiss(const std::vector<Constraint>& contour) {
   double sum = 0, weight = 0;
-  for (const Constraint& constraint : contour)
-    sum += constraint.weight * std::abs(constraint.offset / constraint.footprint),
-        weight += constraint.weight;
+  for (const Constraint& constraint : contour) {
+    sum += constraint.weight * std::abs(constraint.offset / constraint.footprint);
+    weight += constraint.weight;
+  }
   return weight > 0 ? sum / weight : 0;
 }
 

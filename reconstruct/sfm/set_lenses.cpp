@@ -96,9 +96,11 @@ SetLenses LensesOf(const ImageSet& set) {
     camera.width = image.width;
     camera.height = image.height;
     const double side = std::max(camera.width, camera.height);
-    camera.fx = camera.fy = !group.focals.empty() ? UpperMedian(group.focals)
-                            : !relative.empty()   ? UpperMedian(relative) * side
-                                                  : kGuess * side;
+    if (!group.focals.empty())
+      camera.fx = UpperMedian(group.focals);
+    else
+      camera.fx = (relative.empty() ? kGuess : UpperMedian(relative)) * side;
+    camera.fy = camera.fx;
     camera.cx = camera.width / 2.0;
     camera.cy = camera.height / 2.0;
     for (const int i : group.images)

@@ -163,7 +163,8 @@ bool MayUseSurroundings(const StrategyContext& context) {
 
 void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& result,
                        bool few_points, bool settled) {
-  const char* doubt = few_points ? ", with few points" : settled ? "" : ", but without certainty";
+  const char* doubt = settled ? "" : ", but without certainty";
+  if (few_points) doubt = ", with few points";
   context.stage.Note("sfm: features at the photographs' own size place " +
                      std::to_string(result.views()) + " of " +
                      std::to_string(context.set.images.size()) + doubt + "; extracting finer ones");

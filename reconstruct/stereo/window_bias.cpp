@@ -70,9 +70,11 @@ class Corrector {
       depths_[Padded(pixel)] = map_.InverseDepth(place);
     });
     Moments all;
-    for (const Four& four : fours_)
-      all.count += four.weight, all.r2 += four.weight * four.squared,
-          all.r4 += four.weight * four.squared * four.squared;
+    for (const Four& four : fours_) {
+      all.count += four.weight;
+      all.r2 += four.weight * four.squared;
+      all.r4 += four.weight * four.squared * four.squared;
+    }
     least_information_ = kLeastInformation * all.Information();
   }
 
@@ -123,15 +125,18 @@ class Corrector {
                             (first < edge) & (first > -edge) & (second < edge) & (second > -edge);
       const Lanes weight = good ? Lanes{} + four.weight : none,
                   z = weight * (0.5f * (first + second));
-      moments.count += weight, moments.r2 += weight * four.squared,
-          moments.r4 += weight * (four.squared * four.squared);
-      moments.z += z, moments.r2z += four.squared * z;
+      moments.count += weight;
+      moments.r2 += weight * four.squared;
+      moments.r4 += weight * (four.squared * four.squared);
+      moments.z += z;
+      moments.r2z += four.squared * z;
     }
     const auto known =
         (moments.count > 0.0f) & (moments.Information() > least_information_);  // false for NaN
     const Lanes laplacian = 4.0f * moments.Slope(), most = kLargest * unit;
     Lanes correction = static_cast<float>(-0.5 * options_.variance) * laplacian;
-    correction = correction > most ? most : correction < -most ? -most : correction;
+    const Lanes raised = correction < -most ? -most : correction;
+    correction = correction > most ? most : raised;
     return known ? correction : none;
   }
 

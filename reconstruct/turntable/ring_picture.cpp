@@ -92,7 +92,10 @@ void DrawFrustum(Canvas& canvas, const View& view, double depth, const Color& co
 std::vector<double> ViewErrors(const Scene& scene) {
   std::vector<double> sum(scene.views.size(), 0), count(scene.views.size(), 0);
   for (const SparsePoint& point : scene.points)
-    for (const int v : point.views) sum[v] += point.error_px, count[v] += 1;
+    for (const int v : point.views) {
+      sum[v] += point.error_px;
+      count[v] += 1;
+    }
   for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = count[v] > 0 ? sum[v] / count[v] : -1;
   return sum;
 }
@@ -109,13 +112,18 @@ Image8 DrawCameras(const Scene& scene, const std::vector<int>& ring_of_view,
   for (const View& view : scene.views) {
     const Vector3d center = view.Center();
     reach = std::max(reach, center.head<2>().norm());
-    low = std::min(low, center.z()), high = std::max(high, center.z());
+    low = std::min(low, center.z());
+    high = std::max(high, center.z());
     distance += center.norm() / static_cast<double>(scene.views.size());
   }
-  low = std::min(low, 0.0), high = std::max(high, 0.0);
+  low = std::min(low, 0.0);
+  high = std::max(high, 0.0);
   reach = 1.12 * std::max({reach, (high - low) / 2, 1e-9});
   const std::vector<double> errors = ViewErrors(scene);
   const std::size_t step = std::max<std::size_t>(1, scene.points.size() / 20000);
+  const auto error_color = [&](std::size_t v) {
+    return errors[v] < 0 ? kGrey : MapColor(errors[v] / options.worst_px);
+  };
   std::vector<Image8> parts;
   for (const bool by_error : {false, true})
     for (const bool from_above : {true, false}) {
@@ -128,9 +136,7 @@ Image8 DrawCameras(const Scene& scene, const std::vector<int>& ring_of_view,
         canvas.Dot(canvas.Place(scene.points[p].position), scene.points[p].color, 0.7);
       for (std::size_t v = 0; v < scene.views.size(); ++v)
         DrawFrustum(canvas, scene.views[v], 0.09 * distance,
-                    !by_error       ? RingColor(ring_of_view[v])
-                    : errors[v] < 0 ? kGrey
-                                    : MapColor(errors[v] / options.worst_px));
+                    by_error ? error_color(v) : RingColor(ring_of_view[v]));
       parts.push_back(canvas.Shown());
     }
   return TileImages(parts, 2, 4, {225, 228, 232});
