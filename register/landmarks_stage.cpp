@@ -151,7 +151,7 @@ void WritePicture(StageContext& stage, const LandmarksOptions& options, const Me
   picture.panel = options.panel;
   picture.source_name = "source: " + ShortName(stage.Input("source"));
   picture.target_name = "target: " + ShortName(stage.Input("target"));
-  picture.up = Eigen::Vector3d::Unit(options.up == "x" ? 0 : options.up == "y" ? 1 : 2);
+  picture.up = Eigen::Vector3d::Unit(options.up[0] - 'x');
   WriteImage(path, DrawLandmarks(source, target, drawn, suggestion.dense, picture));
 }
 

@@ -221,19 +221,24 @@ void AutoRegistration::Prepare() {
   result_.levels = levels_->count();
 }
 
+Mesh ProxyOf(const PointsX3& points, const FacesX3& faces) {
+  Mesh proxy;
+  proxy.points = points;
+  proxy.faces = faces;
+  if (proxy.vertex_count() <= 1.5 * kProxyVertices) return proxy;
+  const std::vector<CoarseLevel> decimated = MakeHierarchy(points, faces, {kProxyVertices});
+  if (decimated.empty()) return proxy;
+  proxy.points = decimated[0].points;
+  proxy.faces = decimated[0].faces;
+  return proxy;
+}
+
 void AutoRegistration::MeasureDistances() {
   if (SizeOf(goals_) < kFewestForDistances) return;
   // Distances need no more detail than the levels that use them, so proxies are enough.
   int at = 0;
   while (at < middle_ && (*levels_)[at].rest.rows() > kProxyVertices * 1.5) ++at;
-  Mesh proxy;
-  proxy.points = goal_points_;
-  proxy.faces = target_.faces;
-  if (proxy.vertex_count() > 1.5 * kProxyVertices) {
-    std::vector<CoarseLevel> decimated =
-        MakeHierarchy(goal_points_, target_.faces, {kProxyVertices});
-    if (!decimated.empty()) proxy.points = decimated[0].points, proxy.faces = decimated[0].faces;
-  }
+  const Mesh proxy = ProxyOf(goal_points_, target_.faces);
   std::vector<int> from, to;
   for (const Mark& mark : (*levels_)[at].marks) {
     from.push_back(mark.vertex);

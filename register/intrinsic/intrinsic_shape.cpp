@@ -62,6 +62,20 @@ std::vector<char> InLargestPiece(const Mesh& mesh) {
   return in;
 }
 
+/// @param to_piece  the vertices' numbers there
+FacesX3 FacesIn(const Mesh& mesh, const std::vector<char>& face_in,
+                const std::vector<int>& to_piece) {
+  FacesX3 faces(mesh.face_count(), 3);
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (face_in[f]) {
+      for (int k = 0; k < 3; ++k) faces(kept, k) = to_piece[mesh.faces(f, k)];
+      ++kept;
+    }
+  faces.conservativeResize(kept, 3);
+  return faces;
+}
+
 void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
   const std::vector<char> face_in = InLargestPiece(mesh);
   std::vector<char> in(static_cast<std::size_t>(mesh.vertex_count()), 0);
@@ -71,18 +85,14 @@ void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
   Mesh piece;
   std::vector<int> to_piece(in.size(), -1), from_piece;
   for (std::size_t v = 0; v < in.size(); ++v)
-    if (in[v]) to_piece[v] = SizeOf(from_piece), from_piece.push_back(static_cast<int>(v));
+    if (in[v]) {
+      to_piece[v] = SizeOf(from_piece);
+      from_piece.push_back(static_cast<int>(v));
+    }
   piece.points.resize(std::ssize(from_piece), 3);
   for (std::size_t i = 0; i < from_piece.size(); ++i)
     piece.points.row(i) = mesh.points.row(from_piece[i]);
-  piece.faces.resize(mesh.face_count(), 3);
-  Eigen::Index kept = 0;
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    if (face_in[f]) {
-      for (int k = 0; k < 3; ++k) piece.faces(kept, k) = to_piece[mesh.faces(f, k)];
-      ++kept;
-    }
-  piece.faces.conservativeResize(kept, 3);
+  piece.faces = FacesIn(mesh, face_in, to_piece);
   std::vector<CoarseLevel> levels;
   if (piece.vertex_count() > vertices)
     levels = MakeHierarchy(piece.points, piece.faces, {vertices});

@@ -276,7 +276,8 @@ void SkeletonMotion::PlaceMarks(LimbPair& pair) {
     const double length = source_.tree->limbs()[pair.source_limb].length,
                  other_length = target_.tree->limbs()[limb_match_[pair.source_limb][0]].length;
     const auto guess = [](const NodePlace& p, double whole, bool backwards, bool tip) {
-      return tip ? 1 : backwards ? 1 - p.arc / whole : p.arc / whole;
+      if (tip) return 1.0;
+      return backwards ? 1 - p.arc / whole : p.arc / whole;
     };
     const double s = guess(place, length, pair.backwards, at_tip);
     const double t = guess(other, other_length,
