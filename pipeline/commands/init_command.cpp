@@ -84,7 +84,8 @@ void SortFiles(const RealDisk& disk, NewPose* pose) {
     const bool wanted = IsPhotographName(file) || file.filename() == kShootNotes ||
                         (IsMask(file) && file.filename() == kPaintedNotes);
     const bool raw = IsRawName(file) && !IsMask(file);
-    (wanted ? pose->files : raw ? pose->raw : pose->ignored).push_back(file);
+    auto& unwanted = raw ? pose->raw : pose->ignored;
+    (wanted ? pose->files : unwanted).push_back(file);
   }
 }
 
