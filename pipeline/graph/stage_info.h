@@ -18,9 +18,8 @@ struct PortInfo {
   std::string file;        ///< outputs: the file name that the runner passes
   bool optional = false, repeatable = false;
   PortKind Kind() const {
-    return kind == "folder" ? PortKind::kFolder
-           : kind == "path" ? PortKind::kEither
-                            : PortKind::kFile;
+    if (kind == "folder") return PortKind::kFolder;
+    return kind == "path" ? PortKind::kEither : PortKind::kFile;
   }
 };
 
