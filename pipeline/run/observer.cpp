@@ -109,7 +109,8 @@ double Estimate::Fraction(double now) const {
   for (const auto& [step, item] : steps_) {
     const int threads = item.expected.threads;
     all += in_seconds ? threads * Duration(item, now, pace) : 1;
-    done += in_seconds ? threads * Done(item, now, pace) : item.finished ? 1 : item.fraction;
+    const double share = item.finished ? 1 : item.fraction;
+    done += in_seconds ? threads * Done(item, now, pace) : share;
   }
   if (finished() == total()) return 1;
   return all > 0 ? std::clamp(done / all, 0.0, kAlmost) : 0;
