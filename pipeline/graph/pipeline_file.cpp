@@ -211,7 +211,8 @@ class Reader : public YamlReader {
 
   StepMethod MethodOf(const YAML::Node& node) const {
     const std::string text = Choice(node, "method", {"any", "scan", "fit"}).text;
-    return text == "scan" ? StepMethod::kScan : text == "fit" ? StepMethod::kFit : StepMethod::kAny;
+    if (text == "scan") return StepMethod::kScan;
+    return text == "fit" ? StepMethod::kFit : StepMethod::kAny;
   }
 
   std::vector<ShownSetting> Shown(const YAML::Node& node, const std::string& what) const {
@@ -401,13 +402,15 @@ class Reader : public YamlReader {
             file.kind = Kind(value);
           else if (field == "sources")
             file.sources = ReadSources(*this, value);
-          else if (field == "shot")
-            file.shot = FilmedShot(key, value), shot.reset(key);
-          else if (field == "template")
+          else if (field == "shot") {
+            file.shot = FilmedShot(key, value);
+            shot.reset(key);
+          } else if (field == "template")
             file.template_pose = PoseName(value, field);
-          else if (field == "timeline")
-            file.timeline = Timeline(value), timeline.reset(value);
-          else if (field == "fps")
+          else if (field == "timeline") {
+            file.timeline = Timeline(value);
+            timeline.reset(value);
+          } else if (field == "fps")
             file.fps = Fps(value);
           else if (field == "options")
             file.options = StepOptions(value, "options");
