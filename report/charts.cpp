@@ -23,7 +23,9 @@ struct Axis {
       high += pad;
     }
     const double raw = (high - low) / most_ticks, power = std::pow(10, std::floor(std::log10(raw)));
-    step = power * (raw / power <= 1 ? 1 : raw / power <= 2 ? 2 : raw / power <= 5 ? 5 : 10);
+    step = power * 10;
+    for (const int round : {5, 2, 1})
+      if (raw / power <= round) step = power * round;
   }
   void Round() {
     low = std::floor(low / step + 1e-9) * step;
@@ -94,8 +96,10 @@ std::string LineChart(const std::vector<Series>& series, const ChartLabels& labe
   double x0 = INFINITY, x1 = -INFINITY, y0 = 0, y1 = 0;
   for (const Series& s : series)
     for (std::size_t i = 0; i < s.x.size(); ++i) {
-      x0 = std::min(x0, s.x[i]), x1 = std::max(x1, s.x[i]);
-      y0 = std::min(y0, s.y[i]), y1 = std::max(y1, s.y[i]);
+      x0 = std::min(x0, s.x[i]);
+      x1 = std::max(x1, s.x[i]);
+      y0 = std::min(y0, s.y[i]);
+      y1 = std::max(y1, s.y[i]);
     }
   if (!(x0 <= x1)) return "";
   Frame frame{Axis(x0, x1, 8), Axis(y0, y1, 6)};

@@ -87,6 +87,10 @@ struct Contents {
 enum class Grade { kGood, kLook, kWrong, kNote };
 /// "good", "look", "wrong", "note".
 const char* WordOf(Grade grade);
+inline Grade GradeOf(bool good, bool usable) {
+  if (good) return Grade::kGood;
+  return usable ? Grade::kLook : Grade::kWrong;
+}
 
 /// One judgement of a step's result.
 struct Finding {

@@ -112,8 +112,9 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
   frames.front().key = frames.back().key = true;
   if (std::abs(frames.front().area - 1) < 1e-6)
     for (FrameDistortion& f : frames)
-      f.area -= 1, f.volume -= 1, f.linear_area -= 1, f.linear_volume -= 1, f.area_path -= 1,
-          f.volume_path -= 1;
+      for (double* ratio :
+           {&f.area, &f.volume, &f.linear_area, &f.linear_volume, &f.area_path, &f.volume_path})
+        *ratio -= 1;
   return frames;
 }
 

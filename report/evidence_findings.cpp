@@ -8,21 +8,23 @@
 namespace keypose::report {
 namespace {
 
+/// @param fitted  the pose has few photographs
+const char* CureOf(bool good, bool fitted, const char* cure) {
+  if (good) return "";
+  return fitted ? kMorePhotographs : cure;
+}
+
 void FindInOutlines(const std::string& pose, const PoseEvidence& e, bool fitted,
                     std::vector<Finding>& out) {
   const bool good = e.outline_off<kOutlineGood, wrong = e.outline_off> kOutlineWrong;
   const std::string count = std::to_string(e.views.size());
   out.push_back(
-      {wrong  ? Grade::kWrong
-       : good ? Grade::kGood
-              : Grade::kLook,
-       pose, "compared",
+      {GradeOf(good, !wrong), pose, "compared",
        "In the median of " + count + " photographs the mesh\u2019s outline is " +
            Bold(Percent(e.outline_off)) + " of the figure\u2019s size from that of the photograph.",
-       good     ? ""
-       : fitted ? kMorePhotographs
-                : "look at the pairs below: wrong cameras need photographs at most 20 degrees "
-                  "apart, wrong masks a plainer backdrop"});
+       CureOf(good, fitted,
+              "look at the pairs below: wrong cameras need photographs at most 20 degrees apart, "
+              "wrong masks a plainer backdrop")});
   std::vector<std::string> off;
   for (const ViewEvidence& view : e.views)
     if (view.outline_off > kViewOutlineLook) off.push_back(view.name);
@@ -42,30 +44,25 @@ void FindMissing(const std::string& pose, const MissingPart& missing, bool fitte
                      Bold(Percent(missing.largest)) + " of it in a picture.";
   if (!missing.left_out_by.empty())
     text += " The masks of " + Bold(Joined(missing.left_out_by)) + " leave it out.";
-  out.push_back(
-      {Grade::kLook, pose, "compared", text,
-       fitted ? kMorePhotographs
-       : missing.left_out_by.empty()
-           ? "shoot that part from more sides, and look at the mesh and the dense points there"
-           : "look at these masks: a dark side before a dark backdrop, a shadow? paint the part "
-             "in with the studio\u2019s brush, or light it evenly and shoot again"});
+  const char* cure =
+      missing.left_out_by.empty()
+          ? "shoot that part from more sides, and look at the mesh and the dense points there"
+          : "look at these masks: a dark side before a dark backdrop, a shadow? paint the part in "
+            "with the studio\u2019s brush, or light it evenly and shoot again";
+  out.push_back({Grade::kLook, pose, "compared", text, fitted ? kMorePhotographs : cure});
 }
 
 void FindInDetails(const std::string& pose, const PoseEvidence& e, bool fitted,
                    std::vector<Finding>& out) {
   const bool good = e.structure >= kStructureGood, wrong = e.structure < kStructureWrong;
   out.push_back(
-      {wrong  ? Grade::kWrong
-       : good ? Grade::kGood
-              : Grade::kLook,
-       pose, "compared",
+      {GradeOf(good, !wrong), pose, "compared",
        "Rendered from the same cameras, the textured mesh repeats the details of the photographs "
        "to " +
            Bold(fmt::format("{:.2f}", e.structure)) + " of 1.",
-       good     ? ""
-       : fitted ? kMorePhotographs
-                : "look at the pairs below; a figure that moved, blur and wrong cameras smear "
-                  "the texture"});
+       CureOf(good, fitted,
+              "look at the pairs below; a figure that moved, blur and wrong cameras smear the "
+              "texture")});
   std::vector<std::string> unlike;
   for (const ViewEvidence& view : e.views)
     if (view.structure < kViewStructureLook) unlike.push_back(view.name);

@@ -49,9 +49,9 @@ std::string Pretty(double value) {
   const double size = std::abs(value);
   if (value == std::round(value) && size < 1e15) return Grouped(static_cast<long long>(value));
   if (size >= 10000) return Grouped(std::llround(value));
-  std::string text = size < 1e-4 ? fmt::format("{:.2e}", value)
-                     : size < 1  ? fmt::format("{:.4f}", value)
-                                 : fmt::format("{:.4g}", value);
+  std::string text = fmt::format("{:.4g}", value);
+  if (size < 1) text = fmt::format("{:.4f}", value);
+  if (size < 1e-4) text = fmt::format("{:.2e}", value);
   if (text[0] == '-') text = "\u2212" + text.substr(1);
   return text;
 }

@@ -33,9 +33,11 @@ void DrawRing(Image8& image, const Eigen::Vector2d& center, double radius) {
     for (int x = 0; x < image.width; ++x) {
       const double r = (Eigen::Vector2d(x + 0.5, y + 0.5) - center).norm(),
                    off = std::abs(r - radius);
-      if (off < 2.0 || r < 2.5)
-        image.at(x, y)[0] = 214, image.at(x, y)[1] = 30, image.at(x, y)[2] = 30;
-      else if (off < 3.5)
+      if (off < 2.0 || r < 2.5) {
+        image.at(x, y)[0] = 214;
+        image.at(x, y)[1] = 30;
+        image.at(x, y)[2] = 30;
+      } else if (off < 3.5)
         std::fill_n(image.at(x, y), 3, std::uint8_t{255});
     }
 }
@@ -55,7 +57,10 @@ View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const Sides
       // An unusual camera height is harder to read than an oblique view.
       const double score =
           normal.dot(to_eye.normalized()) - (hidden ? 1 : 0) - 0.002 * std::abs(elevation - 10);
-      if (score > best_score) best_score = score, best = view;
+      if (score > best_score) {
+        best_score = score;
+        best = view;
+      }
     }
   return best;
 }
@@ -149,7 +154,8 @@ Image8 MaskTile(const Image8& photograph, const Image8& mask) {
       const std::uint8_t outline[3] = {255, 140, 0};
       for (int c = 0; c < 3; ++c) {
         std::uint8_t& value = tile.at(x, y)[c];
-        value = rim ? outline[c] : inside ? value : static_cast<std::uint8_t>(value * 2 / 5);
+        if (!inside) value = static_cast<std::uint8_t>(value * 2 / 5);
+        if (rim) value = outline[c];
       }
     }
   return tile;

@@ -70,9 +70,7 @@ class Gatherer {
       : options_(options), encode_(std::move(encode)), progress_(progress) {
     sides_.width = options.picture_width;
     sides_.height = options.picture_width * 10 / 9;
-    sides_.up = options.up == "x"   ? Eigen::Vector3d::UnitX()
-                : options.up == "y" ? Eigen::Vector3d::UnitY()
-                                    : Eigen::Vector3d::UnitZ();
+    sides_.up = Eigen::Vector3d::Unit(options.up[0] - 'x');
   }
 
   Contents Gather(RunRecord run) {
@@ -185,7 +183,8 @@ class Gatherer {
     while (fs::exists(folder / fmt::format("frame_{:04}.ply", count))) ++count;
     const Mesh mesh = frame(0);
     RequireUsable(mesh, "frame_0000.ply");
-    shot.faces = mesh.face_count(), shot.vertices = mesh.vertex_count();
+    shot.faces = mesh.face_count();
+    shot.vertices = mesh.vertex_count();
     std::vector<PointsX3> shown;
     std::vector<std::string> captions;
     const int strip = std::min(count, options_.film_frames);

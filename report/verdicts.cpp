@@ -62,10 +62,8 @@ class Findings {
     if (total && placed && *total > 0) {
       const bool enough = *placed / *total >= kPlacedGood;
       const auto names = NamesOf(s, "not_placed");
-      Add(*placed == *total ? Grade::kGood
-          : enough          ? Grade::kNote
-                            : Grade::kLook,
-          s,
+      const Grade otherwise = enough ? Grade::kNote : Grade::kLook;
+      Add(*placed == *total ? Grade::kGood : otherwise, s,
           Bold(Pretty(*placed) + " of " + Pretty(*total)) + " photographs were placed" +
               (names.empty() ? "." : ", all but " + Joined(names) + "."),
           enough ? "" : "shoot the places between them again, at most 20 degrees apart and sharp");
@@ -182,14 +180,14 @@ class Findings {
   void Bake(const StepRecord& s, const StepRecord* complete, bool fitted) {
     // Texels that are filled from other poses' photographs are not guessed.
     const bool scan = !s.Input("scan").empty();
+    const char* cure = fitted ? kMorePhotographs
+                              : "shoot a second ring from lower or higher, and between the limbs";
+    if (scan) cure = "scan the sides that are missing, or raise scan_reach";
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
           Bold(Percent(*unseen)) + " of the texture was in no " + (scan ? "scan" : "photograph") +
               (complete ? " of any pose" : "") + " and is filled in from its surroundings.",
-          *unseen < kUnseenLook ? ""
-          : scan                ? "scan the sides that are missing, or raise scan_reach"
-          : fitted              ? kMorePhotographs
-                   : "shoot a second ring from lower or higher, and between the limbs");
+          *unseen < kUnseenLook ? "" : cure);
     if (const auto psnr = s.Number("held_out_psnr_gain_db"))
       Add(Grade::kNote, s,
           "A texture of the other photographs predicts those left out at " +
@@ -205,19 +203,13 @@ class Findings {
     const double faces = s.Number("faces").value_or(20000), few_flips = kFlipsLook * faces,
                  most_flips = kFlipsWrong * faces;
     if (flipped)
-      Add(*flipped <= few_flips    ? Grade::kGood
-          : *flipped <= most_flips ? Grade::kLook
-                                   : Grade::kWrong,
-          s,
+      Add(GradeOf(*flipped <= few_flips, *flipped <= most_flips), s,
           *flipped == 0
               ? Bold("No") + " triangle of the registered template is flipped."
               : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.",
           *flipped <= few_flips ? "" : more);
     if (rms)
-      Add(*rms < kRegisteredGood    ? Grade::kGood
-          : *rms < kRegisteredWrong ? Grade::kLook
-                                    : Grade::kWrong,
-          s,
+      Add(GradeOf(*rms < kRegisteredGood, *rms < kRegisteredWrong), s,
           "The registered surface lies " + Bold(Percent(*rms)) +
               " of the diagonal from the scan (rms).",
           *rms < kRegisteredGood ? "" : more);
@@ -277,10 +269,7 @@ class Findings {
     if (!iou) return;
     const bool good = *iou >= kTrackedIouGood;
     const auto least = s.Number("iou_least"), frame = s.Number("iou_least_frame");
-    Add(good                       ? Grade::kGood
-        : *iou >= kTrackedIouWrong ? Grade::kLook
-                                   : Grade::kWrong,
-        s,
+    Add(GradeOf(good, *iou >= kTrackedIouWrong), s,
         "The tracked body overlaps the actor in " + Pretty(cameras.value_or(0)) + " cameras by " +
             Bold(Percent(*iou)) + " (mean IoU" +
             (least && frame ? "; least " + Percent(*least) + ", in frame " + Pretty(*frame) : "") +
@@ -297,13 +286,13 @@ class Findings {
 
   void Overlap(const StepRecord& s, const std::vector<ViewEvidence>& views) {
     double sum = 0, least = 1;
-    for (const ViewEvidence& view : views) sum += view.iou, least = std::min(least, view.iou);
+    for (const ViewEvidence& view : views) {
+      sum += view.iou;
+      least = std::min(least, view.iou);
+    }
     const double mean = sum / static_cast<double>(views.size());
     const bool good = mean >= kFittedIouGood;
-    Add(good                      ? Grade::kGood
-        : mean >= kFittedIouWrong ? Grade::kLook
-                                  : Grade::kWrong,
-        s,
+    Add(GradeOf(good, mean >= kFittedIouWrong), s,
         "The template, bent into " + std::to_string(views.size()) +
             " photographs, overlaps the figure in them by " + Bold(Percent(mean)) +
             " (IoU; least " + Percent(least) + ").",
@@ -386,7 +375,17 @@ void FindOnStep(const StepRecord& step, const Contents& contents, std::vector<Fi
 constexpr int kFindingsInVerdict = 3;
 
 int Badness(Grade grade) {
-  return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3;
+  switch (grade) {
+    case Grade::kWrong:
+      return 0;
+    case Grade::kLook:
+      return 1;
+    case Grade::kGood:
+      return 2;
+    case Grade::kNote:
+      break;
+  }
+  return 3;
 }
 
 /// The verdict from the findings with the worst grade; for a good pose, from the comparison with
