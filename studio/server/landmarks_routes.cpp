@@ -78,7 +78,8 @@ void LandmarksRoutes::AddPicks(RouteTable& table) {
     const std::string pose = question.Need("pose"), format = question.Need("format");
     Answer answer =
         TextAnswer(project_.With([&](Snapshot& now) { return ExportPicks(now, pose, format); }));
-    answer.download = pose + (format == "pp" ? ".pp" : format == "wrap" ? "_wrap.json" : ".json");
+    const char* ending = format == "wrap" ? "_wrap.json" : ".json";
+    answer.download = pose + (format == "pp" ? ".pp" : ending);
     return answer;
   });
 }
