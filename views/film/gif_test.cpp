@@ -2,25 +2,23 @@
 #include "views/film/gif.h"
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
-#include <set>
 #include <sstream>
 
 #include "core/numbers/parallel.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
 #include "views/film/frame_painter.h"
-#include "views/film/palette.h"
+#include "views/film/testing/plain_pictures.h"
 
 namespace keypose::gif_test {
 
 namespace fs = std::filesystem;
-using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
 
 class Gif : public ::testing::Test, public TestingFolder {
  protected:
@@ -43,33 +41,11 @@ class Gif : public ::testing::Test, public TestingFolder {
   }
 };
 
-Image8 Flat(int width, int height, const Rgb& color) {
-  Image8 image(width, height, 3);
-  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = color[i % 3];
-  return image;
-}
-
 std::vector<Image8> FlatPictures(int count) {
   std::vector<Image8> pictures;
   for (int i = 0; i < count; ++i)
     pictures.push_back(Flat(24, 16, Rgb(2 * i, 255 - 3 * i, i % 2 * 90)));
   return pictures;
-}
-
-/// A ball with a soft edge that goes across a slow gradient.
-Image8 BallAt(double x0) {
-  Image8 image(160, 120, 3);
-  for (int y = 0; y < 120; ++y)
-    for (int x = 0; x < 160; ++x) {
-      const double in = std::clamp(30 - std::hypot(x - x0, y - 60.0), 0.0, 1.0);
-      const double ground = 250 - 0.3 * y, red = 200 - y, green = 60 + 0.5 * (x - x0),
-                   blue = 40 + y / 2.0;
-      const double ball[3] = {red, green, blue};
-      for (int k = 0; k < 3; ++k)
-        image.at(x, y)[k] = static_cast<std::uint8_t>(
-            std::lround(std::clamp(in * ball[k] + (1 - in) * (ground - 2 * k), 0.0, 255.0)));
-    }
-  return image;
 }
 
 /// What the blocks of a GIF file say. Source: GIF89a specification, CompuServe 1990.
@@ -191,23 +167,6 @@ TEST_F(Gif, DitheringKeepsTheMeanColourAndEachPixelNear) {
   EXPECT_LT(worst_pixel, 48);
 }
 
-// Each shade between two colours of the palette is a share of both.
-TEST(Ditherer, SlowGradientsHaveNoBands) {
-  Palette palette;
-  palette.colors = {{100, 100, 100}, {108, 108, 108}};
-  Image8 ramp(256, 32, 3);
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 256; ++x)
-      for (int k = 0; k < 3; ++k) ramp.at(x, y)[k] = static_cast<std::uint8_t>(100 + x / 32);
-  const Image8 indices = Ditherer(palette).Indices(ramp);
-  for (int shade = 0; shade < 8; ++shade) {
-    double sum = 0;
-    for (int y = 0; y < 32; ++y)
-      for (int x = 32 * shade; x < 32 * shade + 32; ++x) sum += *indices.at(x, y);
-    EXPECT_NEAR(sum / 1024, shade / 8.0, 0.03) << "level " << 100 + shade;
-  }
-}
-
 TEST_F(Gif, OnlyWhatChangesIsDrawnAgain) {
   Write({BallAt(40), BallAt(44), BallAt(48)}, 24);
   const Blocks blocks(Bytes());
@@ -271,61 +230,6 @@ TEST_F(Gif, FullDiskThrowsDiskError) {
   GifWriter writer("/dev/full", 24);
   writer.Add(BallAt(50));
   EXPECT_THROW(writer.Finish(), DiskError);
-}
-
-TEST(Shrunk, MixesLightNotStoredValues) {
-  Image8 board(8, 8, 3);
-  for (int y = 0; y < 8; ++y)
-    for (int x = 0; x < 8; ++x)
-      for (int k = 0; k < 3; ++k) board.at(x, y)[k] = (x + y) % 2 * 255;
-  const Image8 small = Shrunk(board, 4, 2);
-  ASSERT_EQ(small.data.size(), 24u);
-  for (const std::uint8_t value : small.data) EXPECT_EQ(value, 188);  // sRGB of half the light
-}
-
-TEST(Shrunk, PartsOfPixelsCountByTheirShare) {
-  Image8 row(3, 1, 3);
-  std::fill(row.at(1, 0), row.at(3, 0), 255);
-  const Image8 small = Shrunk(row, 2, 1);  // the first takes one pixel and a half
-  EXPECT_EQ(small.at(0, 0)[0], 156);       // sRGB of a third of the light
-  EXPECT_EQ(small.at(1, 0)[0], 255);
-}
-
-TEST(ColorCounts, FewColoursArriveExactlyAndTheBackgroundFirst) {
-  Image8 picture = Flat(20, 20, {246, 247, 249});
-  std::copy_n(std::vector<std::uint8_t>{200, 30, 31}.data(), 3, picture.at(3, 3));
-  std::copy_n(std::vector<std::uint8_t>{0, 90, 7}.data(), 3, picture.at(4, 9));
-  ColorCounts counts;
-  counts.Add(picture);
-  const Palette palette = counts.Choose(255);
-  ASSERT_EQ(palette.colors.size(), 3u);
-  EXPECT_EQ(palette.colors[0], (std::array<std::uint8_t, 3>{246, 247, 249}));
-  EXPECT_EQ(palette.colors[palette.Nearest({190, 40, 40})],
-            (std::array<std::uint8_t, 3>{200, 30, 31}));
-  EXPECT_EQ(palette.colors[palette.Nearest({5, 80, 0})], (std::array<std::uint8_t, 3>{0, 90, 7}));
-}
-
-TEST(ColorCounts, NeverMoreThanWantedAndAllDifferent) {
-  ColorCounts counts;
-  counts.Add(BallAt(80));
-  for (const int most : {2, 16, 255}) {
-    const Palette palette = counts.Choose(most);
-    EXPECT_LE(palette.colors.size(), static_cast<std::size_t>(most));
-    EXPECT_GT(palette.colors.size(), 0.7 * most);
-    const std::set different(palette.colors.begin(), palette.colors.end());
-    EXPECT_EQ(different.size(), palette.colors.size());
-  }
-}
-
-TEST(Ditherer, GrainOfWhatStandsStillDoesNotMove) {
-  ColorCounts counts;
-  counts.Add(BallAt(80));
-  Ditherer ditherer(counts.Choose(16));
-  const Image8 before = ditherer.Indices(BallAt(60));
-  Image8 shimmering = BallAt(60);
-  for (std::size_t i = 0; i < shimmering.data.size(); i += 7) shimmering.data[i] ^= 1;
-  EXPECT_EQ(ditherer.Indices(shimmering).data, before.data);
-  EXPECT_NE(ditherer.Indices(BallAt(70)).data, before.data);
 }
 
 }  // namespace keypose::gif_test
