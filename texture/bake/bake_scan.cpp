@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/numbers/parallel.h"
 #include "core/pictures/srgb.h"
@@ -235,9 +236,10 @@ void PaintAtlas(const Atlas& atlas, const ScanPainter& painter, Painting& painti
 }
 
 /// Nothing is known anywhere.
-void Leave(int size, ScanBake* result) {
-  result->linear = ImageF(size, size, 3, kGrey);
-  result->texture = SrgbImage(result->linear);
+ScanBake Left(int size, ScanBake result) {
+  result.linear = ImageF(size, size, 3, kGrey);
+  result.texture = SrgbImage(result.linear);
+  return result;
 }
 
 }  // namespace
@@ -256,7 +258,7 @@ ScanBake BakeScan(const Mesh& mesh, const Mesh& scan, const Image8& texture,
   const Atlas atlas = RasterizeAtlas(mesh, size);
   result.texels = atlas.texels;
   result.confidence = Image8(size, size, 1);
-  if (texture.empty() && scan.colors.rows() == 0) return Leave(size, &result), result;
+  if (texture.empty() && scan.colors.rows() == 0) return Left(size, std::move(result));
   ScanSampler sampler(scan, texture, options.reach * BoundingDiagonal(mesh.points));
   sampler.FaceAs(mesh, VertexNormals(mesh.points, mesh.faces));
   const int samples = std::clamp(static_cast<int>(std::lround(wanted / size)), 1, kMostSamples);
@@ -264,7 +266,7 @@ ScanBake BakeScan(const Mesh& mesh, const Mesh& scan, const Image8& texture,
   PaintAtlas(atlas, ScanPainter(mesh, atlas, sampler, samples), painting, progress);
   for (std::size_t texel = 0; texel < atlas.face.size(); ++texel)
     result.seen_texels += atlas.inside[texel] && painting.sure[texel] > 0;
-  if (result.seen_texels == 0) return Leave(size, &result), result;
+  if (result.seen_texels == 0) return Left(size, std::move(result));
   ReportProgress(progress, 0.8, "unseen texels and gutters");
   result.confidence.data = painting.sure;
   InpaintUnseen(mesh, atlas, painting);

@@ -74,7 +74,10 @@ class Expansion {
     best_.assign(candidates.size(), 0);
     for (std::size_t f = 0; f < candidates.size(); ++f)
       for (const LabelCandidate& c : candidates[f])
-        if (c.quality > best_[f]) best_[f] = c.quality, labels_[f] = c.view;
+        if (c.quality > best_[f]) {
+          best_[f] = c.quality;
+          labels_[f] = c.view;
+        }
     node_.assign(candidates.size(), -1);
     borders_of_.resize(candidates.size());
     for (std::size_t i = 0; i < borders_.size(); ++i) {
@@ -134,10 +137,9 @@ class Expansion {
   Vector3f ColorAlong(const Border& border, int view) const {
     const LabelCandidate *a = FindCandidate(candidates_[border.a], view),
                          *b = FindCandidate(candidates_[border.b], view);
-    return a && b ? (0.5f * (a->color + b->color)).eval()
-           : a    ? a->color
-           : b    ? b->color
-                  : Vector3f::Zero().eval();
+    if (a && b) return 0.5f * (a->color + b->color);
+    if (a) return a->color;
+    return b ? b->color : Vector3f::Zero().eval();
   }
   std::int64_t Gap(const Border& border, int l, int m) const {
     if (l == m) return 0;

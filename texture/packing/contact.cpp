@@ -153,10 +153,10 @@ class Finder {
       // Across its own bay an outline is near itself from outside; across a neck from inside, which
       // is no contact.
       const Touch here{rim, vertex, (vertex + 1) % static_cast<int>(other.rows()), 0, 0};
-      const int end = touch.t <= 0   ? touch.from
-                      : touch.t >= 1 ? touch.to
-                                     : -1,
-                n = static_cast<int>(other.rows());
+      const int n = static_cast<int>(other.rows());
+      int end = -1;
+      if (touch.t >= 1) end = touch.to;
+      if (touch.t <= 0) end = touch.from;
       if (end >= 0 && ((end + 1) % n == vertex || (vertex + 1) % n == end)) return;
       if (side <= 0 || (foot - p).dot(OutwardAt(other, here)) <= 0 || distance >= gap_ / 2) return;
       out.contacts[out.count++] = {
