@@ -59,12 +59,17 @@ double MeanSecondDifference(const std::vector<JointPlaces>& frames) {
   return frames.size() > 2 ? sum / static_cast<double>(frames.size() - 2) : 0;
 }
 
+MotionClip ReadClip(const fs::path& path, int frames) {
+  MotionClip clip = ReadBvh(path);
+  if (clip.frame_count() != frames)
+    throw InputError(
+        fmt::format("synth: the motion has {} frames, its truth {}", clip.frame_count(), frames));
+  return clip;
+}
+
 void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
   const TrueJoints truth = ReadJoints(command.performance / "truth" / "joints.csv");
-  const MotionClip clip = ReadBvh(command.motion);
-  if (clip.frame_count() != SizeOf(truth))
-    throw InputError(fmt::format("synth: the motion has {} frames, its truth {}",
-                                 clip.frame_count(), truth.size()));
+  const MotionClip clip = ReadClip(command.motion, SizeOf(truth));
   score->frames = SizeOf(truth);
   score->joint_means_m.assign(Performer::JointNames().size(), 0);
   int count = 0;
@@ -84,9 +89,13 @@ void ScoreJoints(const MotionScoreCommand& command, MotionScore* score) {
       const double error = (tracked[f] - real[f]).segment<3>(place).norm();
       worst = std::max(worst, error);
       if (f < command.from) continue;
-      score->joint_mean_m += error, score->joint_means_m[j] += error, ++count;
-      if (error > score->joint_worst_m)
-        score->joint_worst_m = error, score->worst = fmt::format("{} in frame {}", name, f);
+      score->joint_mean_m += error;
+      score->joint_means_m[j] += error;
+      ++count;
+      if (error > score->joint_worst_m) {
+        score->joint_worst_m = error;
+        score->worst = fmt::format("{} in frame {}", name, f);
+      }
     }
     score->frame_worst_m.push_back(worst);
   }
@@ -132,7 +141,8 @@ MotionScore ScoreMotion(const MotionScoreCommand& command) {
   const std::vector<double> unseen = FrameIoUs(command, held_out, score.frames);
   const int counted = std::max(1, score.frames - command.from);
   for (int f = command.from; f < score.frames; ++f) {
-    score.iou_mean += seen[f] / counted, score.iou_held_out += unseen[f] / counted;
+    score.iou_mean += seen[f] / counted;
+    score.iou_held_out += unseen[f] / counted;
     score.iou_least = std::min(score.iou_least, seen[f]);
   }
   return score;

@@ -82,7 +82,10 @@ int FlipRound(Mesh* mesh) {
   std::unordered_map<std::uint64_t, int> index;
   const std::vector<Edge> edges = EdgesOf(mesh->faces, &index);
   std::vector<int> valence(mesh->points.rows(), 0);
-  for (const Edge& e : edges) ++valence[e.a], ++valence[e.b];
+  for (const Edge& e : edges) {
+    ++valence[e.a];
+    ++valence[e.b];
+  }
   std::vector<char> touched(mesh->faces.rows(), 0);
   int flips = 0;
   for (const Edge& e : edges) {
@@ -94,7 +97,10 @@ int FlipRound(Mesh* mesh) {
     mesh->faces.row(e.face[0]) << c, d, e.b;
     mesh->faces.row(e.face[1]) << d, c, e.a;
     touched[e.face[0]] = touched[e.face[1]] = 1;
-    --valence[e.a], --valence[e.b], ++valence[c], ++valence[d];
+    --valence[e.a];
+    --valence[e.b];
+    ++valence[c];
+    ++valence[d];
     ++flips;
   }
   return flips;
@@ -110,8 +116,10 @@ void RelaxRound(Mesh* mesh, const PosedSurface& surface) {
     const Eigen::RowVector3d center = (mesh->points.row(corners[0]) + mesh->points.row(corners[1]) +
                                        mesh->points.row(corners[2])) /
                                       3;
-    for (int k = 0; k < 3; ++k)
-      sum.row(corners[k]) += areas[f] * center, weight[corners[k]] += areas[f];
+    for (int k = 0; k < 3; ++k) {
+      sum.row(corners[k]) += areas[f] * center;
+      weight[corners[k]] += areas[f];
+    }
   }
   const auto move = [&](std::int64_t i) {
     if (weight[i] > 0)
@@ -120,12 +128,37 @@ void RelaxRound(Mesh* mesh, const PosedSurface& surface) {
   ParallelFor(mesh->points.rows(), move, 64);
 }
 
+/// Each vertex moved onto its target, without the faces that vanish.
+Mesh Joined(const Mesh& mesh, const std::vector<int>& target) {
+  std::vector<int> place(target.size(), -1);
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < target.size(); ++i)
+    if (target[i] == static_cast<int>(i)) {
+      place[i] = SizeOf(kept);
+      kept.push_back(static_cast<int>(i));
+    }
+  Mesh joined;
+  joined.points = mesh.points(kept, Eigen::all);
+  std::vector<int> corners;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const int a = place[target[mesh.faces(f, 0)]], b = place[target[mesh.faces(f, 1)]],
+              c = place[target[mesh.faces(f, 2)]];
+    if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
+  }
+  joined.faces =
+      Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return joined;
+}
+
 // Collapses very short edges if the result stays a manifold.
 void CollapseRound(Mesh* mesh, double shorter_than) {
   std::unordered_map<std::uint64_t, int> index;
   const std::vector<Edge> edges = EdgesOf(mesh->faces, &index);
   std::vector<std::vector<int>> neighbours(mesh->points.rows());
-  for (const Edge& e : edges) neighbours[e.a].push_back(e.b), neighbours[e.b].push_back(e.a);
+  for (const Edge& e : edges) {
+    neighbours[e.a].push_back(e.b);
+    neighbours[e.b].push_back(e.a);
+  }
   std::vector<char> touched(mesh->points.rows(), 0);
   std::vector<int> target(mesh->points.rows());
   for (std::size_t i = 0; i < target.size(); ++i) target[i] = static_cast<int>(i);
@@ -143,22 +176,7 @@ void CollapseRound(Mesh* mesh, double shorter_than) {
     target[e.b] = e.a;
     for (const int v : ring) touched[v] = 1;
   }
-  Mesh joined;
-  std::vector<int> place(target.size(), -1);
-  std::vector<int> kept;
-  for (std::size_t i = 0; i < target.size(); ++i)
-    if (target[i] == static_cast<int>(i))
-      place[i] = SizeOf(kept), kept.push_back(static_cast<int>(i));
-  joined.points = mesh->points(kept, Eigen::all);
-  std::vector<int> corners;
-  for (Eigen::Index f = 0; f < mesh->faces.rows(); ++f) {
-    const int a = place[target[mesh->faces(f, 0)]], b = place[target[mesh->faces(f, 1)]],
-              c = place[target[mesh->faces(f, 2)]];
-    if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
-  }
-  joined.faces =
-      Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  *mesh = std::move(joined);
+  *mesh = Joined(*mesh, target);
 }
 
 double MeanEdge(const Mesh& mesh) {
