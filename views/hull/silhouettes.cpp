@@ -29,7 +29,9 @@ std::vector<std::uint8_t> DeepVoxels(const VisualHull& hull) {
     ParallelFor(size.z(), [&](std::int64_t z) {
       for (int y = 0; y < size.y(); ++y)
         for (int x = 0; x < size.x(); ++x) {
-          const int at = axis == 0 ? x : axis == 1 ? y : static_cast<int>(z);
+          int at = x;
+          if (axis == 1) at = y;
+          if (axis == 2) at = static_cast<int>(z);
           const std::ptrdiff_t i = x + y * stride[1] + z * stride[2];
           bool all = at >= kDepth && at < size[axis] - kDepth;
           for (int k = -kDepth; k <= kDepth && all; ++k) all = deep[i + k * stride[axis]] != 0;

@@ -136,6 +136,12 @@ class Estimator {
     return inputs;
   }
 
+  static int Refinements(bool coarsest, bool parabola, bool exact) {
+    if (coarsest) return 4;
+    if (parabola) return 1;
+    return exact ? 2 : 3;
+  }
+
   void RunLevel(int level) {
     const bool coarsest = level == levels_ - 1;
     float depth_step = coarsest ? 3.0f : 0.6f, slope_step = coarsest ? 0.6f : 0.25f;
@@ -150,15 +156,18 @@ class Estimator {
       settings.refresh = pass == 0;
       settings.far_areas = coarsest;
       settings.parabola = level == 0 && pass == Passes(level) - 1;
-      settings.refinements = coarsest ? 4 : settings.parabola ? 1 : geometric || level == 0 ? 2 : 3;
-      settings.depth_step_px = depth_step, settings.slope_step = slope_step;
+      settings.refinements = Refinements(coarsest, settings.parabola, geometric || level == 0);
+      settings.depth_step_px = depth_step;
+      settings.slope_step = slope_step;
       settings.pass = pass;
       if (geometric) Freeze(level);
       ForViews([&](int i) {
         SweepInputs inputs = Inputs(i, level);
         std::vector<std::shared_ptr<const SampleImage>> samples;
-        for (const int s : sources_[i])
-          samples.push_back(samples_->Get(s)), inputs.samples.push_back(samples.back().get());
+        for (const int s : sources_[i]) {
+          samples.push_back(samples_->Get(s));
+          inputs.samples.push_back(samples.back().get());
+        }
         if (geometric)
           for (const int s : sources_[i])
             inputs.source_inverse_depths.push_back(&inverse_depths_[s]);
@@ -191,9 +200,10 @@ class Estimator {
     const DepthBounds& bounds = bounds_[i];
     float lowest = std::numeric_limits<float>::max(), highest = 0;
     for (std::size_t k = 0; k < bounds.nearest.data.size(); ++k)
-      if (bounds.nearest.data[k] > 0)
-        lowest = std::min(lowest, bounds.farthest.data[k]),
+      if (bounds.nearest.data[k] > 0) {
+        lowest = std::min(lowest, bounds.farthest.data[k]);
         highest = std::max(highest, bounds.nearest.data[k]);
+      }
     return DepthImage(camera.width, camera.height, std::min(lowest, highest), highest);
   }
 
