@@ -6,15 +6,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <set>
 
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
-#include "deform/levels/landmark_coordinates.h"
-#include "deform/levels/levels.h"
 
 namespace keypose::hierarchy_test {
 
@@ -230,92 +227,6 @@ TEST(Prolong, FollowsABendClosely) {
                                  levels[0].points, bent(levels[0].points), turns);
   EXPECT_LT((moved - bent(tube.points)).rowwise().norm().maxCoeff() / BoundingDiagonal(tube.points),
             0.01);
-}
-
-TEST(Levels, MarksKeepTheirPlaceOnEveryLevel) {
-  const Mesh tube = MakeCylinder(0.3, 2, 30, 50);
-  LandmarkGoal goal;
-  goal.source.vertices = tube.faces.row(333).transpose();
-  goal.source.weights << 0.2, 0.5, 0.3;
-  goal.target << 1, 2, 3;
-  Levels levels(tube.points, tube.faces, {500, 100},
-                Eigen::VectorXd::LinSpaced(tube.vertex_count(), 1, 2), 0.001, {goal});
-  ASSERT_EQ(levels.count(), 3);
-  for (int l = 0; l < 3; ++l) {
-    const Mark& mark = levels[l].marks.at(0);
-    EXPECT_LT((levels[l].rest.row(mark.vertex).transpose() + mark.arm -
-               PositionOf(goal.source, tube.points))
-                  .norm(),
-              1e-12);
-    EXPECT_LT(mark.arm.norm(), 0.5);
-    EXPECT_EQ(mark.target, goal.target);
-  }
-  levels.ScaleRest(2);
-  EXPECT_LT((levels[0].rest - 2 * tube.points).cwiseAbs().maxCoeff(), 1e-12);
-  const Mark& grown = levels[2].marks[0];
-  EXPECT_LT((levels[2].rest.row(grown.vertex).transpose() + grown.arm -
-             2 * PositionOf(goal.source, tube.points))
-                .norm(),
-            1e-12);
-}
-
-TEST(Levels, DescendHandsARigidMotionDown) {
-  const Mesh tube = MakeCylinder(0.3, 2, 30, 50);
-  Levels levels(tube.points, tube.faces, {500, 100}, {}, 0.001, {});
-  ASSERT_EQ(levels.count(), 3);
-  const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(2.9, Eigen::Vector3d(1, 1, -3).normalized()).toRotationMatrix();
-  levels[2].moved = levels[2].rest * turn.transpose();
-  levels[2].fit->SetMaps(std::vector<Eigen::Matrix3d>(levels[2].rest.rows(), turn));
-  levels.Descend(2);
-  levels.Descend(1);
-  EXPECT_LT((levels[0].moved - tube.points * turn.transpose()).cwiseAbs().maxCoeff(), 1e-12);
-  for (const Eigen::Matrix3d& map : levels[0].fit->maps()) EXPECT_LT((map - turn).norm(), 1e-9);
-}
-
-/// A tube that is thicker at one end and bulges at one side, so that no two places are alike.
-Mesh Lopsided() {
-  Mesh mesh = MakeCylinder(0.3, 2, 24, 40);
-  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
-    const double z = mesh.points(i, 2), grow = 1 + 0.3 * z + 0.2 * std::sin(3 * z);
-    mesh.points(i, 0) = mesh.points(i, 0) * grow + 0.1 * z * z;
-    mesh.points(i, 1) *= grow;
-  }
-  return mesh;
-}
-
-TEST(LandmarkCoordinates, AMeshMatchesToItself) {
-  const Mesh mesh = Lopsided();
-  const std::vector<int> marks = {3, 170, 333, 512, 790, 960};
-  const LandmarkCoordinates coordinates(mesh.points, mesh.faces, marks, mesh.points, mesh.faces,
-                                        marks);
-  std::vector<int> vertices(mesh.vertex_count());
-  std::iota(vertices.begin(), vertices.end(), 0);
-  const auto matches = coordinates.MatchVertices(vertices);
-  ASSERT_EQ(matches.size(), vertices.size());
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
-    EXPECT_EQ(matches[v].vertex, static_cast<int>(v));
-    EXPECT_LT(matches[v].mismatch, 0.01);
-  }
-}
-
-TEST(LandmarkCoordinates, BendingAndSizeDoNotMatter) {
-  const Mesh source = Lopsided();
-  Mesh target = source;
-  for (Eigen::Index i = 0; i < target.points.rows(); ++i) {
-    const double a = source.points(i, 2) * 0.6, r = 1 / 0.6 - source.points(i, 1);
-    target.points.row(i) << source.points(i, 0), 1 / 0.6 - r * std::cos(a), r * std::sin(a);
-  }
-  const std::vector<int> marks = {3, 170, 333, 512, 790, 960};
-  const LandmarkCoordinates coordinates(source.points, source.faces, marks, target.points,
-                                        target.faces, marks);
-  std::vector<int> vertices(source.vertex_count());
-  std::iota(vertices.begin(), vertices.end(), 0);
-  const auto matches = coordinates.MatchVertices(vertices);
-  double sum = 0;
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    sum += (source.points.row(matches[v].vertex) - source.points.row(v)).norm();
-  EXPECT_LT(sum / static_cast<double>(vertices.size()) / BoundingDiagonal(source.points), 0.04);
 }
 
 }  // namespace keypose::hierarchy_test
