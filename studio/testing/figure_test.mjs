@@ -13,6 +13,7 @@ import {
 } from 'node:fs';
 import { join } from 'node:path';
 
+import { stageScript } from './projects.mjs';
 import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
 const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('figure', 'table');
@@ -22,28 +23,14 @@ const [kWidth, kHeight] = [640, 480];
 const kViews = 5;
 
 /** A stage that finds two things on the table, and needs to be told which one is the figure. */
-const kCapture = `#!/bin/sh
-here=$(dirname "$(readlink -f "$0")")
-if [ "$1" = --describe ]; then
-  cat "$here/capture.json"
-  exit
-fi
-while [ $# -gt 1 ]; do
-  case "$1" in
-    --images) to=$2 ;;
-    --report) report=$2 ;;
-    --figure) figure=$2 ;;
-  esac
-  shift 2
-done
-if [ -z "$figure" ]; then
+const kCapture = stageScript('capture', 'images', `if [ -z "$figure" ]; then
   cp "$here/made/contact_sheet.jpg" "$to.failed.jpg"
   echo "keypose capture: error: two things stand on the table; click on the one that you mean, or say 'keypose figure --pose rest --at PHOTO:X,Y'; what was taken for the figure: $to.failed.jpg" >&2
   exit 3
 fi
 cp -r "$here/made" "$to"
 echo '{"schema": 1}' > "$report"
-`;
+`);
 
 const kOff = (
   'sfm masks dense mesh refine cleanup unwrap register fit bake complete interpolate export report'
@@ -58,23 +45,10 @@ ${kOff.map((step) => `  ${step}: {enabled: false}`).join('\n')}
 `;
 
 /** A stage that takes until it is let go. */
-const kLong = `#!/bin/sh
-here=$(dirname "$(readlink -f "$0")")
-if [ "$1" = --describe ]; then
-  cat "$here/long.json"
-  exit
-fi
-while [ $# -gt 1 ]; do
-  case "$1" in
-    --made) to=$2 ;;
-    --report) report=$2 ;;
-  esac
-  shift 2
-done
-until [ -e "$here/go" ]; do sleep 0.1; done
+const kLong = stageScript('long', 'made', `until [ -e "$here/go" ]; do sleep 0.1; done
 echo made > "$to"
 echo '{"schema": 1}' > "$report"
-`;
+`);
 
 const port = (name, kind, more) => ({ name, kind, ...more });
 const kOptional = { optional: true };

@@ -14,6 +14,7 @@ import {
 } from 'node:fs';
 import { join } from 'node:path';
 
+import { stageScript } from './projects.mjs';
 import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
 const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('films', 'dance');
@@ -24,28 +25,14 @@ const kSize = 240;
 const kFrames = 3;
 
 /** A stage that gives the true masks, once it is told what the actor is. */
-const kSilhouettes = `#!/bin/sh
-here=$(dirname "$(readlink -f "$0")")
-if [ "$1" = --describe ]; then
-  cat "$here/silhouettes.json"
-  exit
-fi
-while [ $# -gt 1 ]; do
-  case "$1" in
-    --masked) to=$2 ;;
-    --report) report=$2 ;;
-    --figure) figure=$2 ;;
-  esac
-  shift 2
-done
-if [ -z "$figure" ]; then
+const kSilhouettes = stageScript('silhouettes', 'masked', `if [ -z "$figure" ]; then
   echo "keypose silhouettes: error: two things move; say which with 'keypose figure --shot walk --at CAMERA/FRAME:X,Y'" >&2
   exit 3
 fi
 mkdir "$to"
 cp -r "$here/masks" "$to"
 echo '{"schema": 1}' > "$report"
-`;
+`);
 const port = (name, more) => ({ name, kind: 'folder', ...more });
 const kStage = {
   schema: 1,

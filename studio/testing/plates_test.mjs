@@ -8,6 +8,7 @@ import { cpSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { plainPng, readPng, rowsPng } from './png.mjs';
+import { filmedProject } from './projects.mjs';
 import { check, record, until as untilWithin, withStudio } from './studio_driver.mjs';
 
 const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('plates', 'dance');
@@ -25,22 +26,6 @@ const pictureFile = (number) =>
   join(folder, 'out/shot/pictures', `${String(number).padStart(4, '0')}.png`);
 const button = (name) => page.getByRole('button', { name, exact: true });
 const part = (name) => page.locator(`select[aria-describedby="part-${name}"]`);
-
-/** The true surfaces stand for scans, which other tests make: the steps before are off. */
-function projectText() {
-  const off = 'capture sfm masks dense mesh refine cleanup bake complete export report'.split(' ');
-  return `# A camera on rails.
-name: dance
-poses: {rest: photos/rest, wave: photos/wave}
-template: rest
-steps:
-${off.map((step) => `  ${step}: {enabled: false}`).join('\n')}
-  unwrap: {inputs: {clean: ./meshes/rest.ply}}
-  register: {inputs: {target: ./meshes/wave.ply}}
-  locate: {inputs: {textures: null}}
-  composite: {inputs: {textures: ./texture.png}}
-`;
-}
 
 const program = (name, ...words) =>
   execFileSync(join(bin, name), words, { stdio: ['ignore', 'pipe', 'inherit'] }).toString();
@@ -60,7 +45,7 @@ async function prepare() {
   copy('plates', 'films/plates');
   copy('truth/shot/mattes', 'films/mattes');
   writeFileSync(join(folder, 'texture.png'), plainPng(64, [176, 120, 84]));
-  writeFileSync(pipelineFile, projectText());
+  writeFileSync(pipelineFile, filmedProject('# A camera on rails.'));
   page = await openPage((tab) => tab.setDefaultTimeout(120000));
   await page.getByRole('link', { name: 'Shot', exact: true }).click();
 }

@@ -15,6 +15,7 @@ import {
 import { join } from 'node:path';
 
 import { plainPng } from './png.mjs';
+import { filmedProject } from './projects.mjs';
 import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 import { meshOf } from './walk_geometry.mjs';
 
@@ -43,22 +44,6 @@ const part = (name) => page.locator(`select[aria-describedby="part-${name}"]`);
 const frameSheet = () => page.locator('.frame-sheet');
 const meshCanvas = () => page.locator('.shot-pose canvas');
 
-/** The true surfaces stand for scans, which other tests make: the steps before are off. */
-function projectText() {
-  const off = 'capture sfm masks dense mesh refine cleanup bake complete export report'.split(' ');
-  return `${kComment}
-name: dance
-poses: {rest: photos/rest, wave: photos/wave}
-template: rest
-steps:
-${off.map((step) => `  ${step}: {enabled: false}`).join('\n')}
-  unwrap: {inputs: {clean: ./meshes/rest.ply}}
-  register: {inputs: {target: ./meshes/wave.ply}}
-  locate: {inputs: {textures: null}}
-  composite: {inputs: {textures: ./texture.png}}
-`;
-}
-
 async function prepare() {
   const words = ['shot', '--output', world, '--shows', `0=rest,${kWave}=wave,4=bow`];
   const more = ['--width', String(kWidth), '--no-photographs', '--meshes', '--clean-plate'];
@@ -77,7 +62,7 @@ async function prepare() {
   const prop = 'v 0.3 0.3 0\nv 0.4 0.3 0\nv 0.3 0.3 0.1\nf 1 2 3\n';
   writeFileSync(join(folder, 'films/set.obj'), prop);
   writeFileSync(join(folder, 'texture.png'), plainPng(64, [176, 120, 84]));
-  writeFileSync(pipelineFile, projectText());
+  writeFileSync(pipelineFile, filmedProject(kComment));
   execFileSync(join(bin, 'keypose'), ['run', '-C', folder, '--until', 'interpolate'], {
     stdio: ['ignore', 'ignore', 'inherit'],
   });
