@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "core/io/pictures/image_io.h"
 #include "core/io/testing/damaged_file.h"
 #include "core/io/testing/image_files.h"
