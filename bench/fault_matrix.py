@@ -30,7 +30,8 @@ import sys
 import tempfile
 import time
 
-PIPELINE = '''steps:
+PIPELINE = '''sources: {photos: {of: pose}}
+steps:
   gather: {stage: gather, for: pose, inputs: {photos: $photos}}
   join: {stage: join, for: pose, inputs: {images: gather.images}, out: {text: "{pose}/text.txt"}}
   merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}}

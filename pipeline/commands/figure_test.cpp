@@ -7,15 +7,15 @@
 #include "core/testing/paths.h"
 #include "pipeline/testing/installed_house.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::figure_test {
 
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kMasked[] = R"(steps:
+constexpr char kMasked[] = R"(sources: {photos: {of: pose}}
+steps:
   capture: {stage: capture, for: pose, inputs: {photos: $photos}}
   masks:
     stage: masks
@@ -25,7 +25,8 @@ constexpr char kMasked[] = R"(steps:
     out: {masked/contact_sheet.jpg: "{pose}/masks_agreed.jpg"}
   join: {stage: join, for: pose, method: scan, inputs: {images: masks.masked}, out: {text: "{pose}/text.txt"}}
 )";
-constexpr char kFilmed[] = R"(steps:
+constexpr char kFilmed[] = R"(sources: {video: {of: shot}}
+steps:
   silhouettes: {stage: silhouettes, for: shot, when: [$unmasked], inputs: {video: $unmasked}}
   join: {stage: join, for: shot, inputs: {images: {either: [silhouettes.masked, $video]}}, out: {text: "{shot}/text.txt"}}
 )";
@@ -105,8 +106,7 @@ poses:
 
 TEST_F(Figure, APlaceIsNotBothTheFigureAndNot) {
   const std::string before = ReadFile(Yaml());
-  const Ended said =
-      Say({"--pose", "rest", "--at", "IMG_1.jpg:12,20", "--not", "IMG_1.jpg:12,20"});
+  const Ended said = Say({"--pose", "rest", "--at", "IMG_1.jpg:12,20", "--not", "IMG_1.jpg:12,20"});
   EXPECT_EQ(said.code, 2);
   EXPECT_THAT(said.text, HasSubstr("IMG_1.jpg:12,20 is said both to be the figure and not"));
   EXPECT_EQ(ReadFile(Yaml()), before);
@@ -282,5 +282,4 @@ TEST_F(Figure, FramesOfFilmsAreCountedFromTheFirst) {
   EXPECT_EQ(masked.code, 2) << masked.text;
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::figure_test

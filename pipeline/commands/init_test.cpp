@@ -3,8 +3,7 @@
 
 #include "pipeline/testing/installed_house.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::init_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -170,6 +169,7 @@ TEST_F(RunTest, InitRefusesFewPhotographsOfTheTemplate) {
 
 TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
   WriteFile(root_ / "share/keypose/performance.yaml",
+            "sources: {video: {of: shot}, calibration: {of: shot}, scan: {of: project}}\n"
             "steps:\n"
             "  gather: {stage: gather, for: shot, inputs: {photos: $video}}\n"
             "  join: {stage: join, for: shot, inputs: {images: gather.images}, out: {text: "
@@ -220,5 +220,4 @@ TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   EXPECT_FALSE(fs::exists(root_ / "a new one/photos/rest/IMG_0.mov"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::init_test

@@ -12,8 +12,9 @@
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/graph/references.h"
 #include "pipeline/graph/shown_frames.h"
-#include "pipeline/text/text.h"
 #include "pipeline/graph/timeline_yaml.h"
+#include "pipeline/graph/wanted_steps.h"
+#include "pipeline/text/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -115,6 +116,7 @@ class GraphBuilder {
 
  private:
   void CheckHead() {
+    CheckSources(file_);
     const bool performance = file_.kind == ProjectKind::kPerformance;
     if (file_.poses.empty() && performance)
       throw UsageError(
@@ -172,11 +174,17 @@ class GraphBuilder {
                      pose.name));
   }
 
+  Sources Given() const { return {file_, disk_, places_.project, graph_.template_pose}; }
+
   void CheckPhotographs() const {
+    const Sources sources = Given();
+    const SourceRule* photos = sources.Find(kPhotosWord);
+    if (!photos) return;
     std::vector<PhotoFolder> folders;
     for (const PoseRule& pose : file_.poses) {
-      const fs::path folder = places_.project / OnDisk(disk_, places_.project, PhotographsOf(pose));
-      folders.push_back({pose.name, folder.lexically_normal()});
+      const auto path = sources.PathOf(*photos, &pose);
+      if (!path) continue;
+      folders.push_back({pose.name, (places_.project / sources.Located(*path)).lexically_normal()});
       if (!folders.back().folder.has_filename())
         folders.back().folder = folders.back().folder.parent_path();
     }
@@ -186,14 +194,14 @@ class GraphBuilder {
     for (std::size_t i = 0; i < folders.size(); ++i) {
       before.push_back(folders[i]);
       if (const std::string fault = SharedPhotographs(before); !fault.empty())
-        Fail(file_.poses[i].where, fault);
+        Fail(file_.FindPose(folders[i].pose)->where, fault);
     }
   }
 
   void LoadStages() {
     std::vector<fs::path> programs;
     for (const StepRule& rule : file_.steps) {
-      if (rule.enabled && (MayExist(rule) || IsGivenOptions(rule)))
+      if (rule.enabled && (MayExist(rule, Given()) || IsGivenOptions(rule)))
         programs.push_back(program_of_[rule.name] = ProgramOf(rule, places_, disk_));
     }
     catalog_.Load(programs);
@@ -206,27 +214,8 @@ class GraphBuilder {
                        [&](const PoseRule& pose) { return names(pose.options); });
   }
 
-  /// Whether the project gives what the step exists for, at least for some pose or shot.
-  bool MayExist(const StepRule& rule) const {
-    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
-      return word.text == "$unmasked" || !word.text.starts_with("$") ||
-             ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
-    });
-  }
-
-  /// Whether the project, or this shot of it, gives what the step exists for.
-  bool IsWanted(const StepRule& rule, const std::string& pose) const {
-    return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& word) {
-      if (!word.text.starts_with("$"))
-        Fail(word.where, fmt::format("step '{}': `when` takes words such as $scan, not '{}'",
-                                     rule.name, word.text));
-      if (word.text == "$unmasked") return IsUnmasked(file_, disk_, places_.project, pose);
-      return ProjectPath(file_, disk_, places_.project, word.text.substr(1)).has_value();
-    });
-  }
-
   void AddInstance(const StepRule& rule, const std::string& pose, const std::string& source_pose) {
-    if (!IsWanted(rule, pose)) return;
+    if (!IsWanted(rule, Given(), file_.FindPose(pose))) return;
     Step step;
     step.rule = rule.name;
     step.pose = pose;

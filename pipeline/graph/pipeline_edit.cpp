@@ -5,9 +5,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 
 namespace keypose::pipeline {
 
@@ -46,9 +46,10 @@ YamlPath PathOf(const PipelineFile& file, const std::string& pose, const YamlPat
 std::string AsMap(const PipelineFile& file, const std::string& pose) {
   const PoseRule* rule = file.FindPose(pose);
   const bool shots = file.kind == ProjectKind::kPerformance;
-  const auto& given = shots ? rule->video : rule->photos;
+  const char* const word = shots ? kVideoWord : kPhotosWord;
+  const Setting* given = rule->Given(word);
   const std::string folder = given ? given->text : (shots ? "shots/" : "photos/") + pose;
-  return fmt::format("{{{}: {}}}", shots ? "video" : "photos", YamlScalar(folder));
+  return fmt::format("{{{}: {}}}", word, YamlScalar(folder));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "pipeline/graph/source_rule.h"
 #include "pipeline/text/setting.h"
 
 namespace keypose::pipeline {
@@ -34,6 +35,10 @@ enum class ProjectKind {
   kPoses,       ///< key poses from photographs, and frames between them
   kPerformance  ///< a scan that moves as an actor in films; its shots stand where poses stand
 };
+/// As in `kind:`.
+std::string NameOf(ProjectKind kind);
+/// What is said of a key that belongs to projects of the other kind.
+std::string OfOtherKind(const std::string& key, ProjectKind kind);
 
 /// How a pose's shape is found.
 enum class Method {
@@ -89,13 +94,10 @@ struct StepRule {
 };
 
 /// A pose, or a shot of a performance.
-struct PoseRule {
+struct PoseRule : GivesSources {
   std::string name;
   Where where;
-  std::optional<Setting> photos, masks, background, landmarks, cameras;
-  std::optional<Setting> mesh, texture;  ///< made elsewhere, for steps that take $mesh, $texture
-  std::optional<Setting> method;         ///< "scan" or "fit"
-  std::optional<Setting> video, calibration, actor, pins;  ///< of a shot
+  std::optional<Setting> method;  ///< "scan" or "fit"
   StepOptionSettings options;
 
   Method FoundBy() const { return method && method->text == "fit" ? Method::kFit : Method::kScan; }
@@ -106,25 +108,23 @@ struct TimelineKey {
   std::optional<double> at_s;  ///< [s]; set for all keys or for none
 };
 
-/// A filmed shot that the in-betweens go into.
-struct ShotRule {
+/// A filmed shot that the in-betweens go into. It gives a `film`: a folder of numbered pictures, or
+/// a video.
+struct ShotRule : GivesSources {
   Where where;
-  std::optional<Setting> film;  ///< folder of numbered pictures
-  double fps = 12;              ///< of the film
+  double fps = 12;  ///< of the film
   struct Shows {
     int frame = 0;  ///< counts from the film's first picture
     Setting pose;
   };
   std::vector<Shows> shows;  ///< which frames show a pose, ascending
-  std::optional<Setting> plate, mattes, clicks, holdout, set;
 };
 
-struct PipelineFile {
-  std::vector<StepRule> steps;  ///< in the order of the file
+struct PipelineFile : GivesSources {
+  std::vector<SourceRule> sources;  ///< in the order of the file
+  std::vector<StepRule> steps;      ///< in the order of the file
   ProjectKind kind = ProjectKind::kPoses;
   std::vector<PoseRule> poses;
-  /// of a performance: the mesh that shall move, its texture, pairs of places on template and scan
-  std::optional<Setting> scan, texture, marks;
   std::optional<ShotRule> shot;  ///< of poses: what they were filmed in
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
@@ -143,6 +143,9 @@ struct PipelineFile {
   mutable std::size_t indexed_ = 0;
 };
 
+/// Keys of poses, shots and the project that may be words of the table `sources` are kept as given:
+/// the table may stand in the default pipeline. CheckSources checks them.
+///
 /// @param file  the name of the file in messages
 /// @throws UsageError  not YAML, an unknown key (names the nearest known one), a duplicate key, a
 /// wrong type; with file:line

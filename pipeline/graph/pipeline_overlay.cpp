@@ -37,6 +37,10 @@ void OverlayStep(const StepRule& over, StepRule* step) {
 
 PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project) {
   PipelineFile result = project;
+  result.sources = defaults.sources;
+  result.sources.insert(result.sources.end(), project.sources.begin(), project.sources.end());
+  // So that a misspelt key of the default pipeline is found.
+  result.given.insert(result.given.begin(), defaults.given.begin(), defaults.given.end());
   result.steps = defaults.steps;
   for (const StepRule& over : project.steps) {
     const auto it = std::find_if(result.steps.begin(), result.steps.end(),

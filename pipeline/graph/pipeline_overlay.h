@@ -5,8 +5,8 @@
 
 namespace keypose::pipeline {
 
-/// Merges `project` over `defaults`: its steps add to, change or disable steps of the same name.
-/// Everything else is taken from `project`.
+/// Merges `project` over `defaults`: its steps add to, change or disable steps of the same name,
+/// its sources are added. Everything else is taken from `project`.
 PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project);
 
 }  // namespace keypose::pipeline

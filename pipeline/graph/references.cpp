@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/values/errors.h"
-#include "pipeline/disk/project_paths.h"
+#include "pipeline/graph/pair_sources.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -14,69 +14,17 @@ namespace {
   throw UsageError(fmt::format("{}: {}", where.Text(), message));
 }
 
-const std::vector<std::string> kWords = {
-    "$photos",      "$mesh",    "$masks",    "$background", "$cameras", "$landmarks",
-    "$stiffness",   "$regions", "$timeline", "$run",        "$video",   "$unmasked",
-    "$calibration", "$actor",   "$scan",     "$texture",    "$marks",   "$film",
-    "$plate",       "$mattes",  "$clicks",   "$holdout",    "$set",     "$pins"};
-
-/// What a filmed shot gives.
-bool IsOfFilm(const std::string& word) {
-  return word == "film" || word == "plate" || word == "mattes" || word == "clicks" ||
-         word == "holdout" || word == "set";
-}
-
 bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") ||
          text.starts_with("~");
 }
 
-bool TakesLandmarks(const InputRule& rule) {
-  const auto is_word = [](const Setting& reference) { return reference.text == "$landmarks"; };
-  return std::any_of(rule.for_others.begin(), rule.for_others.end(), is_word);
-}
-
 }  // namespace
-
-std::string PhotographsOf(const PoseRule& pose) {
-  return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name);
-}
-
-std::string VideoOf(const PoseRule& shot) {
-  return WithHome(shot.video ? shot.video->text : "shots/" + shot.name);
-}
-
-bool IsUnmasked(const PipelineFile& file, const Disk& disk, const std::filesystem::path& project,
-                const std::string& shot) {
-  const PoseRule* rule = file.FindPose(shot);
-  return rule && !disk.Stat(project / VideoOf(*rule) / "masks");
-}
-
-std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
-                                   const std::filesystem::path& project, const std::string& word) {
-  if (IsOfFilm(word)) {
-    if (!file.shot) return std::nullopt;
-    const ShotRule& shot = *file.shot;
-    return word == "film"     ? shot.film
-           : word == "plate"  ? shot.plate
-           : word == "mattes" ? shot.mattes
-           : word == "clicks" ? shot.clicks
-           : word == "set"    ? shot.set
-                              : shot.holdout;
-  }
-  if (word == "scan") return file.scan;
-  if (word == "texture") return file.texture;
-  if (word == "marks" && file.marks) return file.marks;
-  const Setting by_itself{word + ".json", {"pipeline.yaml", 1}};
-  if (!disk.Stat(project / by_itself.text)) return std::nullopt;
-  return by_itself;
-}
 
 Flow References::Source(const Setting& path) const {
   Flow flow;
   flow.kind = Flow::Kind::kSource;
-  flow.path =
-      OnDisk(disk_, project_, std::filesystem::path(WithHome(path.text)).lexically_normal());
+  flow.path = sources_.Located(path);
   flow.origin = flow.path.generic_string();
   flow.where = path.where;
   return flow;
@@ -84,7 +32,7 @@ Flow References::Source(const Setting& path) const {
 
 References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project,
                        const Disk& disk)
-    : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {
+    : file_(file), graph_(graph), sources_(file, disk, std::move(project), graph.template_pose) {
   for (std::size_t i = 0; i < graph.steps.size(); ++i)
     index_[graph.steps[i].id] = static_cast<int>(i);
 }
@@ -102,8 +50,6 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     PortFlows result{port.name, port.Kind(), {}};
     const auto it = rule.inputs.find(port.name);
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
-    if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty())
-      step->warnings = LandmarkWarnings(*step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
       Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id,
@@ -122,14 +68,34 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     }
     step->inputs.push_back(std::move(result));
   }
-  const PoseRule* pose = file_.FindPose(step->pose);
-  if (rule.method == StepMethod::kFit && pose && pose->cameras)
-    step->warnings.push_back(
-        fmt::format("the cameras {} of pose '{}' are not used: those of few photographs are found "
-                    "by the template",
-                    pose->cameras->text, pose->name));
+  AddWarnings(rule, step);
   std::sort(step->needs.begin(), step->needs.end());
   step->needs.erase(std::unique(step->needs.begin(), step->needs.end()), step->needs.end());
+}
+
+/// Of sources that the step does not use.
+void References::AddWarnings(const StepRule& rule, Step* step) const {
+  const PoseRule* pose = file_.FindPose(step->pose);
+  if (!pose) return;
+  for (const PortInfo& port : step->info->inputs) {
+    const auto input = rule.inputs.find(port.name);
+    if (input == rule.inputs.end()) continue;
+    for (const Setting& reference : input->second.for_others) {
+      const SourceRule* pair =
+          reference.text.starts_with("$") ? sources_.Find(reference.text.substr(1)) : nullptr;
+      if (!pair || pair->of != SourceOf::kPair) continue;
+      for (std::string& warning :
+           PairWarnings(sources_, *pair, sources_.PosesOf(*pair, pose), file_.poses))
+        step->warnings.push_back(std::move(warning));
+    }
+  }
+  if (rule.method != StepMethod::kFit) return;
+  for (const SourceRule& source : file_.sources) {
+    const Setting* given = source.no_fit.empty() ? nullptr : pose->Given(source.word);
+    if (given)
+      step->warnings.push_back(fmt::format("the {} {} of pose '{}' are not used: {}", source.word,
+                                           given->text, pose->name, source.no_fit));
+  }
 }
 
 std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
@@ -191,159 +157,53 @@ std::vector<Flow> References::Resolve(const Setting& reference, const Step& step
 }
 
 std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& step) const {
-  const std::string& word = reference.text;
+  const std::string word = reference.text.substr(1);
   Flow flow;
   flow.where = reference.where;
-  if (word == "$timeline") {
+  if (word == kTimelineWord) {
     if (graph_.timeline_json.empty()) return {};
     flow.kind = Flow::Kind::kTimeline;
     flow.origin = "the timeline";
     return {flow};
   }
-  if (word == "$run") {
+  if (word == kRunWord) {
     flow.kind = Flow::Kind::kRun;
     flow.origin = "the results of all other steps";
     return {flow};
   }
-  if (word == "$landmarks") return Landmarks(reference, step);
-  if (word == "$regions" || word == "$stiffness") {
-    flow = Source({word.substr(1) + ".json", reference.where});
-    return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
+  if (!sources_.Knows(word)) {
+    std::vector<std::string> known = sources_.Words();
+    for (const char* own : {kTimelineWord, kRunWord}) known.push_back(std::string("$") + own);
+    Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, reference.text,
+                                        Suggestion(reference.text, known)));
   }
-  const bool of_performance = word == "$scan" || word == "$marks" ||
-                              (word == "$texture" && file_.kind == ProjectKind::kPerformance);
-  if (of_performance || IsOfFilm(word.substr(1))) {
-    const auto path = ProjectPath(file_, disk_, project_, word.substr(1));
-    return path ? std::vector<Flow>{Source(*path)} : std::vector<Flow>{};
-  }
-  const bool of_shot = word == "$video" || word == "$unmasked" || word == "$calibration" ||
-                       word == "$actor" || word == "$pins";
-  const bool of_pose = word == "$photos" || word == "$mesh" || word == "$texture" ||
-                       word == "$masks" || word == "$background" || word == "$cameras";
-  if (!of_shot && !of_pose)
-    Refuse(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                                        Suggestion(word, kWords)));
+  if (word != kUnmaskedWord) return FlowsOfSource(*sources_.Find(word), reference, step);
+  if (!sources_.IsUnmasked(*PoseOf(reference, step))) return {};
+  return FlowsOfSource(*sources_.Find(kVideoWord), reference, step);
+}
+
+/// @throws UsageError  the step is not of one
+const PoseRule* References::PoseOf(const Setting& reference, const Step& step) const {
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose)
     Refuse(reference.where,
-           fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
-  if (of_shot) return ShotWord(reference, *pose);
-  if (word == "$photos") {
-    flow = Source({PhotographsOf(*pose), pose->photos ? pose->photos->where : pose->where});
-    flow.photographs = true;
-    return {flow};
-  }
-  const auto& setting = word == "$masks"     ? pose->masks
-                        : word == "$cameras" ? pose->cameras
-                        : word == "$mesh"    ? pose->mesh
-                        : word == "$texture" ? pose->texture
-                                             : pose->background;
-  return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
+           fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, reference.text));
+  return pose;
 }
 
-std::vector<Flow> References::ShotWord(const Setting& reference, const PoseRule& shot) const {
-  const Where where = shot.video ? shot.video->where : shot.where;
-  if (reference.text == "$unmasked" && !IsUnmasked(file_, disk_, project_, shot.name)) return {};
-  if (reference.text == "$video" || reference.text == "$unmasked")
-    return {Source({VideoOf(shot), where})};
-  if (reference.text == "$actor" || reference.text == "$pins") {
-    const auto& given = reference.text == "$actor" ? shot.actor : shot.pins;
-    return given ? std::vector<Flow>{Source(*given)} : std::vector<Flow>{};
-  }
-  if (shot.calibration) return {Source(*shot.calibration)};
-  // Beside the films, or for all shots in the project's own folder.
-  for (const std::filesystem::path folder : {VideoOf(shot), std::string(".")}) {
-    const auto stat = disk_.Stat(project_ / folder);
-    if (!stat || !stat->folder) continue;
-    for (const std::string& name : disk_.Children(project_ / folder))
-      if (std::filesystem::path(name).stem() == "calibration")
-        return {Source({(folder / name).lexically_normal().string(), where})};
-  }
-  Refuse(shot.where,
-         fmt::format("shot '{0}' has no calibration of its cameras; put a file or folder "
-                     "`calibration.*` into {1} or into the project, or name it, as in\n  {0}: "
-                     "{{video: {1}, calibration: rig.yml}}",
-                     shot.name, VideoOf(shot)));
-}
-
-std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
-  if (step.pose.empty())
-    Refuse(reference.where,
-           fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
-  const std::vector<std::string> poses = PosesOfPair(step);
-  for (const std::string& name : poses) {
-    const auto& named = file_.FindPose(name)->landmarks;
-    if (!named || disk_.Stat(project_ / Source(*named).path)) continue;
-    throw InputError(fmt::format(
-        "{}: the landmarks {} of pose '{}' do not exist; put them there, or correct the line",
-        named->where.Text(), named->text, name));
-  }
+std::vector<Flow> References::FlowsOfSource(const SourceRule& rule, const Setting& reference,
+                                            const Step& step) const {
+  const PoseRule* pose = sources_.IsOfPose(rule.word) ? PoseOf(reference, step) : nullptr;
+  if (rule.of == SourceOf::kPair) RequireNamedFiles(sources_, rule, sources_.PosesOf(rule, pose));
   std::vector<Flow> flows;
-  for (const std::string& name : poses) {
-    const std::optional<Setting> file = LandmarkFile(name);
-    // A file that the project does not name may be missing: then this pair has no landmarks yet.
-    if (!file) return {};
-    flows.push_back(Source(*file));
+  for (const Setting& path : sources_.PathsOf(rule, pose)) {
+    flows.push_back(Source(path));
+    flows.back().photographs = rule.word == kPhotosWord;
   }
+  if (flows.empty() && !rule.required.empty())
+    Refuse(pose ? pose->where : reference.where,
+           sources_.Filled(rule.required, rule, pose).value_or(rule.required));
   return flows;
-}
-
-std::vector<std::string> References::PosesOfPair(const Step& step) const {
-  std::vector<std::string> poses = {graph_.template_pose};
-  if (step.pose != graph_.template_pose) poses.push_back(step.pose);
-  return poses;
-}
-
-/// The file that the project names, else landmarks/POSE.json or MeshLab's landmarks/POSE.pp if one
-/// exists.
-std::optional<Setting> References::LandmarkFile(const std::string& pose_name) const {
-  const PoseRule* pose = file_.FindPose(pose_name);
-  if (pose->landmarks) return pose->landmarks;
-  for (const char* ending : {".json", ".pp"}) {
-    const Setting file{"landmarks/" + pose_name + ending, pose->where};
-    if (disk_.Stat(project_ / Source(file).path)) return file;
-  }
-  return std::nullopt;
-}
-
-/// What is said of a file of landmarks that bears no pose's name: a pose that was renamed left it.
-std::string References::StrayLandmarks() const {
-  std::string strays;
-  for (const std::filesystem::path file : disk_.Children(project_ / "landmarks")) {
-    const std::string name = file.stem().string(), whole = "landmarks/" + file.string();
-    const bool named = std::any_of(file_.poses.begin(), file_.poses.end(), [&](const auto& pose) {
-      return pose.name == name || (pose.landmarks && pose.landmarks->text == whole);
-    });
-    if (!named && (file.extension() == ".json" || file.extension() == ".pp"))
-      strays += (strays.empty() ? "" : ", ") + whole;
-  }
-  if (strays.empty()) return "";
-  return fmt::format("; {} bears the name of no pose: if this pose was called so, rename the file",
-                     strays);
-}
-
-/// Warnings about landmark files that are not used.
-std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
-  std::vector<std::string> warnings;
-  const std::vector<std::string> poses = PosesOfPair(step);
-  for (const std::string& name : poses) {
-    const std::optional<Setting> file = LandmarkFile(name);
-    if (!file) continue;
-    const std::string picked_points = "landmarks/" + name + ".pp";
-    if (file->text != picked_points && disk_.Stat(project_ / picked_points))
-      warnings.push_back(
-          fmt::format("{} is not used, because {} is there too; delete the one that is not meant",
-                      picked_points, file->text));
-    for (const std::string& other : poses) {
-      if (LandmarkFile(other)) continue;
-      warnings.push_back(
-          fmt::format("{} is not used: pose '{}' has no landmarks to pair them with; pick the same "
-                      "spots on it, with the "
-                      "same names, and save them as landmarks/{}.json or .pp{}",
-                      file->text, other, other, StrayLandmarks()));
-    }
-  }
-  return warnings;
 }
 
 /// Those of the poses that have an instance of the step.

@@ -2,27 +2,13 @@
 // `register.registered@others`, `$photos`, `./a/path`.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <unordered_map>
 
 #include "pipeline/graph/graph.h"
+#include "pipeline/graph/sources.h"
 
 namespace keypose::pipeline {
-
-/// The folder of a pose's photographs, as written in pipeline.yaml.
-std::string PhotographsOf(const PoseRule& pose);
-
-/// A word that a whole project has, such as `$scan`, as a path: named in the file, or where it lies
-/// by itself (`marks.json`, `regions.json`, `stiffness.json`). Nothing when the project has none.
-/// @param word  without the $
-std::optional<Setting> ProjectPath(const PipelineFile& file, const Disk& disk,
-                                   const std::filesystem::path& project, const std::string& word);
-/// The folder of a shot's films, as written in pipeline.yaml.
-std::string VideoOf(const PoseRule& shot);
-/// Whether there is a shot of that name, and no folder `masks` beside its films.
-bool IsUnmasked(const PipelineFile& file, const Disk& disk, const std::filesystem::path& project,
-                const std::string& shot);
 
 class References {
  public:
@@ -46,20 +32,17 @@ class References {
                                             const std::string& pose_name) const;
   std::vector<std::string> WithStep(const std::string& step, std::vector<std::string> poses) const;
   std::string WhyNoStep(const StepRule& rule, const std::string& pose_name) const;
-  std::vector<Flow> ShotWord(const Setting& reference, const PoseRule& shot) const;
+  std::vector<Flow> FlowsOfSource(const SourceRule& rule, const Setting& reference,
+                                  const Step& step) const;
+  const PoseRule* PoseOf(const Setting& reference, const Step& step) const;
+  void AddWarnings(const StepRule& rule, Step* step) const;
   bool Exists(const Setting& reference, const Step& step) const;
-  std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
-  std::vector<std::string> LandmarkWarnings(const Step& step) const;
-  std::vector<std::string> PosesOfPair(const Step& step) const;
-  std::string StrayLandmarks() const;
-  std::optional<Setting> LandmarkFile(const std::string& pose_name) const;
   void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;
 
   const PipelineFile& file_;
   const Graph& graph_;
-  std::filesystem::path project_;
-  const Disk& disk_;
+  Sources sources_;
   std::unordered_map<std::string, int> index_;  ///< of steps, by id
 };
 

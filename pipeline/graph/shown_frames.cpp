@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "pipeline/disk/project_paths.h"
 
 namespace keypose::pipeline {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 /// Empty where the film is no folder of numbered pictures; `locate` says what is wrong with it.
 std::vector<FilmPicture> PicturesOf(const ShotRule& shot, const fs::path& project,
                                     const Disk& disk) {
-  const fs::path film = project / OnDisk(disk, project, WithHome(shot.film->text));
+  const fs::path film = project / OnDisk(disk, project, WithHome(shot.Given(kFilmWord)->text));
   const auto stat = disk.Stat(film);
   if (!stat || !stat->folder) return {};
   try {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/io/text/files.h"
+#include "core/testing/paths.h"
 #include "pipeline/graph/build_graph.h"
 #include "pipeline/graph/pipeline_overlay.h"
 
@@ -87,6 +89,16 @@ int Tell(const FakeCall& call, MemoryDisk& disk) {
   return 0;
 }
 
+/// Of the default pipeline.
+const std::vector<SourceRule>& ShippedSources(ProjectKind kind) {
+  const auto read = [](const char* name) {
+    return ParsePipelineFile(ReadFile(SourceFolder() + "/" + name), name).sources;
+  };
+  static const std::vector<SourceRule> kPoses = read("pipeline.yaml"),
+                                       kPerformance = read("performance.yaml");
+  return kind == ProjectKind::kPoses ? kPoses : kPerformance;
+}
+
 class Notes final : public RunObserver {
  public:
   void Begin(const Forecast& all) override { forecast = all; }
@@ -145,8 +157,10 @@ struct FakeHouse::Parts {
     for (const std::string& text : set) overrides.push_back(ParseOverride(text));
     const PipelineFile own =
         ParsePipelineFile(house.disk.Read(house.project / "pipeline.yaml"), "pipeline.yaml");
-    graph = BuildGraph(Overlay(ParsePipelineFile(house.default_pipeline, "default.yaml"), own),
-                       overrides, {house.project, "/bin"}, house.disk, catalog);
+    PipelineFile defaults = ParsePipelineFile(house.default_pipeline, "default.yaml");
+    if (defaults.sources.empty()) defaults.sources = ShippedSources(own.kind);
+    graph =
+        BuildGraph(Overlay(defaults, own), overrides, {house.project, "/bin"}, house.disk, catalog);
   }
   StageCatalog catalog;
   ContentHasher hasher;

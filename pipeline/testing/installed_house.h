@@ -25,7 +25,9 @@ namespace keypose::pipeline {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-inline constexpr char kTestPipeline[] = R"(steps:
+inline constexpr char kTestPipeline[] =
+    R"(sources: {photos: {of: pose, default: "photos/{pose}", always: true}}
+steps:
   gather: {stage: gather, for: pose, inputs: {photos: $photos}}
   join: {stage: join, for: pose, inputs: {images: gather.images}, out: {text: "{pose}/text.txt"}}
   merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}, show: {all: all texts, all/9.txt: the tenth}}
