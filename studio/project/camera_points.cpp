@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/project/known_points_io.h"
 #include "core/io/project/shot_io.h"
-#include "pipeline/graph/pipeline_edit.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "pipeline/disk/real_disk.h"
-#include "pipeline/graph/references.h"
+#include "pipeline/graph/pipeline_edit.h"
+#include "pipeline/graph/sources.h"
 #include "studio/project/changes.h"
 #include "studio/project/films.h"
 #include "studio/project/not_found.h"
@@ -154,7 +154,7 @@ json OffersJson(const fs::path& project) {
 
 /// The file that a shot's steps take; "" for none.
 std::string CalibrationOf(const fs::path& project, const PipelineFile& file, const PoseRule& shot) {
-  if (shot.calibration) return shot.calibration->text;
+  if (const auto* given = shot.Given("calibration")) return given->text;
   for (const fs::path& folder : {FilmFolder(project, file, shot.name), project}) {
     if (!fs::is_directory(folder)) continue;
     for (const std::string& name : pipeline::RealDisk().Children(folder))

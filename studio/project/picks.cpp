@@ -7,15 +7,15 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/project/regions_io.h"
 #include "core/io/project/stiffness_io.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/changes.h"
@@ -146,8 +146,9 @@ std::vector<TimelineRegion> KnownRegions(Snapshot& snapshot, const fs::path& fil
 fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
   const fs::path& project = snapshot.project();
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  if (!rule || !rule->landmarks) return project / "landmarks" / (pose + ".json");
-  const std::string written = pipeline::WithHome(rule->landmarks->text);
+  const pipeline::Setting* named = rule ? rule->Given("landmarks") : nullptr;
+  if (!named) return project / "landmarks" / (pose + ".json");
+  const std::string written = pipeline::WithHome(named->text);
   const fs::path file = project / pipeline::OnDisk(pipeline::RealDisk(), project, written);
   if (!IsWithin(fs::weakly_canonical(file), fs::canonical(project)))
     throw UsageError(fmt::format("the landmarks {} are outside of the project", file.string()));
@@ -159,14 +160,14 @@ fs::path ExistingPicks(Snapshot& snapshot, const std::string& pose) {
   if (fs::is_regular_file(file)) return file;
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
   const fs::path points = snapshot.project() / "landmarks" / (pose + ".pp");
-  const bool taken = !(rule && rule->landmarks) && fs::is_regular_file(points);
+  const bool taken = !(rule && rule->Given("landmarks")) && fs::is_regular_file(points);
   return taken ? points : fs::path();
 }
 
 void RemovePicks(Snapshot& snapshot, const std::string& pose) {
   const fs::path file = PicksFile(snapshot, pose);
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
-  if (rule && rule->landmarks) {
+  if (rule && rule->Given("landmarks")) {
     const fs::path whole = snapshot.project() / "pipeline.yaml";
     const std::string revision = RevisionOf(whole), text = ReadFile(whole);
     const std::string edited = Edited([&] {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/values/errors.h"
 #include "studio/project/changes.h"
 #include "studio/project/shot_files.h"
 
@@ -28,8 +28,9 @@ constexpr int kQuickAnswers = 8;
 /// Where clicks are or will be. @throws UsageError  outside of the project
 fs::path ClicksFile(Snapshot& snapshot) {
   const ShotRule& shot = ShotOf(snapshot);
+  const auto* given = shot.Given("clicks");
   const fs::path file =
-      shot.clicks ? Resolved(snapshot, shot.clicks->text) : snapshot.project() / "clicks.json";
+      given ? Resolved(snapshot, given->text) : snapshot.project() / "clicks.json";
   if (!IsInProject(snapshot, file))
     throw UsageError(fmt::format("the clicks {} are outside of the project", file.string()));
   return file;
@@ -98,7 +99,7 @@ std::string ClicksText(const json& clicks) {
 
 /// pipeline.yaml names the file of clicks from the first click on, until the last is gone.
 void NameClicks(Snapshot& snapshot, bool there) {
-  const bool named = ShotOf(snapshot).clicks.has_value();
+  const bool named = ShotOf(snapshot).Given("clicks") != nullptr;
   if (named == there) return;
   const fs::path file = snapshot.project() / "pipeline.yaml";
   const std::string revision = RevisionOf(file), text = ReadFile(file);
@@ -136,7 +137,7 @@ json ClicksJson(Snapshot& snapshot) {
     clicks["revision"] = RevisionOf(file);
     if (!fs::is_regular_file(file)) return clicks;
     clicks["clicks"] = ClicksIn(file);
-    if (!ShotOf(snapshot).clicks)
+    if (!ShotOf(snapshot).Given("clicks"))
       clicks["problem"] =
           "clicks.json is there, but pipeline.yaml does not name it; the next change does";
   } catch (const Error& error) {
@@ -178,17 +179,18 @@ std::vector<std::string> QuickLocateFlags(Snapshot& snapshot, int frame, const Q
   if (!mesh) throw UsageError(fmt::format("pose '{}' has no mesh yet", pose));
   fs::create_directories(files.clicks.parent_path());
   WriteFileAtomically(files.clicks, ClicksText(ClicksOfFrame(snapshot, frame)));
-  std::vector<std::string> flags = {"--quick",    "true",
-                                    "--mesh",     mesh->string(),
-                                    "--plate",    Resolved(snapshot, shot.film->text).string(),
-                                    "--clicks",   files.clicks.string(),
-                                    "--poses",    pose,
-                                    "--shows",    fmt::format("{}={}", frame, pose),
-                                    "--max_size", kPictureSize,
-                                    "--shot",     files.shot.string(),
-                                    "--picture",  files.picture.string()};
-  if (shot.mattes)
-    flags.insert(flags.end(), {"--matte", Resolved(snapshot, shot.mattes->text).string()});
+  std::vector<std::string> flags = {
+      "--quick",    "true",
+      "--mesh",     mesh->string(),
+      "--plate",    Resolved(snapshot, shot.Given("film")->text).string(),
+      "--clicks",   files.clicks.string(),
+      "--poses",    pose,
+      "--shows",    fmt::format("{}={}", frame, pose),
+      "--max_size", kPictureSize,
+      "--shot",     files.shot.string(),
+      "--picture",  files.picture.string()};
+  if (const auto* mattes = shot.Given("mattes"))
+    flags.insert(flags.end(), {"--matte", Resolved(snapshot, mattes->text).string()});
   // The lens as the whole work will take it.
   if (const pipeline::Step* step = snapshot.FindStep("locate", ""))
     for (const char* option : {"focal_35mm", "distortion"})

@@ -20,9 +20,7 @@ const ShotRule& ShotOf(Snapshot& snapshot) {
   return *snapshot.file().shot;
 }
 
-std::string TextOf(const std::optional<pipeline::Setting>& setting) {
-  return setting ? setting->text : "";
-}
+std::string TextOf(const pipeline::Setting* setting) { return setting ? setting->text : ""; }
 
 fs::path Resolved(Snapshot& snapshot, const std::string& text) {
   return snapshot.project() /

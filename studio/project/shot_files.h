@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +15,7 @@ namespace keypose::studio {
 const pipeline::ShotRule& ShotOf(Snapshot& snapshot);
 
 /// "" where nothing is set.
-std::string TextOf(const std::optional<pipeline::Setting>& setting);
+std::string TextOf(const pipeline::Setting* setting);
 
 /// Where a path of pipeline.yaml leads.
 std::filesystem::path Resolved(Snapshot& snapshot, const std::string& text);

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "studio/project/changes.h"
 #include "studio/project/shot_files.h"
 
@@ -140,17 +140,15 @@ std::map<int, std::string> ShowsOf(const ShotRule& rule) {
 /// A part of the shot that may be named beside its film.
 struct Part {
   const char* name;
-  std::optional<pipeline::Setting> ShotRule::*setting;
   bool picture, pictures, mesh;  ///< what it may be: one picture; a folder or video; a mesh
   const char* kinds;
 };
 constexpr Part kParts[] = {
-    {"plate", &ShotRule::plate, true, true, false,
+    {"plate", true, true, false,
      "a picture, a folder of numbered pictures or a video (.mp4, .mov)"},
-    {"mattes", &ShotRule::mattes, false, true, false,
-     "a folder of numbered pictures or a video (.mp4, .mov)"},
-    {"holdout", &ShotRule::holdout, true, false, false, "a picture"},
-    {"set", &ShotRule::set, false, false, true, "a mesh (.ply, .obj, .off, .stl)"}};
+    {"mattes", false, true, false, "a folder of numbered pictures or a video (.mp4, .mov)"},
+    {"holdout", true, false, false, "a picture"},
+    {"set", false, false, true, "a mesh (.ply, .obj, .off, .stl)"}};
 
 bool IsOfKind(const Part& part, const fs::path& path) {
   if (fs::is_directory(path)) return part.pictures && PictureCount(path) > 1;
@@ -195,9 +193,9 @@ Wanted WantedOf(Snapshot& snapshot, const ShotRule* rule, const json& body) {
   if (!(wanted.fps > 0 && wanted.fps <= 1000))
     throw UsageError("pictures a second must be above 0");
   wanted.shows = ShowsFrom(snapshot, body.at("shows"));
-  if (!rule || wanted.film != TextOf(rule->film)) RequireFilm(snapshot, wanted.film);
+  if (!rule || wanted.film != TextOf(rule->Given("film"))) RequireFilm(snapshot, wanted.film);
   for (const Part& part : kParts) {
-    const std::string now = rule ? TextOf(rule->*part.setting) : "";
+    const std::string now = rule ? TextOf(rule->Given(part.name)) : "";
     const std::string text = body.value(part.name, now);
     if (text != now && !text.empty()) RequirePart(snapshot, part, text);
     wanted.parts[part.name] = text;
@@ -215,12 +213,12 @@ std::string WithShot(std::string text, const ShotRule& rule, const Wanted& wante
   const auto put = [&](const char* name, const std::string& value) {
     text = WithValue(text, {"shot", name}, value);
   };
-  if (wanted.film != TextOf(rule.film)) put("film", YamlScalar(wanted.film));
+  if (wanted.film != TextOf(rule.Given("film"))) put("film", YamlScalar(wanted.film));
   if (wanted.fps != rule.fps) put("fps", fmt::format("{:g}", wanted.fps));
   if (wanted.shows != ShowsOf(rule)) put("shows", ShowsText(wanted.shows));
   for (const Part& part : kParts) {
     const std::string& path = wanted.parts.at(part.name);
-    if (path == TextOf(rule.*part.setting)) continue;
+    if (path == TextOf(rule.Given(part.name))) continue;
     if (path.empty())
       text = WithoutValue(text, {"shot", part.name});
     else
