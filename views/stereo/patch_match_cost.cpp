@@ -132,10 +132,8 @@ BilateralTable::BilateralTable(float color_scale) {
 
 void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table,
                   float noise_variance, RefPatch* patch, Window window) {
-  alignas(16) std::array < std::uint16_t;
-  kPatchSamples > pixels;
-  alignas(16) std::array < float;
-  kPatchSamples > similarity;
+  alignas(16) std::array<std::uint16_t, kPatchSamples> pixels;
+  alignas(16) std::array<float, kPatchSamples> similarity;
   const SampleTable& samples = TableOf(window);
   const int *dx = samples.dx.data(), *dy = samples.dy.data();
   const float* spatial = samples.weight.data();
