@@ -11,9 +11,9 @@
 #include "armature/controller/steady_clock.h"
 #include "armature/description/description_file.h"
 #include "armature/recording/curve_edits.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/io/text/serial_port.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {

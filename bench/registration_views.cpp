@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/numbers/kd_tree.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 
 namespace keypose {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "capture/salience/salience_network.h"
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 
 namespace keypose::bench {
 namespace {

@@ -23,10 +23,10 @@
 #include <vector>
 
 #include "bench/view_score.h"
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
 namespace keypose::bench {
 namespace {

@@ -4,10 +4,10 @@
 #include <map>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::bench {

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/project/colmap_io.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::bench {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/pictures/image_quality.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
 namespace keypose::bench {
 namespace {

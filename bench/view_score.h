@@ -3,10 +3,10 @@
 #pragma once
 
 #include "bench/textured_mesh.h"
-#include "core/values/camera.h"
-#include "core/values/image.h"
 #include "core/pictures/image_quality.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::bench {
 
@@ -61,8 +61,8 @@ Image8 Composed(const ColorRender& render, const Eigen::Vector3d& background,
                 const Eigen::Vector3d& gain = Eigen::Vector3d::Ones());
 Eigen::Vector3d BackgroundColor(const Image8& photograph, const Image8& mask);
 
-/// Mean structural similarity (core/pictures/image_quality.h) of two RGB images' luma over the masked
-/// pixels.
+/// Mean structural similarity (core/pictures/image_quality.h) of two RGB images' luma over the
+/// masked pixels.
 /// @return 1 for an empty mask @throws InputError sizes differ
 double Ssim(const Image8& a, const Image8& b, const Image8& mask);
 

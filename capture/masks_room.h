@@ -7,10 +7,10 @@
 #include "capture/agreement/space_options.h"
 #include "capture/board/board_detection.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/values/camera.h"
-#include "core/values/image.h"
 #include "core/io/pictures/image_set.h"
 #include "core/stage/stage.h"
+#include "core/values/camera.h"
+#include "core/values/image.h"
 
 namespace keypose::capture {
 

@@ -9,17 +9,17 @@
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
 #include "capture/shoot/develop/white_balance.h"
-#include "core/values/errors.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/painted_masks.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/pictures/reduced_image.h"
-#include "core/values/memory.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/sha256.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
 
 namespace keypose::capture {
 namespace {

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 

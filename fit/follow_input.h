@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/stage/stage.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/stage/stage.h"
 #include "fit/following/follow.h"
 #include "views/shot/synced_films.h"
 

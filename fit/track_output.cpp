@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
+#include "core/numbers/rotations.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
-#include "core/numbers/rotations.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

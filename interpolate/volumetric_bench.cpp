@@ -9,10 +9,10 @@
 #include <numbers>
 #include <string>
 
-#include "core/values/camera.h"
 #include "core/numbers/cholesky.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/volume/place_inside.h"
 #include "interpolate/volume/tet_maps.h"

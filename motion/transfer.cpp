@@ -5,12 +5,12 @@
 #include <future>
 #include <span>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/surfaces/mesh_checks.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "motion/fields/rest_turns.h"
 #include "motion/reconstruct/kept_volume.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
 #include "motion/testing/rigged_scan.h"
 #include "motion/transfer.h"
 

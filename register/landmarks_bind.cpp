@@ -4,14 +4,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/project/regions_io.h"
 #include "core/io/project/stiffness_io.h"
-#include "core/surfaces/mesh_checks.h"
+#include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 
 namespace keypose::registration {
 namespace {

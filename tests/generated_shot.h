@@ -11,11 +11,11 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/composing/join.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "synth/commands/shot_command.h"
 #include "tests/run_program.h"

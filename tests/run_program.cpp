@@ -68,8 +68,8 @@ Program::Program(const std::vector<std::string>& command, const fs::path& folder
   std::vector<std::string> words = command, entries = Environment(environment);
   words[0] = Found(words[0]);
   if (words[0].empty())
-    throw std::runtime_error("no program " + command[0] +
-                             " in " + BinFolder() + " or on PATH; build it first");
+    throw std::runtime_error("no program " + command[0] + " in " + BinFolder() +
+                             " or on PATH; build it first");
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const auto arguments = Pointers(words), variables = Pointers(entries);

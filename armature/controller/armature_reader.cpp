@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "armature/controller/steady_clock.h"
-#include "core/values/errors.h"
 #include "core/io/text/serial_port.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

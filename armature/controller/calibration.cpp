@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

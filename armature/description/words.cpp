@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 namespace {

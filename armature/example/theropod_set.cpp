@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/values/angles.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 namespace {

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/values/size_of.h"
 
 namespace keypose::armature {

@@ -5,8 +5,8 @@
 
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
+#include "core/values/errors.h"
 
 namespace keypose::armature {
 

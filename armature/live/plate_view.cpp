@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::armature {

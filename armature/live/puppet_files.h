@@ -7,8 +7,8 @@
 
 #include "armature/live/plate_view.h"
 #include "armature/live/posed_puppet.h"
-#include "core/values/options.h"
 #include "core/stage/stage.h"
+#include "core/values/options.h"
 
 namespace keypose::armature {
 

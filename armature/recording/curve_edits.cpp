@@ -8,9 +8,9 @@
 #include <optional>
 #include <sstream>
 
+#include "core/io/text/files.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/io/text/files.h"
 
 namespace keypose::armature {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
-#include "core/values/size_of.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::armature {
 

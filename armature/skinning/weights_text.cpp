@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/values/errors.h"
 #include "core/io/meshes/bone_weights.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::armature {

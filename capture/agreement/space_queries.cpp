@@ -7,8 +7,8 @@
 
 #include "capture/agreement/space_grid.h"
 #include "capture/pictures/working_image.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

@@ -37,7 +37,7 @@ struct OutlineFit {
   static constexpr int kDoubts = 3;
   double missing[kDoubts] = {};  ///< outside of the mask, at pixels with contradictions by no other
                                  ///< view, by at most one, and by at most two
-  double excess = 0;  ///< inside of the mask, at pixels with `most` contradictions
+  double excess = 0;             ///< inside of the mask, at pixels with `most` contradictions
 };
 
 /// @param masks  of the pictures' size

@@ -6,8 +6,8 @@
 #include <opencv2/features2d.hpp>
 
 #include "capture/pictures/cv_image.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 
 namespace keypose::capture {

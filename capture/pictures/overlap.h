@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/values/image.h"
 #include "core/pictures/joined_images.h"
+#include "core/values/image.h"
 #include "core/values/progress.h"
 
 namespace keypose::capture {

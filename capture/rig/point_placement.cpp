@@ -10,8 +10,8 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "core/values/errors.h"
 #include "core/numbers/rotations.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {

@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "core/values/errors.h"
 #include "core/numbers/rotations.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::capture {

@@ -5,11 +5,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/salience/single_precision.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/io/text/shared_files.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

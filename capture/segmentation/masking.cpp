@@ -17,8 +17,8 @@
 #include "capture/segmentation/mask_holes.h"
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/set_rounds.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {

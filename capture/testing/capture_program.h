@@ -9,8 +9,8 @@
 #include <string>
 
 #include "capture/testing/test_images.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 

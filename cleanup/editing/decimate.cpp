@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <queue>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 
 namespace keypose::cleanup {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/pictures/sight_lines.h"
+#include "core/values/mesh.h"
 
 namespace keypose::cleanup {
 

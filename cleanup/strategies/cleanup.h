@@ -7,9 +7,9 @@
 
 #include "cleanup/strategies/cleanup_options.h"
 #include "cleanup/strategies/cleanup_result.h"
+#include "core/pictures/sight_lines.h"
 #include "core/values/mesh.h"
 #include "core/values/progress.h"
-#include "core/pictures/sight_lines.h"
 
 namespace keypose::cleanup {
 

@@ -18,7 +18,7 @@ struct CleanupResult {
   int holes_filled = 0;
   double largest_hole_over_diag = 0;
   int components_removed = 0;
-  int supports_removed = 0;  ///< turntables, bases and cloths cut off below the figure
+  int supports_removed = 0;               ///< turntables, bases and cloths cut off below the figure
   double cut_below_ground_over_diag = 0;  ///< depth of the part that was cut off below the ground
   int merged_vertices = 0;
   /// intersecting pairs of faces after merging vertices and filling holes

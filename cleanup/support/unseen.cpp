@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 
 namespace keypose::cleanup {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

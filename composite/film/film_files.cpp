@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/png_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "views/shot/shot.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/image.h"
 #include "core/io/project/shot_io.h"
+#include "core/values/image.h"
 #include "core/values/progress.h"
 
 namespace keypose::composite {

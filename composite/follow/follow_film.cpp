@@ -8,9 +8,9 @@
 
 #include "composite/layer/linear_light.h"
 #include "core/numbers/cholesky.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "composite/layer/table_shadow.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 
 namespace keypose::composite {
 

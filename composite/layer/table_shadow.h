@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 #include "views/film/ground_shadow.h"
 
 namespace keypose::composite {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 
 namespace keypose::composite {
 namespace {

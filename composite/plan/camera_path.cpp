@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/numbers/rotations.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

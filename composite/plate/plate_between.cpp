@@ -9,8 +9,8 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "composite/layer/linear_light.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose::composite {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/numbers/blas_threads.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

@@ -6,11 +6,11 @@
 #include <functional>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/pictures/fit_view.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 
 namespace keypose {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/pictures/fit_view.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 
 namespace keypose {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "core/values/camera.h"
 #include "core/surfaces/mesh_binding.h"
+#include "core/values/camera.h"
 
 namespace keypose {
 

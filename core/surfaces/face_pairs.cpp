@@ -35,7 +35,8 @@ FacePairs FindFacePairs(const FacesX3& faces) {
   FacePairs result;
   for (int i = 0; i < SizeOf(edges);) {
     int end = i + 1;
-    while (end < SizeOf(edges) && edges[end].low == edges[i].low && edges[end].high == edges[i].high)
+    while (end < SizeOf(edges) && edges[end].low == edges[i].low &&
+           edges[end].high == edges[i].high)
       ++end;
     if (end == i + 2 && edges[i].forward != edges[i + 1].forward) {
       const HalfEdge &left = edges[i].forward ? edges[i] : edges[i + 1],

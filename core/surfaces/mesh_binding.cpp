@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <string_view>
 
-#include "core/values/errors.h"
+#include "core/numbers/sha256.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

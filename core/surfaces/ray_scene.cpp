@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

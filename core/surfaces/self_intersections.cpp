@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "core/surfaces/mesh_checks.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/mesh_checks.h"
 
 namespace keypose {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <utility>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/values/size_of.h"

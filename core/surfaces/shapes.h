@@ -1,7 +1,6 @@
 // Analytic shapes: of known volume, area and curvature.
 #pragma once
 
-
 #include "core/values/mesh.h"
 
 namespace keypose {

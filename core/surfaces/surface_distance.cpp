@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose {
 

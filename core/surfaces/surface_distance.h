@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 
 namespace keypose {
 

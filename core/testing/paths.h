@@ -1,5 +1,5 @@
-// Where the tests find programs and sources. Functions, not macros: a test's object then has no path in it, and the
-// compiler cache finds it in every clone.
+// Where the tests find programs and sources. Functions, not macros: a test's object then has no
+// path in it, and the compiler cache finds it in every clone.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ namespace keypose {
 const std::string& BinFolder();
 /// The project's root, absolute, without a slash at its end.
 const std::string& SourceFolder();
-/// The folder of photographs, scans and pairs that are no part of the project: KEYPOSE_DATA where that is set, else
-/// shared/data beside the project. It may be missing; tests then skip.
+/// The folder of photographs, scans and pairs that are no part of the project: KEYPOSE_DATA where
+/// that is set, else shared/data beside the project. It may be missing; tests then skip.
 std::filesystem::path DataFolder();
 
 }  // namespace keypose

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <utility>
 
-#include "core/values/angles.h"
-#include "core/io/project/colmap_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/io/project/colmap_io.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
+#include "core/values/angles.h"
 
 namespace keypose {
 

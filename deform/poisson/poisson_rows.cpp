@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "core/values/errors.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "deform/poisson/poisson_impl.h"
 

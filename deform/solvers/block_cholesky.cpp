@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "deform/solvers/lanes.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"

@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 
 namespace keypose {

@@ -3,11 +3,11 @@
 #include <iterator>
 #include <utility>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/seams.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::exporting {

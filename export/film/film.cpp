@@ -6,10 +6,10 @@
 #include <future>
 #include <iterator>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::exporting {

@@ -6,10 +6,10 @@
 #include <iterator>
 #include <utility>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
 #include "core/values/size_of.h"
 #include "export/gltf/glb_builder.h"
 #include "export/gltf/morph_basis.h"

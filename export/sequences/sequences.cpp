@@ -6,9 +6,9 @@
 #include <set>
 #include <system_error>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::exporting {

@@ -20,7 +20,7 @@ struct PatchShiftTuning {
 };
 
 constexpr int kMostSteps = 12;
-constexpr double kSettled = 0.01;     // [px]
+constexpr double kSettled = 0.01;        // [px]
 constexpr double kLeastVariance = 0.25;  // of brightness [grey levels^2]
 constexpr double kDepthTolerance = 3;    // of a vertex, in footprints
 
@@ -80,8 +80,7 @@ class Aligner {
   PatchShift Run(double noise) {
     PatchShift result;
     const double damping = 1e-3 * hessian_.trace() + 1e-6;
-    const Eigen::Matrix2d inverse =
-        (hessian_ + damping * Eigen::Matrix2d::Identity()).inverse();
+    const Eigen::Matrix2d inverse = (hessian_ + damping * Eigen::Matrix2d::Identity()).inverse();
     for (int round = 0; round < kMostSteps; ++round) {
       Sample(result.shift);
       const Eigen::Vector2d step =

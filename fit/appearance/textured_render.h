@@ -1,10 +1,10 @@
 // The brightness and the depth of a textured mesh as a view shows it.
 #pragma once
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 #include "fit/appearance/grey_pyramid.h"
 #include "views/prepared/prepared_view.h"
 

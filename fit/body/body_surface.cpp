@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/angles.h"
 
 namespace keypose::fit {
 namespace {

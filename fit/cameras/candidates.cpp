@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "fit/bending/feature_filter.h"

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/pictures/fit_view.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
+#include "core/pictures/fit_view.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

@@ -31,9 +31,9 @@ std::vector<ContourPoint> FindSilhouette(const PointsX3& points, const FacesX3& 
     // A face towards the camera lies to the left of its edges as one looks at the picture. There y
     // points down, so left of (x, y) is (y, -x), and the outside is on the other side.
     const double sign = towards[pair.left] ? -1 : 1;
-    ContourPoint point{pair.a, pair.b, (pa + pb) / 2,
-                       Eigen::Vector2d(along.y(), -along.x()) * (sign / length), length,
-                       (xa.z() + xb.z()) / 2};
+    ContourPoint point{pair.a,        pair.b,
+                       (pa + pb) / 2, Eigen::Vector2d(along.y(), -along.x()) * (sign / length),
+                       length,        (xa.z() + xb.z()) / 2};
     const Eigen::Vector2d beyond = point.pixel + kBeyond * point.normal;
     if (scene.Cast(eye, world_from_camera * camera.Ray(beyond.x(), beyond.y())).face >= 0) continue;
     contour.push_back(point);

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/surfaces/face_pairs.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::fit {

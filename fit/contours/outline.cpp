@@ -13,7 +13,7 @@ namespace {
 constexpr double kLeastAgreement = 0.5;  // cosine between normals
 constexpr double kStep = 2.5;            // of a difference [px]
 constexpr int kNeighbours = 12;          // contour points that are tried for one outline point
-constexpr double kSide = 6;              // this near to the picture's side the outline is unknown [px]
+constexpr double kSide = 6;  // this near to the picture's side the outline is unknown [px]
 
 }  // namespace
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

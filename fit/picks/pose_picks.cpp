@@ -8,11 +8,11 @@
 #include <optional>
 #include <set>
 
-#include "core/values/errors.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/text/files.h"
 #include "core/io/text/json_pick.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

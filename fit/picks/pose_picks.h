@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/project/carry_log.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/project/carry_log.h"
 #include "core/values/landmark_goal.h"
 #include "core/values/mesh.h"
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/angles.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 
 namespace keypose::fit {
 

@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "core/testing/spots.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/testing/spots.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose::fit {

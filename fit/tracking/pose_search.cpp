@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

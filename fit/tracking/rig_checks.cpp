@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 
 namespace keypose::fit {

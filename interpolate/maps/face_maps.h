@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/numbers/rotations.h"
+#include "core/values/mesh.h"
 
 namespace keypose::interpolation {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 
 namespace keypose::interpolation {
 

@@ -6,17 +6,17 @@
 #include <iterator>
 #include <optional>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
+#include "deform/volume/volume_correction.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/surface/loose_parts.h"
 #include "interpolate/surface/pair_paths.h"
 #include "interpolate/surface/row_frames.h"
-#include "deform/volume/volume_correction.h"
 #include "interpolate/turns/differential_turns.h"
 #include "interpolate/turns/turning_field.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/numbers/cholesky.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"

@@ -8,9 +8,9 @@
 #include <map>
 #include <string>
 
-#include "core/values/camera.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/camera.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/paper_arap.h"
 

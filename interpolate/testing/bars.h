@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/errors.h"
 
 namespace keypose::interpolation {
 

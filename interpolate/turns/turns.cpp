@@ -9,9 +9,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
 #include "core/numbers/rotations.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

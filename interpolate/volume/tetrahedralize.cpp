@@ -10,8 +10,8 @@
 #include <sstream>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/union_find.h"
 #include "interpolate/maps/face_crossings.h"

@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "core/numbers/cholesky.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"

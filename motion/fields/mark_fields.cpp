@@ -7,10 +7,10 @@
 #include <map>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
-#include "core/surfaces/mesh_checks.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/union_find.h"
 #include "deform/solvers/block_cholesky.h"

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include "core/values/angles.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/rotations.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "deform/levels/edge_collapse.h"
 #include "deform/levels/geodesics.h"

@@ -3,8 +3,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-#include "core/values/angles.h"
 #include "core/numbers/rotations.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/stage/stage.h"
+#include "core/values/mesh.h"
 #include "motion/video3d/texture_sequence.h"
 #include "views/shot/synced_films.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/values/angles.h"
 #include "core/numbers/kd_tree.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 
 namespace keypose::motion {

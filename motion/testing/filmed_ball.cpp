@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/pictures/render.h"
 #include "core/pictures/srgb.h"
 #include "core/surfaces/shapes.h"
+#include "core/values/angles.h"
 
 namespace keypose::motion {
 namespace {

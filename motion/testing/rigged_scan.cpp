@@ -7,13 +7,13 @@
 #include <numeric>
 #include <string>
 
-#include "core/testing/paths.h"
-#include "core/values/angles.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/numbers/rotations.h"
-#include "core/values/size_of.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/paths.h"
+#include "core/values/angles.h"
+#include "core/values/size_of.h"
 #include "deform/levels/edge_collapse.h"
 #include "deform/levels/geodesics.h"
 
@@ -56,8 +56,7 @@ Eigen::Vector3d CornerOf(const FacesX3& faces, int face, int vertex) {
 }  // namespace
 
 std::optional<RiggedScan> LoadRiggedScan(int marks) {
-  const fs::path folder =
-      DataFolder() / "motion/rigs/cheburashka";
+  const fs::path folder = DataFolder() / "motion/rigs/cheburashka";
   if (!fs::exists(folder)) return std::nullopt;
   RiggedScan scan;
   scan.target = ReadMesh(folder / "cheburashka.obj");

@@ -1,10 +1,10 @@
 // Which part of a mesh a camera sees: a depth buffer of its triangles.
 #pragma once
 
+#include "core/pictures/render.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/pictures/render.h"
 
 namespace keypose::motion {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/pictures/render.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/pictures/render.h"
 #include "core/values/size_of.h"
 
 namespace keypose::motion {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/numbers/sha256.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/numbers/sha256.h"
 #include "pipeline/cache/content_hasher.h"
 #include "pipeline/graph/stamp_json.h"
 

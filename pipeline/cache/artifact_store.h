@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/disk/disk.h"
 #include "pipeline/cache/fingerprint.h"
+#include "pipeline/disk/disk.h"
 #include "pipeline/graph/stage_info.h"
 
 namespace keypose::pipeline {

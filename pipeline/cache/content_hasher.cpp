@@ -4,8 +4,8 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 
 namespace keypose::pipeline {
 namespace {

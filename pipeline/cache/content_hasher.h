@@ -7,8 +7,8 @@
 #include <map>
 #include <string>
 
-#include "pipeline/disk/disk.h"
 #include "pipeline/cache/fingerprint.h"
+#include "pipeline/disk/disk.h"
 
 namespace keypose::pipeline {
 

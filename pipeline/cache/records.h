@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/disk/disk.h"
 #include "pipeline/cache/ending.h"
 #include "pipeline/cache/fingerprint.h"
+#include "pipeline/disk/disk.h"
 
 namespace keypose::pipeline {
 

@@ -9,8 +9,7 @@
 
 #include "pipeline/testing/installed_house.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::run_faults_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -303,5 +302,4 @@ TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
   EXPECT_EQ(ReadFile(root_ / "small/hero/out/rest/text.txt"), std::string(120000, 'A'));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::run_faults_test

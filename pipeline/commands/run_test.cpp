@@ -6,8 +6,7 @@
 
 #include "pipeline/testing/installed_house.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::run_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -350,5 +349,4 @@ TEST_F(RunTest, DryRunChangesNothing) {
   EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/cache"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::run_test

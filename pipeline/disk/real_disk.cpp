@@ -13,9 +13,9 @@
 #include <set>
 #include <utility>
 
+#include "core/numbers/sha256.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/numbers/sha256.h"
 
 namespace keypose::pipeline {
 namespace {

@@ -7,8 +7,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::few_photographs_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -226,5 +225,4 @@ TEST(FewPhotographs, FitMayBeTheOnlyOtherPose) {
                                     "solve/rest", "tell"}));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::few_photographs_test

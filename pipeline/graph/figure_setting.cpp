@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 #include "pipeline/graph/pipeline_edit.h"
 #include "pipeline/text/text.h"
 

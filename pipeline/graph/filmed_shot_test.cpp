@@ -8,8 +8,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::filmed_shot_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -140,5 +139,4 @@ TEST(FilmedShot, WhatIsRefused) {
               HasSubstr("belongs to a project of"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::filmed_shot_test

@@ -8,8 +8,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::own_steps_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -57,5 +56,4 @@ TEST(OwnSteps, WithoutAFileAPoseIsAskedFor) {
               HasSubstr("add @template, @others or @all"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::own_steps_test

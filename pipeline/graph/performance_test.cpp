@@ -7,8 +7,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::performance_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -178,5 +177,4 @@ TEST(Performance, CalibrationOfTheProjectIsForAllShots) {
   EXPECT_THAT(stage.Out("walk/rig.txt"), HasSubstr("run rig"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::performance_test

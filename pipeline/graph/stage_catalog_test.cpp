@@ -5,13 +5,12 @@
 
 #include "pipeline/testing/fake_house.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::stage_catalog_test {
 
 constexpr char kShared[] = "/home/ada/.cache/keypose/stages.json";
 const std::vector<std::filesystem::path> kPrograms = {"/bin/keypose-shoot", "/bin/keypose-solve"};
 
-class StageCatalogTest : public testing::Test {
+class StageCatalogTest : public ::testing::Test {
  protected:
   /// How many programs a command in this project has to run.
   int AskedIn(const std::string& project) {
@@ -59,5 +58,4 @@ TEST_F(StageCatalogTest, ProgramsThatAreGoneLeaveTheSharedFile) {
   EXPECT_EQ(house_.disk.Read(kShared).find("/old/"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::stage_catalog_test

@@ -6,26 +6,25 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/photograph_files.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
 #include "pipeline/cache/fingerprint.h"
-#include "pipeline/run/observer.h"
+#include "pipeline/disk/real_disk.h"
 #include "pipeline/graph/pipeline_file.h"
 #include "pipeline/graph/pipeline_overlay.h"
-#include "pipeline/disk/real_disk.h"
-#include "pipeline/run/results_folder.h"
 #include "pipeline/graph/stage_info.h"
+#include "pipeline/run/observer.h"
+#include "pipeline/run/results_folder.h"
+#include "pipeline/run/work_size.h"
 #include "pipeline/testing/memory_disk.h"
 #include "pipeline/testing/message_of.h"
 #include "pipeline/text/text.h"
-#include "pipeline/run/work_size.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::unit_test {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -75,6 +74,21 @@ TEST(CanonicalOption, FaultsSayWhatIsAllowed) {
   choice.choices = {"arap", "linear"};
   EXPECT_EQ(MessageOf<UsageError>([&] { CanonicalOption(choice, "arp"); }),
             "option 'method' is 'arp', but it must be one of arap, linear");
+}
+
+TEST(ParseStageInfo, TitleAndMeasurementsAreOptional) {
+  const std::string head = R"({"schema":1,"stage":"polish","version":1,"inputs":[],"outputs":[])";
+  const StageInfo plain = ParseStageInfo(head + "}", "p");
+  EXPECT_EQ(plain.title, "polish");
+  EXPECT_TRUE(plain.measurements.empty());
+  const StageInfo told = ParseStageInfo(
+      head + R"(,"title":"Polish","measurements":[{"key":"shine","unit":"dB","good":{"min":20}}]})",
+      "p");
+  EXPECT_EQ(told.title, "Polish");
+  ASSERT_EQ(told.measurements.size(), 1u);
+  EXPECT_EQ(told.measurements[0].label, "shine");
+  EXPECT_EQ(told.measurements[0].good_min, 20);
+  EXPECT_EQ(told.measurements[0].good_max, std::nullopt);
 }
 
 TEST(ParseStageInfo, BrokenDescriptionsNameTheProgramAndTheField) {
@@ -366,5 +380,4 @@ TEST(ResultsFolder, OwnCopyOfAKilledRunIsNotTakenForAnEdit) {
   EXPECT_EQ(disk.FilesBelow("/p/out").size(), 1u);
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::unit_test

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/values/errors.h"
-#include "pipeline/disk/clock.h"
 #include "pipeline/cache/ending.h"
+#include "pipeline/disk/clock.h"
+#include "pipeline/disk/process.h"
 #include "pipeline/run/input_watch.h"
 #include "pipeline/run/observer.h"
 #include "pipeline/run/plan.h"
-#include "pipeline/disk/process.h"
 #include "pipeline/run/results_folder.h"
 
 namespace keypose::pipeline {

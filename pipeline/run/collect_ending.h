@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "pipeline/disk/disk.h"
 #include "pipeline/cache/ending.h"
+#include "pipeline/disk/disk.h"
 #include "pipeline/run/plan.h"
 
 namespace keypose::pipeline {

@@ -7,8 +7,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::faults_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -172,5 +171,4 @@ TEST(Faults, SourceThatVanishesIsAnInputError) {
               HasSubstr("photos/bent, which does not exist; put it at /home/ann/hero/photos/bent"));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::faults_test

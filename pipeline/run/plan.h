@@ -9,8 +9,8 @@
 #include "core/values/size_of.h"
 #include "pipeline/cache/artifact_store.h"
 #include "pipeline/cache/content_hasher.h"
-#include "pipeline/graph/graph.h"
 #include "pipeline/cache/records.h"
+#include "pipeline/graph/graph.h"
 
 namespace keypose::pipeline {
 

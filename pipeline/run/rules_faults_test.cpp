@@ -7,8 +7,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::rules_faults_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -58,7 +57,7 @@ TEST(Rules, PictureOfAFailureIsKeptAndItsPlaceIsCorrected) {
   const auto failed = house.project / ".keypose/failed/shape.rest";
   const auto files = house.disk.FilesBelow(failed);
   ASSERT_EQ(files.size(), 2U);
-  EXPECT_THAT(files[1], testing::EndsWith(".failed.jpg"));
+  EXPECT_THAT(files[1], ::testing::EndsWith(".failed.jpg"));
   EXPECT_THAT(outcome.result.message, HasSubstr("look at " + (failed / files[1]).string()));
   EXPECT_THAT(house.disk.Read(failed / "log.txt"), HasSubstr((failed / files[1]).string()));
   shape = good;
@@ -208,7 +207,7 @@ TEST(Rules, AResultDamagedWhileItIsCopiedIsMadeAgain) {
   house.Run();
   EXPECT_EQ(house.Out("rest/mesh.txt"), mesh);
   EXPECT_THAT(house.disk.FilesBelow(house.project / "out"),
-              Not(testing::Contains(HasSubstr(".mine"))));
+              Not(::testing::Contains(HasSubstr(".mine"))));
 }
 
 TEST(Rules, NamesThatLeadOutOfTheProjectAreNotFollowed) {
@@ -251,7 +250,7 @@ TEST(Rules, PhotographChangedAndPutBackWhileItsStepRunsSpoilsIt) {
   const auto outcome = house.Run();
   EXPECT_TRUE(outcome.result.again);
   EXPECT_EQ(outcome.result.code, ExitCode::kOk);
-  EXPECT_THAT(outcome.notes, testing::Contains(testing::HasSubstr("while shoot/rest ran, ")));
+  EXPECT_THAT(outcome.notes, ::testing::Contains(::testing::HasSubstr("while shoot/rest ran, ")));
   EXPECT_FALSE(house.Run().result.again);
   FakeHouse undisturbed;
   undisturbed.Run();
@@ -297,5 +296,4 @@ TEST(Rules, LandmarksThatARenamedPoseLeftAreTold) {
   EXPECT_THAT(house.Run().notes, ElementsAre(Not(HasSubstr("of no pose"))));
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::rules_faults_test

@@ -6,8 +6,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::rules_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -495,5 +494,4 @@ TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
   EXPECT_EQ(house.processes.most_at_once, 1);
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::rules_test

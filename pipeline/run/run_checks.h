@@ -1,9 +1,9 @@
 // What would fail at the end of a run, looked for before its first step begins.
 #pragma once
 
+#include "pipeline/disk/process.h"
 #include "pipeline/graph/pipeline_file.h"
 #include "pipeline/run/plan.h"
-#include "pipeline/disk/process.h"
 
 namespace keypose::pipeline {
 

@@ -9,8 +9,7 @@
 #include "pipeline/testing/fake_house.h"
 #include "pipeline/testing/message_of.h"
 
-namespace keypose::pipeline {
-namespace {
+namespace keypose::pipeline::run_checks_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -135,5 +134,4 @@ TEST(Explain, NamesWhatChangedInTheTimeline) {
             "the timeline says the same in another order or spelling\n");
 }
 
-}  // namespace
-}  // namespace keypose::pipeline
+}  // namespace keypose::pipeline::run_checks_test

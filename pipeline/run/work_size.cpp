@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <set>
 
+#include "core/io/pictures/photograph_files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/pictures/photograph_files.h"
 #include "core/values/size_of.h"
 
 namespace keypose::pipeline {

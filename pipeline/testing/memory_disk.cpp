@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/values/errors.h"
 #include "core/numbers/sha256.h"
+#include "core/values/errors.h"
 
 namespace keypose::pipeline {
 namespace {

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "views/hull/silhouettes.h"
 #include "views/hull/visual_hull.h"

@@ -3,9 +3,9 @@
 #include <iterator>
 #include <vector>
 
-#include "core/values/angles.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/join/coloured_cloud.h"

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <utility>
 
-#include "core/values/camera.h"
 #include "core/numbers/kd_tree.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct {
 

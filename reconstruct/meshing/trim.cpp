@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/union_find.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::reconstruct {
 namespace {

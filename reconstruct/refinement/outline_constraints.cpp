@@ -9,9 +9,9 @@
 #include <tuple>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 
 namespace keypose::reconstruct {

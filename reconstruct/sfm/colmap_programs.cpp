@@ -6,13 +6,13 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/values/errors.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/pictures/reduced_image.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/matching/feature_crop.h"
 #include "reconstruct/sfm/colmap_programs.h"

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "core/stage/stage.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
-#include "core/stage/stage.h"
 #include "reconstruct/evidence/camera_evidence.h"
 #include "views/prepared/prepared_view.h"
 

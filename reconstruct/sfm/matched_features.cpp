@@ -5,9 +5,9 @@
 #include <numeric>
 #include <optional>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_set.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/matching/flat_pairs.h"
 #include "reconstruct/matching/guided_matching.h"

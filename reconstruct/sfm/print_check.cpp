@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "core/values/angles.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/reduced_image.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/matching/verification.h"

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/png_io.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/matching/verification.h"

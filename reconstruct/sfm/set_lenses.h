@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/io/pictures/image_set.h"
+#include "core/values/camera.h"
 
 namespace keypose::reconstruct {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_set.h"
 #include "core/pictures/joined_images.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/turntable/upside_down.h"

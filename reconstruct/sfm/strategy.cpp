@@ -23,9 +23,9 @@ StrategyResult StrategyContext::WithEvidence(StrategyResult result,
                                              const MatchedFeatures& matched) const {
   constexpr std::size_t kMostViews = 32;
   const Scene some = SomeViews(result.model.scene, kMostViews);
-  result.evidence = matched.in_room ? check.EvaluateSurroundings(result.model.scene, matched.features,
-                                                               matched.verified)
-                                  : check.Evaluate(some, matched.features, matched.verified);
+  result.evidence = matched.in_room ? check.EvaluateSurroundings(result.model.scene,
+                                                                 matched.features, matched.verified)
+                                    : check.Evaluate(some, matched.features, matched.verified);
   result.evidence.placed = static_cast<int>(result.views());
   return result;
 }

@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/pictures/image_turns.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 #include "reconstruct/sfm/final_adjustment.h"
 #include "reconstruct/turntable/ring_order.h"

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/cloud/cloud_rows.h"
 #include "reconstruct/numerics/cpu_seconds.h"

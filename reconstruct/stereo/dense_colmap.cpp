@@ -1,7 +1,7 @@
 #include "reconstruct/stereo/dense_colmap.h"
 
-#include "core/values/errors.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 

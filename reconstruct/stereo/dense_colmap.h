@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "core/values/mesh.h"
 #include "core/stage/stage.h"
+#include "core/values/mesh.h"
 
 namespace keypose::reconstruct {
 

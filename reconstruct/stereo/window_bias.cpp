@@ -122,7 +122,8 @@ class Corrector {
                   d = Load(at + four.at[3]);
       const Lanes first = 0.5f * (a + b) - here, second = 0.5f * (c + d) - here;
       const stereo::LaneInts good = present & (a > 0.0f) & (b > 0.0f) & (c > 0.0f) & (d > 0.0f) &
-                            (first < edge) & (first > -edge) & (second < edge) & (second > -edge);
+                                    (first < edge) & (first > -edge) & (second < edge) &
+                                    (second > -edge);
       const Lanes weight = good ? Lanes{} + four.weight : none,
                   z = weight * (0.5f * (first + second));
       moments.count += weight;

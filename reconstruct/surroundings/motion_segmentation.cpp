@@ -9,9 +9,9 @@
 #include <numeric>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "reconstruct/numerics/epipolar.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 
 namespace keypose::reconstruct {
 namespace {

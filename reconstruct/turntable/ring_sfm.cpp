@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/tuned.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/turntable/ring_tracks.h"

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <limits>
 
+#include "core/numbers/parallel.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/numbers/parallel.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/numerics/simplex_search.h"

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "reconstruct/numerics/epipolar.h"

@@ -3,10 +3,10 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/seams.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "register/auto/auto_registration.h"
 #include "register/parts/parts.h"

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/tuned.h"
 #include "register/nricp/correspondence.h"
 

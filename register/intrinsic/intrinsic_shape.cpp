@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "core/values/union_find.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/camera.h"
 #include "core/numbers/parallel.h"
+#include "core/values/camera.h"
 #include "core/values/tuned.h"
 #include "register/intrinsic/tip_matching.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/numbers/cholesky.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "deform/solvers/dense_product.h"
 
 namespace keypose::registration {

@@ -5,12 +5,12 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
+#include "core/values/errors.h"
 
 namespace keypose::registration {
 

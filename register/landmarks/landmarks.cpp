@@ -3,8 +3,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "register/landmarks/landmark_doubts.h"
 #include "register/nricp/alignment.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
 
 namespace keypose::registration {

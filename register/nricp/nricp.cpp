@@ -5,9 +5,9 @@
 #include <iterator>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "register/nricp/correspondence.h"
 
 namespace keypose::registration {

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <string>
 
-#include "core/values/errors.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "deform/solvers/cholmod_factor.h"
 #include "deform/solvers/sparse_pattern.h"
 

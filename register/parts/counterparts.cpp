@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/values/camera.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/kd_tree.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/camera.h"
 #include "core/values/tuned.h"
 #include "register/parts/part_points.h"
 #include "register/parts/parts.h"

@@ -12,11 +12,11 @@
 #include <queue>
 #include <tuple>
 
-#include "core/values/camera.h"
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "core/values/union_find.h"

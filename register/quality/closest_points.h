@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 
 namespace keypose::registration {
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/numbers/kd_tree.h"
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/camera.h"
+#include "core/values/mesh.h"
 #include "core/values/size_of.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/curve_skeleton.h"

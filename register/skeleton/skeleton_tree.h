@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 #include "register/skeleton/curve_skeleton.h"
 
 namespace keypose::registration {

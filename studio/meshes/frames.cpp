@@ -5,10 +5,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "studio/meshes/frame_colours.h"
 #include "studio/meshes/frame_order.h"
 #include "studio/meshes/mesh_bytes.h"

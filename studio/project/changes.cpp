@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "pipeline/commands/new_project.h"
 #include "pipeline/text/text.h"
 

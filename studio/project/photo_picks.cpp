@@ -9,15 +9,15 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_set.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_set.h"
-#include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
-#include "core/surfaces/ray_scene.h"
 #include "studio/project/changes.h"
 #include "studio/project/originals.h"
 #include "studio/project/picks.h"

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/frame_folder.h"
+#include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/values/errors.h"
 #include "pipeline/graph/pipeline_file.h"
 #include "studio/project/changes.h"
 #include "studio/project/snapshot.h"

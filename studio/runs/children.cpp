@@ -13,8 +13,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::studio {
 

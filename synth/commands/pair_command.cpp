@@ -4,10 +4,10 @@
 #include <set>
 #include <string>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
 #include "core/numbers/kd_tree.h"
+#include "core/values/errors.h"
 
 namespace keypose::synth {
 namespace {

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/bvh_io.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/filmed_set.h"
 #include "synth/photographs/mask_fill.h"

@@ -7,13 +7,13 @@
 #include <numeric>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/fresh_folder.h"
-#include "synth/worlds/lying.h"
 #include "synth/photographs/truth_files.h"
+#include "synth/worlds/lying.h"
 
 namespace keypose::synth {
 namespace {

@@ -3,20 +3,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/pictures/image_io.h"
-#include "core/io/project/landmarks_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/project/landmarks_io.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
+#include "synth/photographs/truth_files.h"
 #include "synth/scores/dense_score.h"
-#include "synth/worlds/outer_surface.h"
 #include "synth/scores/pick.h"
 #include "synth/scores/score.h"
 #include "synth/scores/texel_score.h"
 #include "synth/scores/true_hull.h"
-#include "synth/photographs/truth_files.h"
+#include "synth/worlds/outer_surface.h"
 
 namespace keypose::synth {
 namespace {

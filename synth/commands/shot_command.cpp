@@ -8,13 +8,13 @@
 #include <iterator>
 #include <set>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "synth/photographs/fresh_folder.h"
 #include "synth/worlds/pose_between.h"
 

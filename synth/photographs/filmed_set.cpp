@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 
 namespace keypose::synth {

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/surfaces/ray_scene.h"
 
 namespace keypose::synth {
 

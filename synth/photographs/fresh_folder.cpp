@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/values/errors.h"
 
 namespace keypose::synth {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "synth/worlds/noise.h"
 
 namespace keypose::synth {

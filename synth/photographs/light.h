@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 
 namespace keypose::synth {
 

@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "core/numbers/parallel.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
-#include "core/surfaces/ray_scene.h"
-#include "core/pictures/render.h"
 #include "synth/photographs/light.h"
-#include "synth/worlds/noise.h"
 #include "synth/photographs/sensor.h"
+#include "synth/worlds/noise.h"
 
 namespace keypose::synth {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/numbers/parallel.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/values/size_of.h"
 
 namespace keypose::synth {
 namespace {

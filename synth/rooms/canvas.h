@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/values/image.h"
-#include "synth/worlds/noise.h"
 #include "synth/rooms/print.h"
+#include "synth/worlds/noise.h"
 
 namespace keypose::synth {
 

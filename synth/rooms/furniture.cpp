@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/light.h"
 

@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/pictures/image_io.h"
 #include "core/io/meshes/mesh_io.h"
-#include "synth/rooms/room_score.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/project/colmap_io.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "synth/photographs/truth_files.h"
+#include "synth/rooms/room_score.h"
 
 namespace keypose::synth {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/io/project/landmarks_io.h"
+#include "core/values/camera.h"
 #include "core/values/mesh.h"
 #include "synth/worlds/world.h"
 

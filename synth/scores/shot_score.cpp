@@ -6,13 +6,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/values/image.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
+#include "core/values/image.h"
 #include "core/values/size_of.h"
 
 namespace keypose::synth {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
+#include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
-#include "core/numbers/parallel.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 

@@ -7,15 +7,15 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/pictures/image_quality.h"
-#include "core/io/text/files.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
+#include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 

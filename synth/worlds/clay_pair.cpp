@@ -7,9 +7,9 @@
 #include <set>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 #include "synth/worlds/surface_grid.h"

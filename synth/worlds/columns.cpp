@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/values/angles.h"
 #include "core/pictures/srgb.h"
+#include "core/values/angles.h"
 #include "synth/worlds/noise.h"
 
 namespace keypose::synth {

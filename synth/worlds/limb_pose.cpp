@@ -7,11 +7,11 @@
 #include <cmath>
 #include <optional>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/self_intersections.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 #include "synth/worlds/polygonize.h"

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/pictures/srgb.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
-#include "core/pictures/srgb.h"
 #include "synth/worlds/flesh.h"
 #include "synth/worlds/free_arms.h"
 #include "synth/worlds/noise.h"

@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::synth {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose::synth {
 namespace {

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/values/mesh.h"
 #include "core/surfaces/ray_scene.h"
+#include "core/values/mesh.h"
 #include "synth/worlds/pose.h"
 #include "synth/worlds/world.h"
 

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/angles.h"
 #include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
-#include "core/numbers/parallel.h"
 #include "core/values/size_of.h"
 #include "synth/worlds/noise.h"
 #include "synth/worlds/polygonize.h"

@@ -7,11 +7,11 @@
 #include <limits>
 #include <utility>
 
-#include "core/values/angles.h"
-#include "core/values/errors.h"
 #include "core/numbers/kd_tree.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/srgb.h"
+#include "core/values/angles.h"
+#include "core/values/errors.h"
 #include "synth/worlds/columns.h"
 #include "synth/worlds/noise.h"
 #include "synth/worlds/outer_surface.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::fuzz {
 

@@ -1,6 +1,6 @@
 // Meshes of all formats, recognised by content.
-#include "core/surfaces/geometry.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "tests/fuzz/fuzz_folder.h"
 

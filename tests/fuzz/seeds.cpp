@@ -2,20 +2,20 @@
 // files as written by hand.
 #include <iostream>
 
-#include "core/surfaces/geometry.h"
-#include "core/io/project/colmap_io.h"
+#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/io/project/landmarks_io.h"
-#include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/painted_masks.h"
+#include "core/io/project/colmap_io.h"
+#include "core/io/project/landmarks_io.h"
 #include "core/io/project/regions_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/shot_io.h"
 #include "core/io/project/stiffness_io.h"
-#include "core/testing/dng.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/dng.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 namespace {

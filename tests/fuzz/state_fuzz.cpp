@@ -5,8 +5,8 @@
 #include "pipeline/cache/artifact_store.h"
 #include "pipeline/cache/content_hasher.h"
 #include "pipeline/cache/records.h"
-#include "pipeline/run/results_folder.h"
 #include "pipeline/graph/stage_info.h"
+#include "pipeline/run/results_folder.h"
 #include "pipeline/testing/memory_disk.h"
 #include "tests/fuzz/fuzz_folder.h"
 

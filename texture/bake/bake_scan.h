@@ -34,7 +34,8 @@ struct ScanBake {
 /// @param mesh     with UVs in [0,1], in the scan's frame
 /// @param scan     with UVs and a texture, or with vertex colours
 /// @param texture  RGB, sRGB; empty: the vertex colours
-/// @return a texture of one grey, with confidence 0, if the scan has no colours or lies nowhere near
+/// @return a texture of one grey, with confidence 0, if the scan has no colours or lies nowhere
+/// near
 /// @throws InputError  a mesh without UVs, a texture for a scan without UVs
 /// Cost: one closest point per texel. Same bits for any thread count.
 ScanBake BakeScan(const Mesh& mesh, const Mesh& scan, const Image8& texture,

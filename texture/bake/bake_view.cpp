@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/pictures/srgb.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
-#include "core/pictures/srgb.h"
 
 namespace keypose::texture {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/max_flow.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

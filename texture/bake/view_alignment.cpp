@@ -6,8 +6,8 @@
 #include <iterator>
 #include <limits>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 

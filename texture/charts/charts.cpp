@@ -8,8 +8,8 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/union_find.h"
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/max_flow.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"

@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/values/angles.h"
 #include "core/numbers/parallel.h"
+#include "core/values/angles.h"
 #include "core/values/size_of.h"
 #include "texture/packing/stamps.h"
 

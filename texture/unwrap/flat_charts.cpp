@@ -6,8 +6,8 @@
 #include <string>
 #include <tuple>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/tuned.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/charts/parametrise.h"

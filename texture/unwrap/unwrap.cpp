@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 #include "texture/charts/hidden_seams.h"

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
+#include "core/surfaces/geometry.h"
 
 namespace keypose {
 namespace {

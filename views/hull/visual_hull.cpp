@@ -7,8 +7,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/values/errors.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "views/hull/mask_field.h"
 

@@ -4,11 +4,11 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
-#include "core/values/memory.h"
 #include "core/numbers/parallel.h"
+#include "core/values/errors.h"
+#include "core/values/memory.h"
 #include "core/values/size_of.h"
 
 namespace keypose {

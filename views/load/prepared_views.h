@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/stage/stage.h"
+#include "core/values/camera.h"
 #include "views/prepared/prepared_view.h"
 
 namespace keypose {

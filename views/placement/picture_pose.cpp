@@ -30,8 +30,7 @@ Rigid3 Moved(const Rigid3& pose, const Eigen::Matrix<double, 6, 1>& step) {
   const double angle = turn.norm();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (angle > 1e-15) rotation = Eigen::AngleAxisd(angle, turn / angle);
-  return {(rotation * pose.rotation).normalized(),
-          rotation * pose.translation + step.tail<3>()};
+  return {(rotation * pose.rotation).normalized(), rotation * pose.translation + step.tail<3>()};
 }
 
 }  // namespace
@@ -81,10 +80,9 @@ PicturePose PlacePicture(const Pinhole& camera, const PointsX3& points,
   cv::Mat turn, shift;
   std::vector<int> inliers;
   cv::theRNG().state = 1;
-  const bool found = cv::solvePnPRansac(objects, rays, cv::Mat::eye(3, 3, CV_64F), cv::noArray(),
-                                        turn, shift, false, kTrials,
-                                        static_cast<float>(within_px / camera.fx), kConfidence,
-                                        inliers, cv::SOLVEPNP_P3P);
+  const bool found = cv::solvePnPRansac(
+      objects, rays, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, kTrials,
+      static_cast<float>(within_px / camera.fx), kConfidence, inliers, cv::SOLVEPNP_P3P);
   if (!found || SizeOf(inliers) < least) return result;
   cv::Mat matrix;
   cv::Rodrigues(turn, matrix);

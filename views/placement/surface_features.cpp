@@ -6,10 +6,10 @@
 #include <numbers>
 #include <opencv2/features2d.hpp>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "core/values/tuned.h"
 
@@ -54,7 +54,8 @@ std::vector<Eigen::Vector3d> Directions(int count) {
 
 View ViewFrom(const PointsX3& points, const Eigen::Vector3d& direction, int size) {
   const double azimuth = std::atan2(direction.x(), -direction.y()) * 180 / std::numbers::pi;
-  const double elevation = std::asin(std::clamp(direction.z(), -0.99, 0.99)) * 180 / std::numbers::pi;
+  const double elevation =
+      std::asin(std::clamp(direction.z(), -0.99, 0.99)) * 180 / std::numbers::pi;
   return FitView(points, azimuth, elevation, size, size);
 }
 
@@ -68,9 +69,8 @@ struct Rendered {
 bool PointAt(const Mesh& mesh, const PointsX3& normals, const RayScene& scene, const View& view,
              const Eigen::Vector2d& pixel, SurfacePoint& point) {
   const Eigen::Vector3d eye = view.Center();
-  const Eigen::Vector3d ray =
-      view.camera_from_world.rotation.conjugate() *
-      view.camera.Unproject(pixel + Eigen::Vector2d::Constant(0.5));
+  const Eigen::Vector3d ray = view.camera_from_world.rotation.conjugate() *
+                              view.camera.Unproject(pixel + Eigen::Vector2d::Constant(0.5));
   const RayScene::Hit hit = scene.Cast(eye, ray);
   if (hit.face < 0) return false;
   const double facing = -normals.row(hit.face).dot(ray.normalized());

@@ -42,10 +42,10 @@ struct FeatureMatch {
 };
 
 struct SurfaceFeatureOptions {
-  int directions = 48;      ///< renders from directions all round
-  int size = 600;           ///< of a render, longer side [px]
-  int most = 1200;          ///< features of a render
-  double best_ratio = 0.88; ///< a match must beat other places of the surface by this
+  int directions = 48;       ///< renders from directions all round
+  int size = 600;            ///< of a render, longer side [px]
+  int most = 1200;           ///< features of a render
+  double best_ratio = 0.88;  ///< a match must beat other places of the surface by this
 };
 
 /// Features of a textured mesh, seen from all sides.
@@ -56,8 +56,8 @@ class SurfaceFeatures {
   /// @throws InputError  no UVs
   /// Cost: options.directions renders and feature searches.
   /// Same bits for any thread count.
-  SurfaceFeatures(const Mesh& mesh, const Image8& texture, const SurfaceFeatureOptions& options = {},
-                  Progress* progress = nullptr);
+  SurfaceFeatures(const Mesh& mesh, const Image8& texture,
+                  const SurfaceFeatureOptions& options = {}, Progress* progress = nullptr);
 
   int size() const { return static_cast<int>(points_.size()); }
   const SurfacePoint& point(int i) const { return points_[i]; }

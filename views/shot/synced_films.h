@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/stage/stage.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
-#include "core/stage/stage.h"
 #include "views/shot/shot.h"
 
 namespace keypose {

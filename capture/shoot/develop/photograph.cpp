@@ -2,9 +2,9 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/raw_io.h"
+#include "core/io/text/files.h"
 
 namespace keypose::capture::shoot {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <filesystem>
 
-#include "core/values/image.h"
 #include "core/io/pictures/image_io.h"
+#include "core/values/image.h"
 
 namespace keypose::capture::shoot {
 

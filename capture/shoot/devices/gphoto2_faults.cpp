@@ -77,11 +77,10 @@ DeviceFault NotFound() {
 }
 
 DeviceFault Silent(const std::string& doing) {
-  return DeviceFault(
-      "camera-gone", "the camera does not answer while it should " + doing,
-      "see whether its cable is in, its battery is charged, and it has not gone to "
-      "sleep (switch its power saving off); it goes on by itself",
-      false);
+  return DeviceFault("camera-gone", "the camera does not answer while it should " + doing,
+                     "see whether its cable is in, its battery is charged, and it has not gone to "
+                     "sleep (switch its power saving off); it goes on by itself",
+                     false);
 }
 
 DeviceFault NotByCable(const std::string& doing) {

@@ -4,9 +4,9 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 
 namespace keypose::capture::shoot {
 

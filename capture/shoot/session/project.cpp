@@ -12,9 +12,9 @@
 #include <cstring>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/io/text/yaml_edit.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

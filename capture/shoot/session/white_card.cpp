@@ -6,8 +6,8 @@
 
 #include "capture/shoot/develop/photograph.h"
 #include "capture/shoot/develop/white_balance.h"
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
 #include "core/io/text/line_input.h"
+#include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "core/surfaces/geometry.h"
 #include "core/numbers/parallel.h"
-#include "core/pictures/render.h"
 #include "core/numbers/rotations.h"
+#include "core/pictures/render.h"
+#include "core/surfaces/geometry.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

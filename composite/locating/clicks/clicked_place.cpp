@@ -7,8 +7,8 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "core/values/errors.h"
 #include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose::composite {

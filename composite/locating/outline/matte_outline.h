@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/values/image.h"
 #include "core/numbers/kd_tree.h"
+#include "core/values/image.h"
 
 namespace keypose::composite {
 

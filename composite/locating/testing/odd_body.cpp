@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/numbers/rotations.h"
 #include "core/pictures/fit_view.h"
 #include "core/surfaces/geometry.h"
-#include "core/numbers/rotations.h"
 #include "core/surfaces/shapes.h"
 
 namespace keypose::composite {

@@ -1,8 +1,8 @@
 #include "composite/locating/testing/spotted_film.h"
 
 #include "core/pictures/fit_view.h"
-#include "core/surfaces/ray_scene.h"
 #include "core/pictures/render.h"
+#include "core/surfaces/ray_scene.h"
 
 namespace keypose::composite {
 namespace {

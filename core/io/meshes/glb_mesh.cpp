@@ -12,11 +12,11 @@
 #include <optional>
 #include <set>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
-#include "core/surfaces/seams.h"
-#include "core/values/size_of.h"
 #include "core/pictures/srgb.h"
+#include "core/surfaces/seams.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose {
 namespace {

@@ -21,10 +21,10 @@
 #include <string_view>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/ply_mesh.h"
 #include "core/io/meshes/polygon_fan.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

@@ -11,9 +11,9 @@
 #include <set>
 #include <vector>
 
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
 
 namespace keypose {
 namespace {

@@ -5,9 +5,9 @@
 #include <iterator>
 #include <string_view>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

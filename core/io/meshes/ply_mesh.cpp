@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "core/values/errors.h"
 #include "core/io/meshes/ply_io.h"
 #include "core/io/meshes/polygon_fan.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {

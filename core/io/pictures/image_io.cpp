@@ -12,15 +12,15 @@
 #include <new>
 #include <utility>
 
-#include "core/values/errors.h"
-#include "core/values/file_names.h"
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/heif_io.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/image_levels.h"
-#include "core/values/memory.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/pictures/image_turns.h"
+#include "core/values/errors.h"
+#include "core/values/file_names.h"
+#include "core/values/memory.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

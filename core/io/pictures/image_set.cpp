@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "core/io/pictures/image_kind.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/text/files.h"
-#include "core/io/pictures/image_kind.h"
 
 namespace keypose {
 namespace fs = std::filesystem;

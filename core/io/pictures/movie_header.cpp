@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

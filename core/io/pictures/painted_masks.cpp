@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_kind.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/errors.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <new>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_kind.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/memory.h"
 
 namespace keypose {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "core/values/image.h"
 #include "core/io/pictures/image_io.h"
+#include "core/values/image.h"
 
 namespace keypose {
 

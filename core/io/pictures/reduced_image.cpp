@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/pictures/image_turns.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_kind.h"
+#include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
 
 namespace keypose {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/io/pictures/image_set.h"
 #include "core/pictures/sight_lines.h"
+#include "core/values/camera.h"
 
 namespace keypose {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/surfaces/carry.h"
 #include "core/io/project/carry_log.h"
+#include "core/surfaces/carry.h"
 
 namespace keypose {
 

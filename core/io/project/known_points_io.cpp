@@ -4,10 +4,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/values/errors.h"
-#include "core/io/text/files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/text/files.h"
 #include "core/io/text/json_pick.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/values/errors.h"
-#include "core/surfaces/geometry.h"
 #include "core/io/project/binding_io.h"
 #include "core/io/text/files.h"
+#include "core/surfaces/geometry.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

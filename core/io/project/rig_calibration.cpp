@@ -14,12 +14,12 @@
 #include <set>
 #include <sstream>
 
-#include "core/values/errors.h"
 #include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
 #include "core/io/project/poses_io.h"
 #include "core/io/project/qualisys_calibration.h"
 #include "core/io/project/rig_parts.h"
+#include "core/io/text/files.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 namespace {

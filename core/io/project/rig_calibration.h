@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/values/camera.h"
 #include "core/io/project/rig_parts.h"
+#include "core/values/camera.h"
 
 namespace keypose {
 

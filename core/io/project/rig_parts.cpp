@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/values/errors.h"
 #include "core/io/project/poses_io.h"
+#include "core/values/errors.h"
 
 namespace keypose {
 

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/io/project/colmap_io.h"
+#include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
-#include "core/io/project/colmap_io.h"
-#include "core/io/text/files.h"
-#include "core/io/project/rig_calibration.h"
 
 namespace keypose {
 

@@ -17,8 +17,8 @@ std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffnes
 /// (stiffness_map.h).
 ///
 /// The first two hold the positions of their vertices. If `source` is another mesh, the two are
-/// aligned (core/surfaces/carry.h), and each vertex of `source` takes the factor of the nearest painted
-/// vertex. Plain numbers are used unchanged, with a warning.
+/// aligned (core/surfaces/carry.h), and each vertex of `source` takes the factor of the nearest
+/// painted vertex. Plain numbers are used unchanged, with a warning.
 /// @param text  content of the file
 /// @param painted  the file read as a mesh when it is a PLY, else empty
 /// @param name  the file's name, for messages
@@ -28,7 +28,6 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
 
 /// The same from a file.
 /// @throws DiskError, and as StiffnessOn
-Eigen::VectorXd ReadStiffness(const std::filesystem::path& path, const Mesh& source,
-                              CarryLog* log);
+Eigen::VectorXd ReadStiffness(const std::filesystem::path& path, const Mesh& source, CarryLog* log);
 
 }  // namespace keypose

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/values/file_names.h"
 #include "core/io/text/yaml_text.inc"
+#include "core/values/file_names.h"
 
 namespace keypose {
 

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/io/text/files.h"
 #include "core/io/pictures/png_io.h"
-#include "core/testing/folder.h"
+#include "core/io/text/files.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 
 namespace keypose::exporting {
 namespace {
