@@ -342,19 +342,13 @@ class Reader : public YamlReader {
           else
             shot.given.push_back(ReadGiven(*this, field, field_key, value));
         });
-    const auto is_film = [](const GivenSource& source) { return source.word == kFilmWord; };
-    if (std::none_of(shot.given.begin(), shot.given.end(), is_film))
-      Fail(key, "the shot has no film; add the folder of its pictures, as in `film: film`");
-    if (shot.shows.size() < 2)
-      Fail(key,
-           "the shot says of fewer than two frames which pose they show; add them, as in "
-           "`shows: {0: rest, 4: wave}`");
     return shot;
   }
 
   /// The shown poses at the times of their frames; straight from one to the next.
   void TimelineOfShot(const YAML::Node& node, PipelineFile* file) const {
     const ShotRule& shot = *file->shot;
+    if (shot.shows.empty()) return;  // CheckShownFrames names it
     const double ratio = file->fps / shot.fps;
     if (std::abs(ratio - std::round(ratio)) > 1e-6 || ratio < 0.5)
       Fail(node, fmt::format("the project's fps is {:g}, and the film's {:g}: the first must be a "

@@ -28,10 +28,23 @@ std::vector<FilmPicture> PicturesOf(const ShotRule& shot, const fs::path& projec
   }
 }
 
+void RequireFilmAndFrames(const ShotRule& shot) {
+  const auto fail = [&](const char* fault) {
+    throw UsageError(fmt::format("{}: {}", shot.where.Text(), fault));
+  };
+  if (!shot.Given(kFilmWord))
+    fail("the shot has no film; add the folder of its pictures, as in `film: film`");
+  if (shot.shows.size() < 2)
+    fail(
+        "the shot says of fewer than two frames which pose they show; add them, as in "
+        "`shows: {0: rest, 4: wave}`");
+}
+
 }  // namespace
 
 void CheckShownFrames(const PipelineFile& file, const fs::path& project, const Disk& disk) {
   if (!file.shot) return;
+  RequireFilmAndFrames(*file.shot);
   const std::vector<FilmPicture> pictures = PicturesOf(*file.shot, project, disk);
   if (pictures.empty()) return;
   for (const ShotRule::Shows& shown : file.shot->shows) {

@@ -10,8 +10,8 @@
 namespace keypose::pipeline {
 
 /// Looks at a film that is a folder of numbered pictures. Others are left to `locate`.
-/// @throws UsageError  a frame of `shows` is none of the film's; names the line, and how frames
-/// count
+/// @throws UsageError  the shot has no film or shows fewer than two frames, or one of them is none
+/// of the film's; names the line, and how frames count
 void CheckShownFrames(const PipelineFile& file, const std::filesystem::path& project,
                       const Disk& disk);
 

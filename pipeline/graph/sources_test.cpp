@@ -28,7 +28,7 @@ const char* const kWire =
     "out: {mesh: \"{pose}/wire.txt\"}}\n";
 const char* const kJoints =
     "sources:\n"
-    "  joints: {of: pair, default: \"joints/{pose}.json\", unpaired: measure {pose} too}\n"
+    "  joints: {of: pair, default: \"joints/{pose}.json\", unpaired: \"measure {pose} too\"}\n"
     "steps: {match: {inputs: {landmarks: $joints}}}\n";
 
 struct Desk : FakeHouse {
