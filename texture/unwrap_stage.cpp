@@ -57,7 +57,7 @@ const StageSpec kSpec = {
     .measurements = {{"charts", "UV charts"},
                      {"stretch_l2", "L2 stretch"},
                      {"utilisation", "UV area used", "share"},
-                     {"flipped", "flipped in UV", "", -kAnyNumber, 0}},
+                     {"flipped", "flipped in UV", "", -keypose::kAnyNumber, 0}},
     .inputs = {{.name = "clean",
                 .kind = "path",
                 .help = "closed mesh (.ply, .obj, .off, .stl), or a folder of frames, whose first "

@@ -71,7 +71,7 @@ World MakeWorld(const std::vector<double>& elevations_deg, int count, double slo
   return world;
 }
 
-PointsX3 Centers(const RingModel& model) {
+PointsX3 CentersOf(const RingModel& model) {
   PointsX3 centers(std::ssize(model.views), 3);
   for (std::size_t v = 0; v < model.views.size(); ++v)
     centers.row(v) = model.CameraFromTable(model.views[v]).Inverse().translation.transpose();
@@ -79,7 +79,7 @@ PointsX3 Centers(const RingModel& model) {
 }
 
 double CenterError(const RingModel& found, const RingModel& truth) {
-  const PointsX3 a = Centers(found), b = Centers(truth);
+  const PointsX3 a = CentersOf(found), b = CentersOf(truth);
   return (Transformed(FitSimilarity(a, b), a) - b).rowwise().norm().mean() / 3;
 }
 
@@ -121,7 +121,7 @@ TEST(FitRingToSilhouettes, SameBitsForAnyThreadCountAndErrorsForOtherSizes) {
   const RingSilhouettes three =
       FitRingToSilhouettes(world.truth.camera, LayoutOfSizes(8, {8}), world.masks, quick);
   SetThreadCount(0);
-  EXPECT_EQ(Centers(one.model), Centers(three.model));
+  EXPECT_EQ(CentersOf(one.model), CentersOf(three.model));
   world.masks[3] = Image8(10, 10, 1);
   EXPECT_THROW(FitRingToSilhouettes(world.truth.camera, LayoutOfSizes(8, {8}), world.masks, quick),
                InputError);

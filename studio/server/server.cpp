@@ -16,6 +16,9 @@
 #include "studio/server/page_files.h"
 #include "studio/server/routes.h"
 
+// A macro of resolv.h, and a name within Eigen, which later sources of a batch include.
+#undef _res
+
 namespace keypose::studio {
 
 namespace fs = std::filesystem;

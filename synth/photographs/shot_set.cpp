@@ -24,7 +24,7 @@ constexpr double kTableGrid = 0.26;  // [m] half side of the shadow's grid
 constexpr double kSetShadow = 0.75;  // share of the light that a full shadow takes
 constexpr int kSamplesAlong = 3;     // rays per pixel along each axis
 constexpr double kLampTop = 0.06;    // [rad] half the lamp's size
-constexpr int kLampRays = 12, kSkyRays = 48;
+constexpr int kLampRays = 12, kShotSkyRays = 48;
 constexpr double kFromSurface = 4e-4;  // [m]
 constexpr double kGolden = 2.399963229728653;
 const Vector3d kLampTint(1.02, 1.0, 0.95), kRoomTint(0.97, 1.0, 1.05);
@@ -88,12 +88,12 @@ VertexLight LightOn(const PointsX3& points, const PointsX3& normals, const RaySc
       lamp += normal.dot(to) > 0 && !scene.Occluded(from, to, 0, 1);
     }
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
-    for (int i = 0; i < kSkyRays; ++i) {
-      const Vector3d to = turn * SkyDirection(i, kSkyRays);
+    for (int i = 0; i < kShotSkyRays; ++i) {
+      const Vector3d to = turn * SkyDirection(i, kShotSkyRays);
       if (!scene.Occluded(from, to, 0, 0.12)) room += to.z() < 0 ? 0.4 : 1;
     }
     light.lamp[v] = static_cast<float>(lamp / kLampRays);
-    light.room[v] = static_cast<float>(room / kSkyRays);
+    light.room[v] = static_cast<float>(room / kShotSkyRays);
   };
   ParallelFor(points.rows(), bake, 256);
   return light;
