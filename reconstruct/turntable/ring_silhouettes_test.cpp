@@ -7,6 +7,7 @@
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
 #include "reconstruct/turntable/ring_silhouettes.h"
+#include "reconstruct/turntable/testing/ring_world.h"
 
 namespace keypose::reconstruct::ring_silhouettes_test {
 
@@ -71,15 +72,8 @@ World MakeWorld(const std::vector<double>& elevations_deg, int count, double slo
   return world;
 }
 
-PointsX3 CentersOf(const RingModel& model) {
-  PointsX3 centers(std::ssize(model.views), 3);
-  for (std::size_t v = 0; v < model.views.size(); ++v)
-    centers.row(v) = model.CameraFromTable(model.views[v]).Inverse().translation.transpose();
-  return centers;
-}
-
 double CenterError(const RingModel& found, const RingModel& truth) {
-  const PointsX3 a = CentersOf(found), b = CentersOf(truth);
+  const PointsX3 a = Centers(found), b = Centers(truth);
   return (Transformed(FitSimilarity(a, b), a) - b).rowwise().norm().mean() / 3;
 }
 
@@ -121,7 +115,7 @@ TEST(FitRingToSilhouettes, SameBitsForAnyThreadCountAndErrorsForOtherSizes) {
   const RingSilhouettes three =
       FitRingToSilhouettes(world.truth.camera, LayoutOfSizes(8, {8}), world.masks, quick);
   SetThreadCount(0);
-  EXPECT_EQ(CentersOf(one.model), CentersOf(three.model));
+  EXPECT_EQ(Centers(one.model), Centers(three.model));
   world.masks[3] = Image8(10, 10, 1);
   EXPECT_THROW(FitRingToSilhouettes(world.truth.camera, LayoutOfSizes(8, {8}), world.masks, quick),
                InputError);
