@@ -40,8 +40,8 @@ std::string RunOfAStrangeStage() {
 
 std::string ReadStrange(const std::filesystem::path& path) {
   if (path == "/base/polish.json")
-    return R"({"schema": 1, "measurements": {"shine": 12, "dust": 0.05, "scratches": 3}})";
-  return R"({"schema": 1, "measurements": {"wide_m": 0.25}})";
+    return R"({"schema": 1, "measurements": {"shine": 12, "dust": 0.053, "scratches": 3}})";
+  return R"({"schema": 1, "measurements": {"wide_m": 0.1875}})";
 }
 
 TEST(BuildPage, AStageOfOnesOwnIsShownAsItDescribesItself) {
@@ -50,10 +50,11 @@ TEST(BuildPage, AStageOfOnesOwnIsShownAsItDescribesItself) {
   contents.poses.push_back({});
   contents.poses.back().name = "rest";
   const std::string page = BuildPage(contents, NoPictures);
-  for (const char* expected :
-       {"<h4>Polish &lt;it&gt;</h4>", "<h3>Picture frame</h3>", "<span>width</span><b>0.25 m</b>",
-        "<span>dust that is left</span><b>5\u00a0%</b>", "scratches",
-        "<span>shine</span><b><span class=off title=\"outside of what is usual\">12 dB</span></b>"})
+  for (const char* expected : {"<h4>Polish &lt;it&gt;</h4>", "<h3>Picture frame</h3>",
+                               "<span>width</span><b>0.1875\u00a0m</b>",
+                               "<span>dust that is left</span><b>5.3\u00a0%</b>", "scratches",
+                               "<span>shine</span><b><span class=off title=\"outside of what is "
+                               "usual\">12\u00a0dB</span></b>"})
     EXPECT_THAT(page, HasSubstr(expected));
   EXPECT_THAT(page, Not(HasSubstr("not measured")));
 }

@@ -48,7 +48,7 @@ std::string Value(const StepRecord& step, const Described& described) {
     if (of_whole) text = Percent(*number);
     if (described.unit == "s") text = PrettySeconds(*number);
     if (!of_whole && described.unit != "s" && !described.unit.empty())
-      text += " " + Escape(described.unit);
+      text += "\u00a0" + Escape(described.unit);
   }
   if (!number || IsGood(described, *number)) return text;
   return "<span class=off title=\"outside of what is usual\">" + text + "</span>";

@@ -15,12 +15,14 @@ TEST(LeastAngleDeg, IsThatOfTheThinnestFace) {
 }
 
 TEST(MeasureDistances, AShellOfAnotherSizeLiesItsDifferenceAway) {
-  const Mesh ball = MakeIcosphere(4);
+  const double radius = 1 / (2 * std::sqrt(3.0));  // its box has a diagonal of 1
+  Mesh ball = MakeIcosphere(4);
+  ball.points *= radius;
   Mesh shell = ball;
   shell.points *= 1.01;
   CleanupResult result;
   MeasureDistances(shell, ball, ball, result);
-  const double expected = 0.01 / (2 * std::sqrt(3.0));  // over the diagonal of the ball's box
+  const double expected = 0.01 * radius;
   EXPECT_NEAR(result.from_input.p99, expected, 0.1 * expected);
   EXPECT_NEAR(result.to_input.p99, expected, 0.1 * expected);
 }
