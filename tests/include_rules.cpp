@@ -44,7 +44,7 @@ bool IsTest(const std::string& file) {
 // A program: a file in a room's root folder that has the program's main, or that only the programs
 // there share.
 bool IsProgram(const std::string& file) {
-  static const std::regex pattern(".*(_stage|/main)\\.cpp");
+  static const std::regex pattern(".*(_stage|/main|_main)\\.cpp");
   return std::regex_match(file, pattern);
 }
 
@@ -128,7 +128,7 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
 }
 
 std::string SystemReason(const std::string& file, const std::string& included) {
-  if (!file.ends_with(".h")) return "";
+  if (!file.ends_with(".h") || IsTest(file)) return "";
   if (StartsWithAny(included, kHeavy)) return "<" + included + "> stays inside .cpp files";
   const bool standard =
       included.find('/') == std::string::npos && included.find('.') == std::string::npos;
