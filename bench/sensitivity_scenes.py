@@ -238,7 +238,7 @@ QUICK = ('--detail', 'coarse', '--affine_shape', 'false')
 SFM = ('reconstruct/sfm', 'reconstruct/turntable', 'reconstruct/matching', 'reconstruct/bundle',
        'reconstruct/join', 'reconstruct/evidence', 'views/hull')
 BAKE = tuple(f'texture/bake/{part}' for part in (
-    'bake', 'colour', 'gain', 'labels', 'paint', 'seams', 'view'))  # not complete.cpp
+    'bake', 'colour', 'gain', 'labels', 'paint', 'seam', 'view'))  # not complete.cpp
 FIT = ('fit/', 'deform/levels', 'views/placement', 'views/atlas')
 
 

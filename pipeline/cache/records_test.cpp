@@ -19,7 +19,7 @@ RunRecord RunOf(const std::string& name, const std::string& fingerprint) {
 TEST(Records, TheLastRecordOfAStepComesBack) {
   MemoryDisk disk;
   StepRecord record;
-  record.fingerprint = "abc";
+  record.fingerprint = std::string(64, 'a');
   record.seconds = 2.5;
   record.reasons = {"option depth: 9 -> 10"};
   record.failed = true;
@@ -28,7 +28,7 @@ TEST(Records, TheLastRecordOfAStepComesBack) {
   Records(disk, "/p/.keypose").SetLast("mesh.bent", record);
   const auto last = Records(disk, "/p/.keypose").Last("mesh.bent");
   ASSERT_TRUE(last.has_value());
-  EXPECT_EQ(last->fingerprint, "abc");
+  EXPECT_EQ(last->fingerprint, record.fingerprint);
   EXPECT_EQ(last->seconds, 2.5);
   EXPECT_EQ(last->reasons, record.reasons);
   EXPECT_TRUE(last->failed);

@@ -19,7 +19,8 @@ TEST(ZipWriter, HasItsNameOnlyWhenItIsComplete) {
 
   ZipWriter writer(zip);
   writer.Add(from, "below/a.txt");
-  EXPECT_EQ(writer.Finish(), fs::file_size(zip));
+  const std::uint64_t size = writer.Finish();
+  EXPECT_EQ(size, fs::file_size(zip));
   const std::string bytes = ReadFile(zip);
   EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
   EXPECT_NE(bytes.find("below/a.txt"), std::string::npos);
