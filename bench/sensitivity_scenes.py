@@ -260,7 +260,7 @@ def all_scenes(scorer='', data=''):
               'turn [rad] plus way over the distance of the camera: two frames of a film', locate),
         Scene('composite', ('composite/',), ('keypose-composite',),
               'error of rendered in-betweens (root mean square, 0 to 1)', composite),
-        Scene('track', ('fit/tracking',), ('keypose-track',),
+        Scene('track', ('motion/tracking',), ('keypose-track',),
               'distance of joints from the true ones [m]: four frames of eight cameras', track),
         Scene('follow', FIT, ('keypose-follow',),
               'distance of the surface from the true one [m]: ten frames of eight cameras', follow),

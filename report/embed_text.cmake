@@ -1,4 +1,4 @@
-# cmake -DTEXT=bundle.js -DHEADER=report/player_data.h -DFUNCTION=PlayerScript -DOUTPUT=player_script.cpp
+# cmake -DTEXT=bundle.js -DHEADER=report/player/player_data.h -DFUNCTION=PlayerScript -DOUTPUT=player_script.cpp
 #       -P embed_text.cmake: a file as a string of the program.
 file(READ "${TEXT}" text)
 string(FIND "${text}" ")keypose_text" ends)

@@ -12,7 +12,7 @@
 #include "core/values/errors.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
-#include "report/player_data.h"
+#include "report/player/player_data.h"
 
 namespace keypose::report {
 namespace {

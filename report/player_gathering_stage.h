@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "report/contents.h"
-#include "report/pictures.h"
+#include "report/evidence/contents.h"
+#include "report/page/pictures.h"
 
 namespace keypose::report {
 

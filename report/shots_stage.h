@@ -2,7 +2,7 @@
 // mesh.
 #pragma once
 
-#include "report/view_evidence.h"
+#include "report/evidence/view_evidence.h"
 
 namespace keypose {
 struct ImageSet;

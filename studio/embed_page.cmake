@@ -14,7 +14,7 @@ foreach(name IN LISTS files)
   string(APPEND table "      {\"${name}\", std::string_view(kFile${number}, sizeof kFile${number} - 1)},\n")
   math(EXPR number "${number} + 1")
 endforeach()
-file(WRITE "${OUTPUT}" "#include \"studio/server/page_files.h\"\n
+file(WRITE "${OUTPUT}" "#include \"studio/http/page_files.h\"\n
 namespace keypose::studio {
 namespace {
 ${strings}}  // namespace

@@ -85,8 +85,8 @@ TEST(IncludeRules, StageRoomsDoNotIncludeEachOtherOrLookUp) {
   ExpectBreach("pipeline/run/plan.cpp", "#include \"pipeline/graph/graph.h\"", false);
   ExpectBreach("pipeline/graph/graph.cpp", "#include \"core/stage/stage.h\"", true);
   ExpectBreach("pipeline/graph/graph.cpp", "#include \"studio/server/server.h\"", true);
-  ExpectBreach("studio/server/routes.cpp", "#include \"pipeline/graph/graph.h\"", false);
-  ExpectBreach("studio/server/routes.cpp", "#include \"register/nricp/nricp.h\"", true);
+  ExpectBreach("studio/routes/routes.cpp", "#include \"pipeline/graph/graph.h\"", false);
+  ExpectBreach("studio/routes/routes.cpp", "#include \"register/nricp/nricp.h\"", true);
   ExpectBreach("pipeline/graph/graph.cpp", "#include \"core/io/text/files.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"core/surfaces/geometry.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"register/nricp/nricp.h\"", false);

@@ -8,7 +8,7 @@
 
 #include "core/values/errors.h"
 #include "core/values/mesh.h"
-#include "report/contents.h"
+#include "report/evidence/contents.h"
 
 namespace keypose::report {
 

@@ -7,8 +7,8 @@
 
 #include "core/surfaces/shapes.h"
 #include "core/values/image.h"
-#include "report/contents.h"
-#include "report/player_data.h"
+#include "report/page/page.h"
+#include "report/player/player_data.h"
 
 namespace keypose::report {
 

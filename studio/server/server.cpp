@@ -12,9 +12,9 @@
 
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
-#include "studio/server/guard.h"
-#include "studio/server/page_files.h"
-#include "studio/server/routes.h"
+#include "studio/http/guard.h"
+#include "studio/http/page_files.h"
+#include "studio/routes/routes.h"
 
 // A macro of resolv.h, and a name within Eigen, which later sources of a batch include.
 #undef _res

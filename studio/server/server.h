@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "studio/server/page_files.h"
+#include "studio/http/page_files.h"
 
 namespace keypose::studio {
 

@@ -1,0 +1,17 @@
+#include "studio/routes/new_project_routes.h"
+
+#include "studio/project/changes.h"
+#include "studio/project/overview.h"
+
+namespace keypose::studio {
+
+void NewProjectRoutes::AddTo(RouteTable& table) {
+  table.Post("/api/project", [this](const Question& question) {
+    const nlohmann::json body = question.Json();
+    CreateProject(project_.folder(), body.at("poses"), body.at("template"),
+                  body.value("few", std::vector<std::string>{}));
+    return JsonAnswer(project_.With([](Snapshot& now) { return ProjectJson(now); }));
+  });
+}
+
+}  // namespace keypose::studio

@@ -1,0 +1,30 @@
+// What the server answers: the requests of docs/studio-api.md.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "studio/http/answers.h"
+#include "studio/routes/page_routes.h"
+#include "studio/http/shared_project.h"
+
+namespace keypose::studio {
+
+class Routes {
+ public:
+  explicit Routes(std::filesystem::path folder);
+
+  /// Never throws: faults are answers with {"error": words}.
+  Answer Handle(const Question& question);
+  EventHub& hub() { return project_.hub(); }
+
+ private:
+  void Tell(Changes changes);
+
+  SharedProject project_;
+  std::vector<std::unique_ptr<PageRoutes>> pages_;
+  RouteTable table_;
+};
+
+}  // namespace keypose::studio
