@@ -451,5 +451,5 @@ void Run(StageContext& stage, const TrackOptions& options) {
 
 int main(int argc, char** argv) {
   return keypose::RunStage<keypose::motion::TrackOptions>(argc, argv, keypose::motion::Spec(),
-                                                       keypose::motion::Run);
+                                                          keypose::motion::Run);
 }

@@ -19,13 +19,13 @@
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "report/evidence/contents.h"
-#include "report/page/page.h"
-#include "report/verdicts/verdicts.h"
 #include "report/html/html.h"
+#include "report/page/page.h"
 #include "report/page/pictures.h"
 #include "report/player_gathering_stage.h"
 #include "report/report_options.h"
 #include "report/shots_stage.h"
+#include "report/verdicts/verdicts.h"
 
 namespace keypose::report {
 namespace {

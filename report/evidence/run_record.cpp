@@ -56,8 +56,8 @@ std::optional<double> Bound(const json& described, const char* which) {
 std::vector<Described> ReadDescribed(const json& entry) {
   std::vector<Described> all;
   for (const json& one : entry.value("described", json::array()))
-    all.push_back({TextOf(one, "key"), TextOf(one, "label"), TextOf(one, "unit"),
-                   Bound(one, "min"), Bound(one, "max")});
+    all.push_back({TextOf(one, "key"), TextOf(one, "label"), TextOf(one, "unit"), Bound(one, "min"),
+                   Bound(one, "max")});
   return all;
 }
 

@@ -7,9 +7,9 @@
 #include "core/pictures/render.h"
 #include "core/surfaces/shapes.h"
 #include "core/values/errors.h"
-#include "report/shots_stage.h"
 #include "report/evidence/verdict_limits.h"
 #include "report/evidence/view_evidence.h"
+#include "report/shots_stage.h"
 
 namespace keypose::report::view_evidence_test {
 

@@ -1,7 +1,7 @@
 // The player's section of the page: poster, controls, data, script.
 #include "report/html/html.h"
-#include "report/player/player_data.h"
 #include "report/page/sections.h"
+#include "report/player/player_data.h"
 
 namespace keypose::report {
 namespace {

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "report/evidence/verdict_limits.h"
 #include "report/html/html.h"
 #include "report/page/pictures.h"
-#include "report/evidence/verdict_limits.h"
 
 namespace keypose::report {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "report/html/html.h"
 #include "report/evidence/verdict_limits.h"
+#include "report/html/html.h"
 
 namespace keypose::report {
 namespace {

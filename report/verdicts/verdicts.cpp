@@ -8,9 +8,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "report/verdicts/evidence_findings.h"
-#include "report/html/html.h"
 #include "report/evidence/verdict_limits.h"
+#include "report/html/html.h"
+#include "report/verdicts/evidence_findings.h"
 
 namespace keypose::report {
 namespace {

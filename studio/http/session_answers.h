@@ -5,8 +5,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "studio/runs/session_relay.h"
 #include "studio/http/event_hub.h"
+#include "studio/runs/session_relay.h"
 
 namespace keypose::studio {
 

@@ -8,10 +8,10 @@
 #include <mutex>
 #include <string>
 
-#include "studio/project/snapshot.h"
-#include "studio/runs/run_control.h"
 #include "studio/http/event_hub.h"
 #include "studio/http/project_watch.h"
+#include "studio/project/snapshot.h"
+#include "studio/runs/run_control.h"
 
 namespace keypose::studio {
 

@@ -11,12 +11,12 @@
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/run/opened_project.h"
 #include "pipeline/text/text.h"
+#include "studio/http/session_answers.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/pose_photographs.h"
-#include "studio/runs/take_editor.h"
 #include "studio/routes/armature_setup.h"
 #include "studio/routes/serial_ports.h"
-#include "studio/http/session_answers.h"
+#include "studio/runs/take_editor.h"
 
 namespace keypose::studio {
 

@@ -2,8 +2,8 @@
 // baked from what was recorded.
 #pragma once
 
-#include "studio/runs/armature_control.h"
 #include "studio/routes/page_routes.h"
+#include "studio/runs/armature_control.h"
 
 namespace keypose::studio {
 

@@ -10,8 +10,8 @@
 #include "core/values/file_names.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/text/text.h"
-#include "studio/project/pose_photographs.h"
 #include "studio/http/session_answers.h"
+#include "studio/project/pose_photographs.h"
 #include "studio/routes/take_puppet.h"
 
 namespace keypose::studio {

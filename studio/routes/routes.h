@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "studio/http/answers.h"
-#include "studio/routes/page_routes.h"
 #include "studio/http/shared_project.h"
+#include "studio/routes/page_routes.h"
 
 namespace keypose::studio {
 

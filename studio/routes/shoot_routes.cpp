@@ -11,9 +11,9 @@
 #include "core/values/file_names.h"
 #include "pipeline/disk/real_disk.h"
 #include "pipeline/text/text.h"
+#include "studio/http/session_answers.h"
 #include "studio/project/pose_photographs.h"
 #include "studio/routes/serial_ports.h"
-#include "studio/http/session_answers.h"
 
 namespace keypose::studio {
 

@@ -1,8 +1,8 @@
 // Shooting: a session of `keypose shoot`, its live view, and what has landed.
 #pragma once
 
-#include "studio/runs/shoot_control.h"
 #include "studio/routes/page_routes.h"
+#include "studio/runs/shoot_control.h"
 
 namespace keypose::studio {
 

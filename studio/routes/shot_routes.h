@@ -3,8 +3,8 @@
 
 #include <atomic>
 
-#include "studio/runs/warm_program.h"
 #include "studio/routes/page_routes.h"
+#include "studio/runs/warm_program.h"
 
 namespace keypose::studio {
 

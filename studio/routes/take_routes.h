@@ -2,8 +2,8 @@
 // frames as a part of the project.
 #pragma once
 
-#include "studio/runs/take_editor.h"
 #include "studio/routes/page_routes.h"
+#include "studio/runs/take_editor.h"
 
 namespace keypose::studio {
 

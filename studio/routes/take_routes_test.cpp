@@ -10,8 +10,8 @@
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "pipeline/run/opened_project.h"
-#include "studio/runs/children.h"
 #include "studio/routes/routes.h"
+#include "studio/runs/children.h"
 
 namespace keypose::studio::take_routes_test {
 
