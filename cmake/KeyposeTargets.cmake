@@ -95,10 +95,11 @@ if(CMAKE_BUILD_TYPE STREQUAL "Debug" AND CMAKE_CXX_FLAGS_DEBUG MATCHES "KEYPOSE_
   set(KEYPOSE_SLOWER 12)
 endif()
 
-# keypose_test(NAME SOURCES foo_test.cpp ... [LINK keypose_room ...] [LABELS full]): a GoogleTest program known to ctest, one ctest entry a program.
-# LABELS full: only `./dev test --full` runs it.
+# keypose_test(NAME SOURCES foo_test.cpp ... [LINK keypose_room ...] [LABELS full] [FULL] [COST SECONDS]): a GoogleTest program known to
+# ctest, one ctest entry a program. LABELS full: only `./dev test --full` runs it. FULL: that holds for its suites whose names end in Full,
+# which are an entry of their own, NAME_full. COST: of the longest, so that they begin first where no test has run yet.
 function(keypose_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;SYSTEM_INCLUDES" ${ARGN})
+  cmake_parse_arguments(ARG "FULL" "TIMEOUT;COST" "SOURCES;LINK;LABELS;SYSTEM_INCLUDES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 16)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
@@ -107,14 +108,27 @@ function(keypose_test name)
   endif()
   target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} keypose_testing_paths ${KEYPOSE_GTEST})
-  add_test(NAME ${name} COMMAND ${name})
+  set(entries ${name})
+  if(ARG_FULL)
+    add_test(NAME ${name} COMMAND ${name} --gtest_filter=-*Full.*)
+    add_test(NAME ${name}_full COMMAND ${name} --gtest_filter=*Full.*)
+    list(APPEND entries ${name}_full)
+  else()
+    add_test(NAME ${name} COMMAND ${name})
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 900)
   endif()
   math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * ${KEYPOSE_SLOWER}")
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
-    # Debian's python3, also where another stands first: Blender takes the libraries of the first.
+  # Debian's python3, also where another stands first: Blender takes the libraries of the first.
+  set_tests_properties(${entries} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
     ENVIRONMENT_MODIFICATION "PATH=path_list_prepend:/usr/bin")
+  if(ARG_COST)
+    set_tests_properties(${name} PROPERTIES COST ${ARG_COST})
+  endif()
+  if(ARG_FULL)
+    set_tests_properties(${name}_full PROPERTIES LABELS full)
+  endif()
 endfunction()
 
 # keypose_bench(NAME SOURCES foo_bench.cpp ... LINK keypose_room ...): a Google Benchmark program, run by ./dev bench.

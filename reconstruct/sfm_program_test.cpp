@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -50,15 +51,24 @@ class SfmProgram : public ::testing::Test, public TestingFolder {
            fs::exists(BinFolder() + "/keypose-capture");
   }
 
-  /// Twenty photographs of the clay figure in one ring, as `images`.
+  static void TearDownTestSuite() { ring_.reset(); }
+
+  /// Twenty photographs of the clay figure in one ring, as `images`, with their `truth`.
   bool ShootRing() const {
+    if (!ring_ && !ShootFirstRing()) return false;
+    for (const char* part : {"images", "truth"})
+      fs::copy(ring_->path() / part, root / part, fs::copy_options::recursive);
+    return true;
+  }
+  bool ShootFirstRing() const {
+    ring_ = std::make_unique<TestingFolder>();
+    const std::string folder = ring_->path().string();
     return Run("", "keypose-synth",
-               "photos --output " + root.string() +
+               "photos --output " + folder +
                    " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
                    .code == 0 &&
            Run("", "keypose-capture",
-               "--photos " + (root / "photos/rest").string() + " --images " +
-                   (root / "images").string())
+               "--photos " + folder + "/photos/rest --images " + folder + "/images")
                    .code == 0;
   }
 
@@ -102,7 +112,10 @@ class SfmProgram : public ::testing::Test, public TestingFolder {
   }
 
   const fs::path root = path();
+  static inline std::unique_ptr<TestingFolder> ring_;  ///< drawn once for all tests
 };
+/// Tests of minutes.
+class SfmProgramFull : public SfmProgram {};
 
 std::string ModelBytes(const fs::path& model) {
   return ReadFile(model / "cameras.bin") + ReadFile(model / "images.bin") +
@@ -232,7 +245,20 @@ TEST_F(SfmProgram, AnglesOfTwoPlacementsAreNotTakenForOneTurnOfTheTable) {
   EXPECT_THAT(measured["ring_layout"].get<std::string>(), HasSubstr("1 ring of 20"));
 }
 
-TEST_F(SfmProgram, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
+TEST_F(SfmProgram, FewSmallFeaturesAreFoundAndALimitIsKept) {
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_TRUE(ShootRing());
+  const fs::path report = root / "report.json";
+  const Outcome outcome = Sfm(
+      "", "model",
+      "--method features --max_features 1000 --guided_matching false --report " + report.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const nlohmann::json measured = nlohmann::json::parse(ReadFile(report))["measurements"];
+  EXPECT_LE(measured["mean_features"].get<double>(), 1000);
+  EXPECT_FALSE(measured.contains("guided_gain"));
+}
+
+TEST_F(SfmProgramFull, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
   if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
   ASSERT_TRUE(ShootRing());
   const auto report = [&](const std::string& options) {

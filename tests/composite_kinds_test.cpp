@@ -72,13 +72,12 @@ TEST_F(FilmKinds, SixteenBitsStaySixteen) {
     EXPECT_EQ(measured["bits"], 16);
     fs::remove_all(folder_ / "of_deep");
   }
-  const RunResult shallow =
-      Composite("of_shallow", {{"plate", "plate.png"}, {"filmed", "deep"}, {"blender", "false"}});
+  const RunResult shallow = Composite("of_shallow", {{"plate", "plate.png"}, {"filmed", "deep"}});
   EXPECT_THAT(shallow.output, HasSubstr("the plate plate.png has 8"));
 }
 
 TEST_F(FilmKinds, EightBitsStayEight) {
-  const RunResult result = Composite("eight", {{"blender", "false"}, {"compare", "false"}});
+  const RunResult result = Composite("eight", {});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(StoredLevelsOf(folder_ / "eight/0001.png").bits, 8);
   EXPECT_THAT(result.output, AllOf(Not(HasSubstr("have no picture")), Not(HasSubstr("stay ."))));
@@ -86,8 +85,7 @@ TEST_F(FilmKinds, EightBitsStayEight) {
 
 TEST_F(FilmKinds, TiffsMakeASequenceOfTiffs) {
   FilmOf16Bits("tiffs", ".TIF");
-  const std::map<std::string, std::string> flags{
-      {"plate", "tiffs"}, {"filmed", "tiffs"}, {"blender", "false"}, {"compare", "false"}};
+  const std::map<std::string, std::string> flags{{"plate", "tiffs"}, {"filmed", "tiffs"}};
   const RunResult result = Composite("of_tiffs", flags);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (int n = 0; n < kPictures; ++n)
@@ -145,11 +143,8 @@ TEST_F(FilmKinds, APictureThatIsLostOrRenumberedIsToldOf) {
   for (int i : {0, 1, 2, 3, 5})
     fs::copy_file(folder_ / fmt::format("film/{:04}.png", std::min(i, 2)),
                   folder_ / fmt::format("gap/take_{}.png", 1001 + i));
-  const RunResult result = Composite("of_gap", {{"plate", "plate.png"},
-                                                {"filmed", "gap"},
-                                                {"blender", "false"},
-                                                {"compare", "false"},
-                                                {"samples", "1"}});
+  const RunResult result =
+      Composite("of_gap", {{"plate", "plate.png"}, {"filmed", "gap"}, {"samples", "1"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("1 of the film's numbers have no picture (first after "
                                        "take_1004.png)"));
@@ -170,8 +165,7 @@ TEST_F(FilmKinds, AHoldoutsAlphaTellsWhereThePropIs) {
   Image8 mask(film.width, film.height, 1);
   for (int y = 100; y < film.height; ++y) std::fill_n(mask.at(150, y), 50, 255);
   WritePng(folder_ / "mask.png", mask);
-  std::map<std::string, std::string> flags{
-      {"holdout", "roto.png"}, {"blender", "false"}, {"compare", "false"}, {"samples", "1"}};
+  std::map<std::string, std::string> flags{{"holdout", "roto.png"}, {"samples", "1"}};
   ASSERT_EQ(Composite("by_roto", flags).exit_code, 0);
   flags["holdout"] = "mask.png";
   ASSERT_EQ(Composite("by_mask", flags).exit_code, 0);

@@ -16,7 +16,8 @@ namespace keypose::tests::composite_program_test {
 using ::testing::HasSubstr;
 
 TEST_F(GeneratedShot, InBetweensAreLikeTheTruthAndFilmedFramesAreUntouched) {
-  const RunResult result = Composite("out", {{"report", "report.json"}});
+  const RunResult result =
+      Composite("out", {{"report", "report.json"}, {"blender", "true"}, {"compare", "true"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const auto& [picture, film] : {std::pair{0, 0}, {2, 1}, {4, 2}})
     EXPECT_EQ(ReadFile(folder_ / "out" / fmt::format("{:04}.png", picture)),
@@ -51,11 +52,9 @@ TEST_F(GeneratedShot, FollowingTheFilmMendsAnAnimationThatPassesBesideIt) {
     WriteMesh(folder_ / "beside" / name, frame);
   }
   fs::copy_file(folder_ / "frames/distortion.json", folder_ / "beside/distortion.json");
-  ASSERT_EQ(Composite("alone", {{"frames", "beside"}, {"blender", "false"}}).exit_code, 0);
-  const RunResult result = Composite("followed", {{"frames", "beside"},
-                                                  {"follow", "true"},
-                                                  {"blender", "false"},
-                                                  {"report", "followed.json"}});
+  ASSERT_EQ(Composite("alone", {{"frames", "beside"}}).exit_code, 0);
+  const RunResult result = Composite(
+      "followed", {{"frames", "beside"}, {"follow", "true"}, {"report", "followed.json"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_GT(PsnrOf("followed", 1), PsnrOf("alone", 1) + 1);
   EXPECT_GT(PsnrOf("followed", 3), PsnrOf("alone", 3) + 1);
@@ -70,8 +69,7 @@ TEST_F(GeneratedShot, AVideosFramesStayAsDecoded) {
   for (const FilmPicture& picture : FilmPictures(folder_ / "film"))
     writer.Add(ReadImage(picture.path, 3));
   writer.Finish();
-  const RunResult result =
-      Composite("of_video", {{"plate", "take.mp4"}, {"filmed", "take.mp4"}, {"blender", "false"}});
+  const RunResult result = Composite("of_video", {{"plate", "take.mp4"}, {"filmed", "take.mp4"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   FrameSource source;
   source.video = folder_ / "take.mp4", source.frames = 3;
@@ -83,8 +81,7 @@ TEST_F(GeneratedShot, AVideosFramesStayAsDecoded) {
 }
 
 TEST_F(GeneratedShot, AGivenPlateLeavesNothingToPaint) {
-  const RunResult result =
-      Composite("given", {{"plate", "plate.png"}, {"report", "given.json"}, {"blender", "false"}});
+  const RunResult result = Composite("given", {{"plate", "plate.png"}, {"report", "given.json"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(json::parse(ReadFile(folder_ / "given.json"))["measurements"]["plate_inpainted"], 0);
   for (const int n : {1, 3}) EXPECT_GT(PsnrOf("given", n), 28) << "picture " << n;
@@ -94,8 +91,7 @@ TEST_F(GeneratedShot, OfSeveralPlatesOfAStillCameraTheFirstIsTaken) {
   fs::create_directories(folder_ / "empty_set");
   fs::copy_file(folder_ / "plate.png", folder_ / "empty_set/take_1.png");
   WritePng(folder_ / "empty_set/take_2.png", Image8(384, 216, 3));
-  const std::map<std::string, std::string> quick{
-      {"blender", "false"}, {"compare", "false"}, {"samples", "1"}};
+  const std::map<std::string, std::string> quick{{"samples", "1"}};
   std::map<std::string, std::string> several = quick, one = quick;
   several["plate"] = "empty_set", one["plate"] = "plate.png";
   const RunResult result = Composite("several", several);
@@ -136,8 +132,7 @@ TEST_F(GeneratedShot, AHoldoutKeepsThePropInFront) {
   for (int y = 100; y < 216; ++y)
     for (int x = 150; x < 200; ++x) *prop.at(x, y) = 255;
   WritePng(folder_ / "prop.png", prop);
-  const RunResult result =
-      Composite("held", {{"holdout", "prop.png"}, {"blender", "false"}, {"compare", "false"}});
+  const RunResult result = Composite("held", {{"holdout", "prop.png"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Image8 plate = ReadImage(folder_ / "held/plate.png", 3),
                picture = ReadImage(folder_ / "held/0001.png", 3);
@@ -163,8 +158,7 @@ TEST_F(GeneratedShot, PropsOfTheSetHideTheCharacterAndCatchItsShadow) {
   // One before the character, as the camera sees it; one in its shadow, away from the lamp.
   WriteFile(folder_ / "before.obj", BoxAt(0.03, -0.14));
   WriteFile(folder_ / "beside.obj", BoxAt(0.10, 0.08));
-  const std::map<std::string, std::string> flags{
-      {"plate", "plate.png"}, {"blender", "false"}, {"compare", "false"}};
+  const std::map<std::string, std::string> flags{{"plate", "plate.png"}};
   const auto with = [&](const char* name, const char* set) {
     std::map<std::string, std::string> all = flags;
     if (set) all["set"] = set;
@@ -187,8 +181,7 @@ TEST_F(GeneratedShot, PropsOfTheSetHideTheCharacterAndCatchItsShadow) {
 }
 
 TEST_F(GeneratedShot, TheSameInputGivesTheSameBitsForAnyThreadCount) {
-  const std::map<std::string, std::string> quick{
-      {"blender", "false"}, {"samples", "2"}, {"follow", "true"}};
+  const std::map<std::string, std::string> quick{{"samples", "2"}, {"follow", "true"}};
   const RunResult one = Composite("one", quick, {"KEYPOSE_THREADS=1"}),
                   three = Composite("three", quick, {"KEYPOSE_THREADS=3"});
   ASSERT_EQ(one.exit_code + three.exit_code, 0) << one.output << three.output;
@@ -248,7 +241,8 @@ class MovingShot : public GeneratedShot {
 };
 
 TEST_F(MovingShot, PlatesAtTheFinishedShotsRateAreUsedAsTheyAre) {
-  const RunResult result = Composite("passing", {{"plate", "plates"}, {"report", "passing.json"}});
+  const RunResult result =
+      Composite("passing", {{"plate", "plates"}, {"report", "passing.json"}, {"blender", "true"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const int n : {1, 3}) EXPECT_GT(PsnrOf("passing", n), 28) << "picture " << n;
   const json report = json::parse(ReadFile(folder_ / "passing.json"))["measurements"];
@@ -267,8 +261,8 @@ TEST_F(MovingShot, PlatesAtTheFinishedShotsRateAreUsedAsTheyAre) {
 }
 
 TEST_F(MovingShot, PlatesOfTheFilmsFramesAreMixedBetween) {
-  const std::map<std::string, std::string> flags{
-      {"plate", "film_plates"}, {"blender", "false"}, {"report", "mixed.json"}};
+  const std::map<std::string, std::string> flags{{"plate", "film_plates"},
+                                                 {"report", "mixed.json"}};
   const RunResult one = Composite("mixed", flags, {"KEYPOSE_THREADS=1"}),
                   three = Composite("mixed3", flags, {"KEYPOSE_THREADS=3"});
   ASSERT_EQ(one.exit_code, 0) << one.output;
@@ -282,11 +276,8 @@ TEST_F(MovingShot, PlatesOfTheFilmsFramesAreMixedBetween) {
 
 TEST_F(MovingShot, AHoldoutThatStandsStillIsToldOf) {
   WritePng(folder_ / "prop.png", Image8(384, 216, 1));
-  const RunResult result = Composite("with_holdout", {{"plate", "plates"},
-                                                      {"holdout", "prop.png"},
-                                                      {"samples", "1"},
-                                                      {"compare", "false"},
-                                                      {"blender", "false"}});
+  const RunResult result =
+      Composite("with_holdout", {{"plate", "plates"}, {"holdout", "prop.png"}, {"samples", "1"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("while the props pass"));
 }
@@ -337,8 +328,7 @@ TEST_F(MovingShot, CamerasThatWereLocatedServe) {
   EXPECT_LT(report["set_rms_px"], 1);
   ASSERT_EQ(shot.between.size(), 2u) << "each plate between two frames tells its camera";
   EXPECT_EQ(shot.between[0].frame, 0.5);
-  const RunResult result = Composite(
-      "by_located", {{"plate", "plates"}, {"shot", "located.json"}, {"blender", "false"}});
+  const RunResult result = Composite("by_located", {{"plate", "plates"}, {"shot", "located.json"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const int n : {1, 3}) EXPECT_GT(PsnrOf("by_located", n), 26) << "picture " << n;
 }

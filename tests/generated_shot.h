@@ -106,7 +106,8 @@ class GeneratedShot : public ::testing::Test {
     std::map<std::string, std::string> flags = {{"frames", "frames"},  {"textures", "texture.png"},
                                                 {"shot", "shot.json"}, {"plate", "film"},
                                                 {"filmed", "film"},    {"pictures", output},
-                                                {"samples", "3"},      {"video", "false"}};
+                                                {"samples", "3"},      {"video", "false"},
+                                                {"blender", "false"},  {"compare", "false"}};
     for (const auto& [name, value] : other) flags[name] = value;
     std::vector<std::string> arguments{"keypose-composite"};
     for (const auto& [name, value] : flags) {
