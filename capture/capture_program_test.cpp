@@ -117,10 +117,10 @@ TEST_F(CaptureProgram, BlackMasksAreAnInputError) {
 TEST_F(CaptureProgram, MaskOfAnotherSizeIsAnInputError) {
   WritePhotos(8);
   fs::create_directories(photos / "masks");
-  WriteImage(photos / "masks/p12.png", Image8(90, 60, 1, 255));
+  WriteImage(photos / "masks/p12.png", Image8(90, 90, 1, 255));
   const Outcome outcome = Run();
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_THAT(outcome.output, HasSubstr("is 90 x 60, but p12.jpg is 180 x 120"));
+  EXPECT_THAT(outcome.output, HasSubstr("is 90 x 90, but p12.jpg is 180 x 120"));
 }
 
 TEST_F(CaptureProgram, SecondMaskOfAPhotographIsNamedWithTheOneThatIsUsed) {

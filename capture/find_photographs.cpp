@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <iterator>
 #include <map>
 #include <regex>
@@ -256,10 +257,30 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
   return photographs;
 }
 
+namespace {
+
+std::string Folded(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+}  // namespace
+
 bool IsMaskOf(const fs::path& file, const std::string& photograph_name) {
-  const std::string stem = fs::path(photograph_name).stem().string();
-  const std::string mask = file.stem().string();
-  return mask == stem || mask == photograph_name || mask == stem + "_mask";
+  const std::string stem = Folded(fs::path(photograph_name).stem().string()),
+                    name = Folded(photograph_name);
+  std::string mask = Folded(file.stem().string());
+  for (const std::string prefix : {"mask_", "mask-"})
+    if (mask.starts_with(prefix) && !stem.starts_with(prefix)) mask.erase(0, prefix.size());
+  const auto is = [&](const std::string& ending) {
+    return mask == stem + ending || mask == name + ending;
+  };
+  if (is("")) return true;
+  for (const char separator : {'_', '-', '.'})
+    for (const std::string word :
+         {"mask", "masks", "matte", "alpha", "cutout", "out", "seg", "silhouette"})
+      if (is(separator + word)) return true;
+  return false;
 }
 
 fs::path FindMask(const fs::path& folder, const std::string& photograph_name) {

@@ -39,10 +39,12 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
 /// The pictures of a folder itself, without hidden ones, by name.
 std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& folder);
 
-/// Whether a file has the name of a mask of this photograph.
+/// Whether a file has the name of a mask of this photograph, by whatever program it was written:
+/// NAME.*, NAME.EXT.*, with `mask` before or behind it, or with matte, alpha, cutout, out, seg or
+/// silhouette behind. Case does not count.
 bool IsMaskOf(const std::filesystem::path& file, const std::string& photograph_name);
 
-/// The mask in `folder` of a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty if there is none.
+/// The first mask in `folder` of a photograph, see IsMaskOf; empty if there is none.
 std::filesystem::path FindMask(const std::filesystem::path& folder,
                                const std::string& photograph_name);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "capture/own_mask_import.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
@@ -206,6 +207,7 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
   FindMasksAndPlates(stage, import);
   RequireMasksOfPhotographs(stage, import);
   LeaveOutMasksOfAnother(stage, &import);
+  FindWaysOfMasks(stage, &import);
   return import;
 }
 
@@ -233,16 +235,8 @@ Size WrittenSize(const PhotographImport& import, std::size_t i) {
   return {part(size.width), part(size.height)};
 }
 
-Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
-                   int channels) {
-  Image8 image = channels == 3 ? ReadBalanced(import.files[i], SideFileOf(import, i))
-                               : ReadImage(file, channels);
-  const Photograph& photograph = import.photographs[i];
-  if (image.width != photograph.width || image.height != photograph.height)
-    throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +
-                     " x " + std::to_string(image.height) + ", but " + photograph.name + " is " +
-                     std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
-                     "; make the mask at the photograph's size");
+Image8 LoadUpright(const PhotographImport& import, std::size_t i) {
+  Image8 image = ReadBalanced(import.files[i], SideFileOf(import, i));
   if (import.quarter_turns[i]) image = QuarterTurned(image);
   const Size size = WrittenSize(import, i);
   return import.factors[i] == 1 ? image : Resized(image, size.width, size.height);
@@ -259,7 +253,7 @@ Image8 LoadReduced(const PhotographImport& import, std::size_t i, int eighths) {
   const bool turns = import.quarter_turns[i] &&
                      (photograph.width * eighths % 8 != 0 || photograph.height * eighths % 8 != 0);
   if (eighths == 8 || import.factors[i] != 1 || turns || IsDeveloped(import, i))
-    return Reduced(LoadUpright(import, i, import.files[i], 3), eighths);
+    return Reduced(LoadUpright(import, i), eighths);
   Image8 image = ReadReduced(import.files[i], 3, eighths);
   return import.quarter_turns[i] ? QuarterTurned(image) : image;
 }
@@ -301,7 +295,7 @@ Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::
     CopyPhotograph(import.files[i], to);
     return LoadReduced(import, i, DetailEighths(import, i));
   }
-  Image8 image = LoadUpright(import, i, import.files[i], 3);
+  Image8 image = LoadUpright(import, i);
   ExifToWrite exif;
   exif.focal_mm = info.focal_mm.value_or(0);
   exif.focal_35mm = info.focal_35mm.value_or(0);
@@ -327,8 +321,7 @@ MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, cons
       masked.mask =
           EnlargedMask(masked.detail_mask, eighths, masked.size.width, masked.size.height);
   } else {
-    Image8 mask = LoadUpright(import, i, import.user_masks[i], 1);
-    for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
+    Image8 mask = LoadOwnMask(import, i);
     masked.detail_mask = Reduced(mask, eighths);
     if (eighths < 8) masked.mask = std::move(mask);
   }

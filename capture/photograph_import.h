@@ -26,6 +26,12 @@ namespace fs = std::filesystem;
 /// refine).
 inline constexpr int kDetail_px = 2000;
 
+/// How a person's mask is to be taken; see own_mask_import.h.
+struct MaskWay {
+  bool inverted = false;   ///< white is all but the figure
+  bool as_stored = false;  ///< it lies as the photograph is stored, though it fits upright too
+};
+
 /// The set during import.
 struct PhotographImport {
   fs::path folder, masks;  // masks: empty if the user gave none
@@ -42,6 +48,7 @@ struct PhotographImport {
   std::vector<Image8> small_masks;
   std::vector<ViewStrokes> strokes;  // of a person, in pixels of the working images
   std::vector<fs::path> user_masks;
+  std::vector<MaskWay> mask_ways;  // how those masks are to be taken
   // for each photograph; empty if it shows no board
   std::vector<std::vector<BoardCorner>> board_corners;
   std::vector<BoardOdds> boards;  // their odds for the working images
@@ -51,11 +58,8 @@ struct PhotographImport {
 /// @throws InputError  too few, damaged, masks of others; not enough memory
 PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& options);
 
-/// Pixels of the photograph, or of a mask of it, as they will be written: upright, those of one
-/// camera of one size.
-/// @throws InputError  a mask of another size
-Image8 LoadUpright(const PhotographImport& import, std::size_t i, const fs::path& file,
-                   int channels);
+/// Pixels of the photograph as they will be written: upright, those of one camera of one size.
+Image8 LoadUpright(const PhotographImport& import, std::size_t i);
 /// Eighths of the size written at which the photograph is looked at; 8 for ordinary ones.
 int DetailEighths(const PhotographImport& import, std::size_t i);
 /// Pixels of the photograph, upright, at `eighths` of the size written.

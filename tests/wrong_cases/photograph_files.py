@@ -67,7 +67,7 @@ def photo_cases():
         case('all of one colour', ('rest',), each(lambda photo: photo.write_bytes(whole_png(320, 240, 90 + number_of(photo))))),
         case('all the same', ('byte for byte', 'delete the copies'), each(lambda photo: photo.write_bytes(whole_png(320, 240, 0)))),
         case('masks all black', ('black', 'FIRST'), masks_of(whole_png(320, 240, 0)), yaml=with_masks),
-        case('masks of another size', ('mask', 'FIRST', '64 x 48'), masks_of(whole_png(64, 48, 255)), yaml=with_masks),
+        case('masks of another size', ('mask', 'FIRST', '64 x 64'), masks_of(whole_png(64, 64, 255)), yaml=with_masks),
         case('masks of no photograph', ('masks/rest', 'FIRST'), masks_of(whole_png(320, 240, 255), lambda photo: 'x' + photo.name + '.png'), yaml=with_masks),
         case('masks that are texts', ('mask', 'FIRST'), masks_of(b'white'), yaml=with_masks),
         case('masks empty', ('masks/rest', 'no mask in it'), lambda folder: (folder / 'masks/rest').mkdir(parents=True), yaml=with_masks, code=0),

@@ -1,0 +1,129 @@
+// keypose-capture with masks as other programs write them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "capture/pictures/own_masks.h"
+#include "capture/testing/capture_program.h"
+#include "capture/testing/test_images.h"
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
+#include "core/pictures/image_turns.h"
+
+namespace keypose::capture::own_masks_program_test {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Image8 TruthOf(int i) { return MakeTestPhoto(i, 180, 120, TestWall::kDark).truth; }
+
+class OwnMasks : public CaptureProgram {
+ protected:
+  /// Eight photographs, stored as `orientation` says, with a mask each.
+  /// @param change  of the true mask, upright as the test draws it
+  void Write(const std::function<Image8(Image8)>& change, const std::string& before = "",
+             const std::string& after = ".jpg", int orientation = 1) {
+    ExifToWrite exif;
+    exif.orientation = orientation;
+    WritePhotos(8, 180, 120, &exif);
+    fs::create_directories(photos / "masks");
+    for (int i = 0; i < 8; ++i)
+      WriteImage(photos / "masks" / (before + "p" + std::to_string(10 + i) + after + ".png"),
+                 change(TruthOf(i)));
+  }
+  /// Expects that each mask written is the true one.
+  void ExpectTruth(int orientation = 1, int most_differing = 0) {
+    const Outcome outcome = Run();
+    ASSERT_EQ(outcome.code, 0) << outcome.output;
+    output = outcome.output;
+    for (int i = 0; i < 8; ++i) {
+      const Image8 mask = ReadImage(images / ("masks/p" + std::to_string(10 + i) + ".jpg.png"), 1),
+                   truth = Oriented(TruthOf(i), orientation);
+      ASSERT_EQ(mask.width, truth.width);
+      int differing = 0;
+      for (std::size_t p = 0; p < mask.data.size(); ++p) differing += mask.data[p] != truth.data[p];
+      EXPECT_LE(differing, most_differing) << i;
+    }
+  }
+  std::string output;
+};
+
+TEST_F(OwnMasks, OfLevelsZeroAndOneAreUsed) {
+  Write([](Image8 mask) {
+    for (std::uint8_t& m : mask.data) m = m ? 1 : 0;
+    return mask;
+  });
+  ExpectTruth();
+  EXPECT_THAT(output, Not(HasSubstr("these masks")));
+}
+
+TEST_F(OwnMasks, WhiteRoundTheFigureIsTurnedRoundAndSaid) {
+  Write(Inverted);
+  ExpectTruth();
+  EXPECT_THAT(output, HasSubstr("white where the figure is not"));
+}
+
+TEST_F(OwnMasks, OfHalfTheSizeAreResizedAndSaid) {
+  Write([](const Image8& mask) { return ResizedMask(mask, 90, 60); });
+  ExpectTruth(1, 180 * 120 / 100);
+  EXPECT_THAT(output, HasSubstr("another size than their photographs, and were resized"));
+}
+
+TEST_F(OwnMasks, AsStoredAreTurnedAsExifSays) {
+  for (const int orientation : {3, 6, 8}) {
+    Write([](const Image8& mask) { return mask; }, "", ".jpg", orientation);
+    ExpectTruth(orientation);
+    EXPECT_THAT(output, HasSubstr("lie as their photographs are stored")) << orientation;
+    fs::remove_all(images);
+  }
+}
+
+TEST_F(OwnMasks, UprightOnesStayForPhotographsThatAreStoredTurned) {
+  for (const int orientation : {3, 6, 8}) {
+    Write([&](const Image8& mask) { return Oriented(mask, orientation); }, "", ".jpg", orientation);
+    ExpectTruth(orientation);
+    EXPECT_THAT(output, Not(HasSubstr("these masks"))) << orientation;
+    fs::remove_all(images);
+  }
+}
+
+TEST_F(OwnMasks, ByOtherProgramsNamesAreFound) {
+  for (const auto& [before, after] : {std::pair{"", ""},
+                                      {"", "_mask"},
+                                      {"mask_", ""},
+                                      {"", ".JPG"},
+                                      {"", ".jpg.mask"},
+                                      {"", "-matte"},
+                                      {"", ".out"}}) {
+    fs::remove_all(photos);
+    Write([](const Image8& mask) { return mask; }, before, after);
+    ExpectTruth();
+    fs::remove_all(images);
+  }
+}
+
+TEST_F(OwnMasks, BlackOnesAmongOthersAreNamedAndNotUsed) {
+  Write([](const Image8& mask) { return mask; });
+  WriteImage(photos / "masks/p12.jpg.png", Image8(180, 120, 1));
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("these masks are black"));
+  EXPECT_THAT(outcome.output, HasSubstr("p12.jpg.png"));
+  EXPECT_EQ(SideOf(ReadImage(images / "masks/p12.jpg.png", 1)), MaskSide::kFigure);
+}
+
+TEST_F(OwnMasks, LabelsAreRefusedWithEachMaskNamed) {
+  Write([](Image8 mask) {
+    for (std::size_t p = 0; p < mask.data.size(); ++p)
+      mask.data[p] = static_cast<std::uint8_t>(mask.data[p] ? 1 : p % 2 * 2);
+    return mask;
+  });
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("8 files have a mask that cannot be used"));
+  EXPECT_THAT(outcome.output, HasSubstr("p17.jpg.png has the levels 0, 1, 2"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+}  // namespace keypose::capture::own_masks_program_test
