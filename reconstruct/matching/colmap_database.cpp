@@ -257,8 +257,8 @@ void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other,
   if (all.columns == 0) return;
   const auto kept = static_cast<std::int64_t>(all.descriptors.size() / kDescriptorSize);
   for (const bool is_keypoints : {true, false}) {
-    Statement add(database_.get(), is_keypoints ? "INSERT INTO keypoints VALUES (?, ?, ?, ?)"
-                                                : "INSERT INTO descriptors VALUES (?, ?, ?, ?)");
+    Statement add(database_.get(), is_keypoints ? "INSERT INTO keypoints (image_id, rows, cols, data) VALUES (?, ?, ?, ?)"
+                                                : "INSERT INTO descriptors (image_id, rows, cols, data) VALUES (?, ?, ?, ?)");
     add.Bind(1, image + 1);
     add.Bind(2, kept);
     add.Bind(3, is_keypoints ? all.columns : kDescriptorSize);

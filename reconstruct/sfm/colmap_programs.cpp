@@ -16,14 +16,31 @@
 #include "core/values/size_of.h"
 #include "reconstruct/matching/feature_crop.h"
 #include "reconstruct/sfm/colmap_programs.h"
+#include "reconstruct/sfm/colmap_release.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;
 
 namespace {
 
+/// Asked once: each question starts the program.
+const ColmapRelease& InstalledColmap(StageContext& stage) {
+  static const ColmapRelease release = [&] {
+    const std::string version = ToolVersion("colmap");
+    if (version == "missing") return ColmapRelease{};  // RunTool says what to install
+    const ColmapRelease found = ParseColmapRelease(version);
+    if (found > kLatestKnownColmap)
+      stage.Warn("COLMAP " + std::to_string(found.major) + "." + std::to_string(found.minor) +
+                 " is later than the releases that are known here, 3.8 to 4.1; if it refuses an "
+                 "option, install one of those");
+    return found;
+  }();
+  return release;
+}
+
+/// @param arguments  with the options' names of COLMAP 3.8
 std::string Colmap(StageContext& stage, const std::vector<std::string>& arguments) {
-  return RunTool(stage, "colmap", arguments,
+  return RunTool(stage, "colmap", ArgumentsFor(InstalledColmap(stage), arguments),
                  {"QT_QPA_PLATFORM=offscreen", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"});
 }
 
