@@ -2,6 +2,7 @@
 
 #include <tiny_gltf.h>
 
+#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -33,6 +34,14 @@ tinygltf::Value BlendExtras(const GlbTextures& textures) {
                                 {"poses", tinygltf::Value(poses)},
                                 {"moments", tinygltf::Value(moments)}};
   return tinygltf::Value(tinygltf::Value::Object{{"keypose", tinygltf::Value(blend)}});
+}
+
+/// The largest single-precision time that is not after `seconds`: a player that asks at n / fps
+/// then finds the picture of that frame, not the one before.
+float KeyTime(double seconds) {
+  const auto nearest = static_cast<float>(seconds);
+  return nearest > seconds ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
+                           : nearest;
 }
 
 }  // namespace
@@ -160,7 +169,7 @@ struct GlbBuilder::Parts {
   void AddAnimation(const GlbWeights& track) {
     const auto count = std::ssize(track.seconds);
     FloatRows times(count, 1);
-    for (Eigen::Index i = 0; i < count; ++i) times(i, 0) = static_cast<float>(track.seconds[i]);
+    for (Eigen::Index i = 0; i < count; ++i) times(i, 0) = KeyTime(track.seconds[i]);
     tinygltf::AnimationSampler sampler;
     sampler.interpolation = track.steps ? "STEP" : "LINEAR";
     sampler.input = AddAccessor(times, TINYGLTF_TYPE_SCALAR, 0, true);
@@ -171,7 +180,7 @@ struct GlbBuilder::Parts {
     channel.target_node = 0;
     channel.target_path = "weights";
     tinygltf::Animation animation;
-    animation.name = name;
+    animation.name = name + "_animation";  // readers that make both a node refuse one name for two
     animation.samplers.push_back(sampler);
     animation.channels.push_back(channel);
     model.animations.push_back(animation);

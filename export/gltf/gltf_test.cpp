@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
@@ -222,6 +223,37 @@ TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
     EXPECT_EQ(HeightAt(glb, {2, 4}, seconds), expected[static_cast<int>(seconds * 10)])
         << seconds << " s";
   }
+}
+
+// Players ask at n / fps in double precision, and the times in the file are single ones.
+TEST(MakeGlb, AskedAtAFramesTimeItShowsThatFrame) {
+  constexpr int kFrames = 480;
+  std::vector<double> heights(kFrames);
+  std::iota(heights.begin(), heights.end(), 0);
+  const AnimatedMesh mesh = Boxes(heights);
+  const std::vector<double> targets(heights.begin() + 1, heights.end());
+  for (const double fps : {12.0, 24.0, 24000 / 1001.0, 25.0, 29.97, 60.0}) {
+    GlbOptions options;
+    options.playback.fps = fps;
+    const Glb steps(MakeGlb(mesh, MakeClip(mesh.points, std::vector<char>(kFrames, 1), false),
+                            Names(kFrames), {}, options));
+    const Glb glides(MakeGlb(mesh, MakeClip(mesh.points, std::vector<char>(kFrames, 0), false),
+                             Names(kFrames), {}, options));
+    std::vector<char> on_twos(kFrames, 0);
+    for (int i = 0; i < kFrames; ++i) on_twos[i] = i % 24 != 23;
+    const Glb mixed(
+        MakeGlb(mesh, MakeClip(mesh.points, on_twos, false), Names(kFrames), {}, options));
+    for (int n = 0; n + 1 < kFrames; ++n) {
+      ASSERT_EQ(HeightAt(steps, targets, n / fps), n) << fps;
+      ASSERT_NEAR(HeightAt(glides, targets, n / fps), n, 1e-3) << fps;
+      ASSERT_NEAR(HeightAt(mixed, targets, n / fps), n, 1e-3) << fps;
+    }
+  }
+}
+
+TEST(MakeGlb, TheAnimationHasAnotherNameThanTheNode) {
+  const Glb glb = Written(StretchingBox(3));
+  EXPECT_NE(glb.json["animations"][0]["name"], glb.json["nodes"][0]["name"]);
 }
 
 TEST(MakeGlb, GlidesAndStepsInOneClipPlayAsEach) {
