@@ -228,7 +228,7 @@ TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
 // Players ask at n / fps in double precision, and the times in the file are single ones.
 TEST(MakeGlb, AskedAtAFramesTimeItShowsThatFrame) {
   constexpr int kFrames = 480;
-  std::vector<double> heights(kFrames);
+  std::vector<int> heights(kFrames);
   std::iota(heights.begin(), heights.end(), 0);
   const AnimatedMesh mesh = Boxes(heights);
   const std::vector<double> targets(heights.begin() + 1, heights.end());
