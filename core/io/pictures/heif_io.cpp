@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
+#include "core/io/pictures/color_profile.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -29,6 +31,25 @@ struct FreeHandle {
 struct FreePicture {
   void operator()(const heif_image* picture) const { heif_image_release(picture); }
 };
+
+/// The colour profile's bytes: the container's own, or of the primaries that it names; empty for
+/// sRGB.
+std::string ProfileOf(const heif_image_handle* handle) {
+  constexpr int kDisplayP3 = 12;  // SMPTE EG 432-1, by ITU-T H.273
+  if (const std::size_t size = heif_image_handle_get_raw_color_profile_size(handle); size > 0) {
+    std::string bytes(size, '\0');
+    return heif_image_handle_get_raw_color_profile(handle, bytes.data()).code == heif_error_Ok
+               ? bytes
+               : std::string();
+  }
+  heif_color_profile_nclx* raw = nullptr;
+  if (heif_image_handle_get_nclx_color_profile(handle, &raw).code != heif_error_Ok || !raw)
+    return {};
+  const std::unique_ptr<heif_color_profile_nclx,
+                        Freed<heif_color_profile_nclx, heif_nclx_color_profile_free>>
+      named(raw);
+  return named->color_primaries == kDisplayP3 ? DisplayP3Profile() : std::string();
+}
 
 }  // namespace
 
@@ -57,7 +78,7 @@ Image8 ReadHeif(const std::filesystem::path& path) {
   for (int y = 0; y < height; ++y)
     std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width),
                 image.at(0, y));
-  return image;
+  return InSrgb(std::move(image), ProfileOf(handle.get()));
 }
 
 }  // namespace keypose

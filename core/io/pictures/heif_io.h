@@ -7,7 +7,7 @@
 
 namespace keypose {
 
-/// The primary picture as 8-bit RGB, rotated and mirrored as the container says (irot, imir).
+/// The primary picture as 8-bit sRGB, whatever its colour profile, rotated and mirrored as the container says (irot, imir).
 /// @throws InputError  truncated or damaged, or the container claims another size than the picture
 /// has; names the file
 Image8 ReadHeif(const std::filesystem::path& path);

@@ -12,6 +12,7 @@
 #include <new>
 #include <utility>
 
+#include "core/io/pictures/color_profile.h"
 #include "core/io/pictures/heif_io.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/image_levels.h"
@@ -140,6 +141,13 @@ int OrientationOf(const ImageSpec& spec) {
   return orientation >= 1 && orientation <= 8 ? orientation : 1;
 }
 
+/// Bytes of the ICC profile; empty where there is none.
+std::string ProfileIn(const ImageSpec& spec) {
+  const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
+  if (!profile) return {};
+  return {static_cast<const char*>(profile->data()), static_cast<std::size_t>(profile->datasize())};
+}
+
 std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name) {
   const float value = spec.get_float_attribute(name, 0);
   if (value > 0 && std::isfinite(value)) return value;
@@ -266,7 +274,8 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
-  return Oriented(WithChannels(ReadRaw(path, *input, spec), wanted), OrientationOf(spec));
+  Image8 image = WithChannels(ReadRaw(path, *input, spec), wanted);
+  return Oriented(InSrgb(std::move(image), ProfileIn(spec)), OrientationOf(spec));
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
@@ -280,10 +289,7 @@ StoredLevels StoredLevelsOf(const fs::path& path) {
   stored.bits = spec.get_int_attribute("oiio:BitsPerSample", 0);
   if (stored.bits <= 0) stored.bits = static_cast<int>(8 * spec.format.size());
   stored.alpha = spec.alpha_channel >= 0;
-  const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
-  if (profile)
-    stored.profile.assign(static_cast<const char*>(profile->data()),
-                          static_cast<std::size_t>(profile->datasize()));
+  stored.profile = ProfileIn(spec);
   return stored;
 }
 

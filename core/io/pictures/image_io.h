@@ -30,7 +30,8 @@ struct ImageInfo {
 ImageInfo ReadImageInfo(const std::filesystem::path& path);
 
 /// The pixels as 8 bit, with the EXIF orientation applied. `channels` is 1 (luma), 3 (RGB) or 0,
-/// which keeps 1 or 3. Alpha is dropped.
+/// which keeps 1 or 3. Alpha is dropped. Colours with an ICC profile become sRGB; luma is that of the
+/// colours as they are stored.
 /// @throws DiskError   cannot be opened; not enough memory
 /// @throws InputError  not an image of a known kind, larger than kMostPixels, or truncated; names
 /// the file

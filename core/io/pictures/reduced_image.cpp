@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/pictures/color_profile.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_kind.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/text/files.h"
 #include "core/pictures/image_turns.h"
 
@@ -274,7 +276,9 @@ Image8 ReadJpeg(const std::filesystem::path& path, const ImageInfo& info, int ch
   const std::string bytes = ReadFile(path);
   if (!IsWholeImage(bytes, "jpeg")) return {};
   Image8 part = PartOfJpeg(bytes, channels, eighths);
-  return part.empty() ? std::move(part) : Oriented(std::move(part), info.orientation);
+  if (part.empty()) return part;
+  if (channels == 3) part = InSrgb(std::move(part), StoredLevelsOf(path).profile);
+  return Oriented(std::move(part), info.orientation);
 }
 
 }  // namespace

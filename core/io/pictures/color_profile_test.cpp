@@ -1,0 +1,81 @@
+#include "core/io/pictures/color_profile.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
+#include "core/io/pictures/reduced_image.h"
+#include "core/testing/folder.h"
+
+namespace keypose::color_profile_test {
+
+double Linear(double level) {
+  const double v = level / 255;
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+double Level(double linear) {
+  const double l = std::clamp(linear, 0.0, 1.0);
+  return 255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055);
+}
+
+/// Display P3 to sRGB by the matrix of the two sets of primaries (both D65).
+void ExpectSrgbOfP3(const std::uint8_t* p3, const std::uint8_t* srgb) {
+  constexpr double kMatrix[3][3] = {
+      {1.2249401, -0.2249404, 0}, {-0.0420569, 1.0420571, 0}, {-0.0196376, -0.0786361, 1.0982735}};
+  for (int c = 0; c < 3; ++c) {
+    double linear = 0;
+    for (int k = 0; k < 3; ++k) linear += kMatrix[c][k] * Linear(p3[k]);
+    EXPECT_NEAR(srgb[c], Level(linear), 1.5)
+        << int{p3[0]} << " " << int{p3[1]} << " " << int{p3[2]};
+  }
+}
+
+Image8 Colours() {
+  Image8 image(16, 16, 3);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      image.at(x, y)[0] = static_cast<std::uint8_t>(17 * x);
+      image.at(x, y)[1] = static_cast<std::uint8_t>(17 * y);
+      image.at(x, y)[2] = static_cast<std::uint8_t>(255 - 8 * (x + y));
+    }
+  return image;
+}
+
+TEST(InSrgb, DisplayP3IsConvertedByThePrimaries) {
+  const Image8 p3 = Colours(), srgb = InSrgb(p3, DisplayP3Profile());
+  for (int p = 0; p < 256; ++p) ExpectSrgbOfP3(&p3.data[3 * p], &srgb.data[3 * p]);
+}
+
+TEST(InSrgb, SrgbAndWhatIsNoProfileOfRgbStayToTheBit) {
+  const std::string srgb = ProfileOf({0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06});
+  EXPECT_EQ(InSrgb(Colours(), srgb).data, Colours().data);
+  EXPECT_EQ(InSrgb(Colours(), "").data, Colours().data);
+  EXPECT_EQ(InSrgb(Colours(), "no profile").data, Colours().data);
+  EXPECT_EQ(InSrgb(Image8(4, 4, 1, 90), DisplayP3Profile()).data, Image8(4, 4, 1, 90).data)
+      << "a mask";
+}
+
+class ProfiledPicture : public ::testing::Test, public TestingFolder {
+ protected:
+  ImageF levels() const {
+    const Image8 colours = Colours();
+    ImageF levels(colours.width, colours.height, 3);
+    std::copy(colours.data.begin(), colours.data.end(), levels.data.begin());
+    return levels;
+  }
+};
+
+TEST_F(ProfiledPicture, IsReadAsSrgbFromPngAndTiff) {
+  for (const char* name : {"p3.png", "p3.tif"}) {
+    WriteLevels(path() / name, levels(), 8, DisplayP3Profile());
+    const Image8 read = ReadImage(path() / name, 3), p3 = Colours();
+    for (int p = 0; p < 256; ++p) ExpectSrgbOfP3(&p3.data[3 * p], &read.data[3 * p]);
+    EXPECT_EQ(ReadLevels(path() / name, 3).data, levels().data)
+        << "filmed pictures keep their levels";
+  }
+}
+
+}  // namespace keypose::color_profile_test
