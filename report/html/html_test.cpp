@@ -17,7 +17,6 @@ TEST(Html, EscapesEncodesAndWritesNumbersForPeople) {
   EXPECT_EQ(PrettySeconds(245), "4 min 05 s");
   EXPECT_EQ(PrettyBytes(1.35e9), "1.35 GB");
   EXPECT_EQ(Percent(0.1234), "12.3\u00a0%");
-  EXPECT_EQ(Words("reprojection_error_px"), "reprojection error (px)");
 }
 
 }  // namespace keypose::report::html_test

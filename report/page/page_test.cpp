@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "report/page/sections.h"
 #include "report/player/player_data.h"
 #include "report/testing/minimal_report.h"
 #include "report/testing/page_with_player.h"
@@ -43,6 +44,10 @@ std::string ReadStrange(const std::filesystem::path& path) {
   if (path == "/base/polish.json")
     return R"({"schema": 1, "measurements": {"shine": 12, "dust": 0.053, "scratches": 3}})";
   return R"({"schema": 1, "measurements": {"wide_m": 0.1875}})";
+}
+
+TEST(Sections, NamesOfMeasurementsAreWrittenForPeople) {
+  EXPECT_EQ(Words("reprojection_error_px"), "reprojection error (px)");
 }
 
 TEST(BuildPage, AStageOfOnesOwnIsShownAsItDescribesItself) {
