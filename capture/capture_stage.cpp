@@ -8,6 +8,7 @@
 
 #include "capture/board/board_detection.h"
 #include "capture/board/board_print.h"
+#include "capture/board/board_survey.h"
 #include "capture/capture_options.h"
 #include "capture/find_photographs.h"
 #include "capture/photograph_import.h"
@@ -35,22 +36,64 @@ constexpr int kPreview_px = 640;
 // for more photographs, comparing all pairs would take too long
 constexpr std::size_t kMostCompared = 60;
 
-/// Whether some photographs, spread over the set, show the calibration board.
-bool ShowsBoard(const PhotographImport& import, const CaptureOptions& options) {
+/// Photographs spread over the set, and whether each shows corners of the wished board.
+struct BoardProbes {
+  std::vector<Image8> pictures;
+  std::vector<char> shows;
+  bool any() const { return std::find(shows.begin(), shows.end(), 1) != shows.end(); }
+};
+
+BoardProbes LookForBoards(const PhotographImport& import, const CaptureOptions& options) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
-  std::atomic<bool> seen = false;
+  BoardProbes found;
+  found.pictures.resize(probes);
+  found.shows.resize(probes);
   ParallelFor(static_cast<std::int64_t>(probes), [&](std::int64_t k) {
-    if (seen) return;
     const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
     try {
-      const Image8 image = LoadReduced(import, i, DetailEighths(import, i));
-      if (!FindBoard(image, options.Board()).empty()) seen = true;
+      found.pictures[k] = LoadReduced(import, i, DetailEighths(import, i));
+      found.shows[k] = !FindBoard(found.pictures[k], options.Board()).empty();
     } catch (const InputError&) {
       // A damaged photograph is reported later, with all the others.
     }
   });
-  return seen;
+  return found;
+}
+
+/// Which board the photographs show, of any kind; empty where they do not tell.
+std::optional<BoardPattern> SurveyedBoard(const BoardProbes& probes,
+                                          const CaptureOptions& options) {
+  BoardSurvey survey(
+      {.kind = std::nullopt, .columns = 0, .rows = 0, .square_m = options.board_square_mm / 1000});
+  for (std::size_t k = 0; k < probes.pictures.size() && !survey.sure(); ++k)
+    if (!probes.pictures[k].empty() && (probes.shows[k] || !probes.any()))
+      survey.Add(probes.pictures[k]);
+  return survey.Pattern();
+}
+
+bool IsAsPrinted(const BoardPattern& pattern, const BoardLayout& own) {
+  return pattern.kind == BoardPattern::Kind::kCharuco && pattern.dictionary == kOwnDictionary &&
+         !pattern.first_white && !pattern.inverted && pattern.layout.columns == own.columns &&
+         pattern.layout.rows == own.rows;
+}
+
+/// Whether the photographs show the board that the options name. Markers of another board may lie
+/// so that this one explains them with a shift, so that what is seen is looked at without a wish
+/// too.
+bool ShowsBoard(StageContext& stage, const PhotographImport& import,
+                const CaptureOptions& options) {
+  const BoardProbes probes = LookForBoards(import, options);
+  const std::optional<BoardPattern> shown = SurveyedBoard(probes, options);
+  if (!shown || IsAsPrinted(*shown, options.Board())) return probes.any();
+  stage.Warn(
+      "the photographs show " + shown->Name() +
+      ", which is not the board that `keypose capture --print-board` prints with these options (" +
+      BoardPattern(options.Board()).Name() +
+      "), so it is not used: the cameras come from the figure alone, and lengths have no unit. "
+      "Give its board_columns and board_rows, or print "
+      "that board");
+  return false;
 }
 
 /// Eighths that suffice for the working image; ordinary photographs are decoded whole.
@@ -62,7 +105,7 @@ int SegmentedEighths(const PhotographImport& import, std::size_t i, const Captur
 
 /// Decodes everything once, which also detects truncated files, and searches the calibration board.
 void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
-  const bool with_board = options.board && ShowsBoard(import, options);
+  const bool with_board = options.board && ShowsBoard(stage, import, options);
   import.small.resize(import.files.size());
   import.board_corners.resize(import.files.size());
   import.boards.resize(import.files.size());
