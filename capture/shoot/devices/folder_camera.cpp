@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
+#include <string>
 
 #include "capture/shoot/devices/device_fault.h"
+#include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/text/files.h"
+#include "core/numbers/sha256.h"
 #include "core/values/errors.h"
 
 namespace keypose::capture::shoot {
@@ -13,10 +16,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Seen {
+/// A second file of a photograph does not come later.
+constexpr double kLatePair_s = 20;
+
+/// What changes when a file is written.
+struct Signature {
   std::uintmax_t bytes = 0;
-  double since = 0;  ///< when it was first seen with this size
+  fs::file_time_type time;
+  bool operator==(const Signature&) const = default;
 };
+
+struct Seen {
+  Signature signature;
+  double since = 0;  ///< when it was first seen so
+};
+
+/// A file that was taken, or was there before.
+struct Used {
+  Signature signature;
+  std::string digest;  ///< of its bytes; empty: not known
+};
+
+Signature SignatureOf(const fs::path& file, std::error_code& error) {
+  Signature signature;
+  signature.bytes = fs::file_size(file, error);
+  if (!error) signature.time = fs::last_write_time(file, error);
+  return signature;
+}
+
+/// Whether a picture's end has arrived. RAW files do not tell.
+bool IsWhole(const fs::path& file) {
+  if (IsRawName(file)) return true;
+  const std::string bytes = ReadFile(file), kind = ImageKindOf(bytes.substr(0, 4096));
+  return (kind != "jpeg" && kind != "png") || IsWholeImage(bytes, kind);
+}
 
 class FolderCamera final : public CameraDevice {
  public:
@@ -28,7 +61,10 @@ class FolderCamera final : public CameraDevice {
                         "make it, or let the tethering program make it; it goes on by itself",
                         false);
     if (connected_) return;
-    for (const fs::path& file : Pictures()) used_.insert(file.filename());
+    std::error_code gone;
+    // Not their bytes: the folder may hold all photographs of a year.
+    for (const fs::path& file : Pictures())
+      used_[file.filename().string()] = {SignatureOf(file, gone), {}};
     connected_ = true;
   }
 
@@ -55,7 +91,7 @@ class FolderCamera final : public CameraDevice {
                         error.message() + "; free some space and start again");
       exposure.files.push_back(to);
     }
-    for (const fs::path& file : fresh) used_.insert(file.filename());
+    for (const fs::path& file : fresh) Use(file, patience.Now());
     return exposure;
   }
 
@@ -72,11 +108,50 @@ class FolderCamera final : public CameraDevice {
     return files;
   }
 
+  void Use(const fs::path& file, double now) {
+    std::error_code gone;
+    used_[file.filename().string()] = {SignatureOf(file, gone), Sha256Of(ReadFile(file))};
+    taken_at_[file.stem().string()] = now;
+  }
+
+  /// Whether a file was taken already, or comes after the photograph that it belongs to.
+  bool IsUsed(const fs::path& file, double now) {
+    const auto entry = used_.find(file.filename().string());
+    if (entry == used_.end()) return ComesLate(file, now);
+    std::error_code gone;
+    const Signature signature = SignatureOf(file, gone);
+    if (gone || signature == entry->second.signature) return true;
+    // Touched or copied again: the bytes tell.
+    if (!IsStill(file, now) || Sha256Of(ReadFile(file)) != entry->second.digest) return false;
+    entry->second.signature = signature;
+    return true;
+  }
+
+  /// The RAW of a JPEG that was taken, or the other way round: the next pair is waited for longer.
+  bool ComesLate(const fs::path& file, double now) {
+    const auto taken = taken_at_.find(file.stem().string());
+    if (taken == taken_at_.end() || now - taken->second > kLatePair_s) return false;
+    for (const auto& [name, used] : used_) {
+      const fs::path other(name);
+      if (other.stem() != file.stem() || IsRawName(other) == IsRawName(file)) continue;
+      pairs_ = true;
+      times_.pair_s = std::max(times_.pair_s, now - taken->second + 2 * times_.still_s);
+      Use(file, taken->second);
+      return true;
+    }
+    return false;
+  }
+
+  bool IsStill(const fs::path& file, double now) {
+    const auto seen = seen_.find(file.filename().string());
+    return seen != seen_.end() && now - seen->second.since >= times_.still_s;
+  }
+
   /// The files of the oldest photograph that is complete; none if there is none.
   std::vector<fs::path> Fresh(Patience& patience) {
     std::map<std::string, std::vector<fs::path>> photographs;
     for (const fs::path& file : Pictures())
-      if (!used_.contains(file.filename())) photographs[file.stem().string()].push_back(file);
+      if (!IsUsed(file, patience.Now())) photographs[file.stem().string()].push_back(file);
     std::vector<fs::path> oldest;
     fs::file_time_type oldest_time = fs::file_time_type::max();
     for (const auto& [stem, files] : photographs) {
@@ -89,24 +164,28 @@ class FolderCamera final : public CameraDevice {
     return oldest;
   }
 
-  /// Whether none of them has grown for a while. A single file waits longer once pairs were seen.
+  /// Whether none of them has changed for a while, and all are whole. A single file waits longer
+  /// once pairs were seen.
   bool AllStill(const std::vector<fs::path>& files, double now) {
     bool still = true;
     pairs_ = pairs_ || files.size() > 1;
     const double wait_s = pairs_ && files.size() == 1 ? times_.pair_s : times_.still_s;
     for (const fs::path& file : files) {
       std::error_code gone;
-      const std::uintmax_t bytes = fs::file_size(file, gone);
-      auto [entry, is_new] = seen_.try_emplace(file.filename().string(), Seen{bytes, now});
-      if (gone || entry->second.bytes != bytes) entry->second = {gone ? 0 : bytes, now};
-      still = still && !gone && bytes > 0 && now - entry->second.since >= wait_s;
+      const Signature signature = SignatureOf(file, gone);
+      auto [entry, is_new] = seen_.try_emplace(file.filename().string(), Seen{signature, now});
+      if (gone || entry->second.signature != signature) entry->second = {signature, now};
+      const double rest_s = now - entry->second.since;
+      still = still && !gone && signature.bytes > 0 && rest_s >= wait_s &&
+              (rest_s >= times_.unfinished_s || IsWhole(file));
     }
     return still;
   }
 
   fs::path folder_;
   FolderTimes times_;
-  std::set<fs::path> used_;
+  std::map<std::string, Used> used_;        // by file name
+  std::map<std::string, double> taken_at_;  // by stem
   std::map<std::string, Seen> seen_;
   bool connected_ = false, pairs_ = false;
 };

@@ -11,6 +11,11 @@
 namespace keypose::capture::shoot {
 namespace {
 
+constexpr double kInch_mm = 25.4;
+/// Places are told to a thousandth of an inch [inch].
+constexpr double kInchGrain = 0.002;
+constexpr const char* kSoftReset = "\x18";
+
 /// The axis' value of "1.000,2.000,3.000".
 bool ValueOf(const std::string& list, char axis, double* value) {
   std::istringstream in(list);
@@ -42,16 +47,22 @@ class GrblTurntable final : public TurntableDevice {
   }
 
   void TurnTo(double angle_deg, Patience& patience) override {
-    Status(patience);
-    if (was_reset_) SetUp(position_deg_, patience);  // at rest: it stands where it stood
+    GrblStatus status = Status(patience);
+    if (was_reset_) {  // at rest: it stands where it stood
+      SetUp(position_deg_, patience);
+      status = Status(patience);
+    }
     const double target_deg = NearestTurn(position_deg_, angle_deg);
+    const Turn turn{Reported(status), (target_deg - position_deg_) / options_.degrees_per_unit,
+                    target_deg / options_.degrees_per_unit,
+                    std::abs(target_deg - position_deg_) / options_.speed_deg_s};
     char line[96];
     std::snprintf(line, sizeof line, "G90 G1 %c%.4f F%.2f", options_.axis,
                   target_deg / options_.degrees_per_unit,
                   60 * options_.speed_deg_s / options_.degrees_per_unit);
     for (int start = 0; start < times_.stalls; ++start) {
       Send(line, patience);
-      if (Arrives(target_deg / options_.degrees_per_unit, patience)) {
+      if (Arrives(turn, patience)) {
         position_deg_ = target_deg;
         return;
       }
@@ -64,6 +75,13 @@ class GrblTurntable final : public TurntableDevice {
   double angle_deg() const override { return WithinTurn(position_deg_); }
 
  private:
+  /// A turn that was sent.
+  struct Turn {
+    double began = 0;            ///< place that was reported before
+    double way = 0, target = 0;  ///< [units]
+    double least_s = 0;          ///< it cannot end earlier
+  };
+
   [[noreturn]] void Lost() {
     set_up_ = false;
     throw PositionLost("table-lost",
@@ -84,7 +102,11 @@ class GrblTurntable final : public TurntableDevice {
   /// A line, with a look for the greeting that tells of a reset.
   std::optional<std::string> Read(double timeout_s, Patience& patience) {
     auto line = port_.ReadLine(std::max(0.0, timeout_s), patience);
-    if (line && line->starts_with("Grbl ")) was_reset_ = true;
+    if (line && line->starts_with("Grbl ")) {
+      was_reset_ = true;
+      alarmed_ = false;
+    }
+    if (line && line->starts_with("ALARM:")) alarmed_ = true;
     return line;
   }
 
@@ -97,14 +119,42 @@ class GrblTurntable final : public TurntableDevice {
         if (!line) break;
         GrblStatus status;
         if (!ParseGrblStatus(*line, options_.axis, &status)) continue;
+        if (inches_) InMillimetres(&status);
         if (status.has_offset) offset_ = status.offset;
         return status;
       }
+      // After a limit switch GRBL takes nothing but a reset.
+      if (alarmed_) port_.Write(kSoftReset);
     }
     throw DeviceFault("table-silent", "the turntable does not answer",
                       "see whether it has power, and whether " + device_.string() +
                           " is the port of its GRBL controller",
                       false);
+  }
+
+  static void InMillimetres(GrblStatus* status) {
+    status->machine_position *= kInch_mm;
+    status->work_position *= kInch_mm;
+    status->offset *= kInch_mm;
+  }
+
+  /// Whether the controller reports places in inches ($13=1): lines are in millimetres all the
+  /// same. Others do not list settings, and are found out by their first turn.
+  void AskForUnits(Patience& patience) {
+    port_.Drain();
+    port_.Write("$$\n");
+    const double until = patience.Now() + times_.reply_s / 4;
+    while (patience.Now() < until) {
+      const auto line = Read(until - patience.Now(), patience);
+      if (!line || *line == "ok" || line->starts_with("error:")) return;
+      if (line->starts_with("$13=")) inches_ = line->starts_with("$13=1");
+    }
+  }
+
+  /// Whether a turn that ended elsewhere has ended in its place, told in inches.
+  bool EndedInInches(const Turn& turn, const GrblStatus& status) const {
+    const double off = std::abs((Reported(status) - turn.began) * kInch_mm - turn.way);
+    return !inches_ && std::abs(turn.way) > 1 && off < kInchGrain * kInch_mm;
   }
 
   /// Sends a line until it is acknowledged. All lines that are sent may be carried out twice.
@@ -140,6 +190,7 @@ class GrblTurntable final : public TurntableDevice {
     was_reset_ = false;
     position_deg_ = WithinTurn(angle_deg);
     if (Status(patience).state == "Alarm") Send("$X", patience);
+    AskForUnits(patience);
     Send("G21 G90 G94", patience);
     char line[64];
     std::snprintf(line, sizeof line, "G92 %c%.4f", options_.axis,
@@ -155,15 +206,21 @@ class GrblTurntable final : public TurntableDevice {
     return status.has_machine_position ? status.machine_position : status.work_position + offset_;
   }
 
+  static double Reported(const GrblStatus& status) {
+    return status.has_machine_position ? status.machine_position : status.work_position;
+  }
+
   double WorkPosition(const GrblStatus& status) const {
     return status.has_work_position ? status.work_position : status.machine_position - offset_;
   }
 
-  /// Waits until the table stands at `target`; false if it stalls, or stopped elsewhere because the
-  /// line was lost.
-  bool Arrives(double target_units, Patience& patience) {
-    const double close = 0.02 / options_.degrees_per_unit;
-    // Right after `ok` the controller may be idle for a moment.
+  /// Waits until the table stands at the turn's target; false if it stalls, or stopped elsewhere
+  /// because the line was lost.
+  bool Arrives(const Turn& turn, Patience& patience) {
+    const double close =
+        std::max(0.02 / options_.degrees_per_unit, inches_ ? kInchGrain * kInch_mm : 0.0);
+    // Right after `ok` the controller may be idle for a moment, and may even tell the place where
+    // it will be.
     constexpr double kGrace_s = 0.5;
     const double sent = patience.Now();
     double last = INFINITY, moved = sent;
@@ -175,9 +232,15 @@ class GrblTurntable final : public TurntableDevice {
         Lost();
       }
       if (status.state.starts_with("Hold") || status.state.starts_with("Door")) port_.Write("~");
-      const double place = WorkPosition(status);
-      const bool there = std::abs(place - target_units) < close;
-      if (status.state == "Idle" && (there || patience.Now() - sent > kGrace_s)) return there;
+      const double place = WorkPosition(status), passed_s = patience.Now() - sent;
+      const bool there = std::abs(place - turn.target) < close;
+      if (status.state == "Idle" && there && passed_s >= turn.least_s) return true;
+      if (status.state == "Idle" && !there && passed_s > std::max(kGrace_s, turn.least_s)) {
+        if (!EndedInInches(turn, status)) return false;
+        inches_ = true;
+        offset_ = status.machine_position * kInch_mm - turn.target;
+        return true;
+      }
       if (std::abs(place - last) > 1e-9) moved = patience.Now();
       if (patience.Now() - moved > times_.stall_s) {
         port_.Write("!");  // hold, then go on: starts a motor that has lost its step
@@ -195,6 +258,8 @@ class GrblTurntable final : public TurntableDevice {
   GrblTimes times_;
   LinePort port_;
   bool was_reset_ = false, set_up_ = false;
+  bool alarmed_ = false;  ///< since its last greeting
+  bool inches_ = false;   ///< it tells places in inches
   double position_deg_ = 0;
   double offset_ = 0;  ///< machine minus work position [units]
 };

@@ -33,7 +33,15 @@ class Protocol {
   int moves = 0;
 };
 
-std::unique_ptr<Protocol> MakeGrblFirmware();
+/// Habits of real controllers.
+struct GrblHabits {
+  bool inches = false;         ///< tells places in inches ($13=1)
+  bool lists_settings = true;  ///< answers $$
+  int early_idle = 0;          ///< reports after a move that say Idle, at the target already
+  bool two_oks = false;        ///< every line is acknowledged twice
+  int limit_at_move = 0;  ///< this move ends in ALARM:1, after which only Ctrl-X is heard; 0: none
+};
+std::unique_ptr<Protocol> MakeGrblFirmware(const GrblHabits& habits = {});
 /// @param steps_a_turn  of the motor
 std::unique_ptr<Protocol> MakeStepsFirmware(int steps_a_turn);
 

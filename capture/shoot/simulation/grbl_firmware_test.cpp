@@ -15,9 +15,10 @@ GrblTimes FastGrbl() {
 }
 
 struct GrblBench : TurntableBench {
-  explicit GrblBench(const std::string& planned = "")
-      : TurntableBench(MakeGrblFirmware(), planned),
-        table(MakeGrblTurntable(folder / "port", {}, FastGrbl())) {}
+  explicit GrblBench(const std::string& planned = "", const GrblHabits& habits = {})
+      : TurntableBench(MakeGrblFirmware(habits), planned),
+        table(MakeGrblTurntable(folder / "port", {.speed_deg_s = FirmwareOptions{}.speed_deg_s},
+                                FastGrbl())) {}
   std::unique_ptr<TurntableDevice> table;
 };
 
@@ -52,6 +53,35 @@ TEST_P(GrblFaults, TurnTheTableOnceAndOnlyOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Protocol, GrblFaults,
                          ::testing::Values("lost-reply", "lost-line", "garbage", "stall"));
+
+class GrblKinds : public ::testing::TestWithParam<GrblHabits> {};
+
+TEST_P(GrblKinds, StandWhereTheyWereToldToBeforeTheCallReturns) {
+  GrblBench bench("", GetParam());
+  bench.table->Connect(0, false, "", bench.patience);
+  for (int i = 1; i <= 14; ++i) {
+    bench.table->TurnTo(30.0 * (i % 12), bench.patience);
+    EXPECT_LT(bench.Off(30.0 * i), 0.06) << i;
+  }
+  EXPECT_NEAR(bench.world.table_deg(), 420, 0.06);
+}
+
+INSTANTIATE_TEST_SUITE_P(Habits, GrblKinds,
+                         ::testing::Values(GrblHabits{.inches = true},
+                                           GrblHabits{.inches = true, .lists_settings = false},
+                                           GrblHabits{.early_idle = 3}, GrblHabits{.two_oks = true},
+                                           GrblHabits{.lists_settings = false}));
+
+TEST(GrblTurntable, ThatHearsOnlyAResetAfterALimitIsResetAndItsAngleAskedFor) {
+  GrblBench bench("", {.limit_at_move = 2});
+  bench.table->Connect(0, false, "", bench.patience);
+  bench.table->TurnTo(30, bench.patience);
+  EXPECT_THROW(bench.table->TurnTo(60, bench.patience), PositionLost);
+  bench.world.SetTable(60);  // by hand
+  bench.table->Declare(60, bench.patience);
+  bench.table->TurnTo(90, bench.patience);
+  EXPECT_LT(bench.Off(90), kClose_deg);
+}
 
 TEST(GrblTurntable, GoesOnInMidTurnWhenThePulledCableIsBack) {
   GrblBench bench("unplug@1");
