@@ -19,7 +19,7 @@ constexpr double kLeastFigure = 0.001;
 /// A smaller mask has no outline that would be worth using.
 constexpr int kMostEnlarged = 8;
 /// Pixels on either side of a border that are compared.
-constexpr int kReach = 2;
+constexpr int kBorderReach = 2;
 
 /// Whether a picture of one size has the shape of another, to a pixel's rounding.
 bool SameShape(const Image8& image, int width, int height) {
@@ -31,7 +31,7 @@ bool IsOfSize(const Image8& image, int width, int height) {
   return image.width == width && image.height == height;
 }
 
-std::string SizeText(int width, int height) {
+std::string MaskSizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
@@ -81,8 +81,9 @@ Image8 PlacedMask(Image8 mask, const MaskPlace& place, MaskChange* change) {
     }
   }
   if (!SameShape(mask, place.width, place.height) || mask.width * kMostEnlarged < place.width)
-    throw InputError("capture: mask " + place.mask + " is " + SizeText(mask.width, mask.height) +
-                     ", but " + place.photograph + " is " + SizeText(place.width, place.height) +
+    throw InputError("capture: mask " + place.mask + " is " +
+                     MaskSizeText(mask.width, mask.height) + ", but " + place.photograph + " is " +
+                     MaskSizeText(place.width, place.height) +
                      "; make the mask at the photograph's size, or smaller in its shape");
   if (!IsOfSize(mask, place.width, place.height)) {
     mask = ResizedTo(mask, place.width, place.height);
@@ -115,8 +116,8 @@ double BorderContrast(const Image8& grey, const Image8& mask) {
   };
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
-      compare(x, y, x + kReach, y);
-      compare(x, y, x, y + kReach);
+      compare(x, y, x + kBorderReach, y);
+      compare(x, y, x, y + kBorderReach);
     }
   return pairs ? sum / static_cast<double>(pairs) : 0;
 }

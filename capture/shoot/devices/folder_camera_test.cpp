@@ -64,14 +64,14 @@ class FolderCamera : public ::testing::Test, public TestingFolder {
   std::vector<int> levels;
 };
 
-using Files = std::vector<std::string>;
+using FileNames = std::vector<std::string>;
 
 TEST_F(FolderCamera, AFileThatIsReplacedUnderItsNameIsANewPhotograph) {
   Put("capt0000.jpg", Jpeg(10));
   Connect();
   for (const int level : {60, 120, 180}) {
     Put("capt0000.jpg", Jpeg(level));
-    EXPECT_THAT(Arrivals(0.4), ElementsAre(Files{"capt0000.jpg"})) << level;
+    EXPECT_THAT(Arrivals(0.4), ElementsAre(FileNames{"capt0000.jpg"})) << level;
   }
   EXPECT_THAT(levels, ElementsAre(60, 120, 180));
 }
@@ -79,7 +79,7 @@ TEST_F(FolderCamera, AFileThatIsReplacedUnderItsNameIsANewPhotograph) {
 TEST_F(FolderCamera, AFileThatIsTouchedIsNone) {
   Connect();
   Put("a.jpg", Jpeg(60));
-  EXPECT_THAT(Arrivals(0.4), ElementsAre(Files{"a.jpg"}));
+  EXPECT_THAT(Arrivals(0.4), ElementsAre(FileNames{"a.jpg"}));
   fs::last_write_time(folder / "a.jpg", fs::file_time_type::clock::now() + std::chrono::hours(1));
   EXPECT_THAT(Arrivals(0.4), ElementsAre());
   Put("a.jpg", Jpeg(60));
@@ -92,23 +92,23 @@ TEST_F(FolderCamera, ThatIsWrittenWithAPauseIsTakenWhole) {
   Put("a.jpg", bytes.substr(0, bytes.size() / 2));
   EXPECT_THAT(Arrivals(0.4), ElementsAre()) << "it ends in the middle";
   Put("a.jpg", bytes);
-  EXPECT_THAT(Arrivals(0.4), ElementsAre(Files{"a.jpg"}));
+  EXPECT_THAT(Arrivals(0.4), ElementsAre(FileNames{"a.jpg"}));
   Put("damaged.jpg", bytes.substr(0, bytes.size() / 2));
-  EXPECT_THAT(Arrivals(1.5), ElementsAre(Files{"damaged.jpg"}))
+  EXPECT_THAT(Arrivals(1.5), ElementsAre(FileNames{"damaged.jpg"}))
       << "later checks say what is wrong with it";
 }
 
 TEST_F(FolderCamera, TheSecondFileOfAPairMayComeLate) {
   Connect();
   Put("IMG_1.CR2", "raw");
-  EXPECT_THAT(Arrivals(0.3), ElementsAre(Files{"IMG_1.CR2"}));
+  EXPECT_THAT(Arrivals(0.3), ElementsAre(FileNames{"IMG_1.CR2"}));
   Put("IMG_1.jpg", Jpeg(60));
   EXPECT_THAT(Arrivals(0.5), ElementsAre()) << "the photograph was taken";
   // Now it is known that they come apart.
   Put("IMG_2.CR2", "raw");
   EXPECT_THAT(Arrivals(0.3), ElementsAre());
   Put("IMG_2.jpg", Jpeg(90));
-  EXPECT_THAT(Arrivals(0.6), ElementsAre(Files{"IMG_2.CR2", "IMG_2.jpg"}));
+  EXPECT_THAT(Arrivals(0.6), ElementsAre(FileNames{"IMG_2.CR2", "IMG_2.jpg"}));
 }
 
 }  // namespace keypose::capture::shoot::folder_camera_test
