@@ -5,10 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/io/meshes/glb_mesh.h"
 #include "core/io/meshes/mesh_io.h"
-#include "core/io/meshes/mesh_texture.h"
-#include "core/io/pictures/image_kind.h"
+#include "core/io/meshes/scan_file.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
 #include "core/values/file_names.h"
@@ -37,14 +35,14 @@ bool IsMesh(const std::string& pose) {
 struct GivenMesh {
   std::string name;
   fs::path file;
-  fs::path texture = {};            ///< empty: it names none that can be used
-  std::optional<GlbMesh> glb = {};  ///< of a .glb, which has its texture inside
+  fs::path texture = {};  ///< empty: none that can be used, or it is inside of the scan
+  Scan scan = {};
   bool colored = false;  ///< it has a texture that can be used, or colours of its vertices
 
-  bool textured() const { return !texture.empty() || (glb && !glb->texture.empty()); }
-  std::string TextureBytes() const { return texture.empty() ? glb->texture : ReadFile(texture); }
+  bool textured() const { return !texture.empty() || !scan.texture.empty(); }
+  std::string TextureBytes() const { return texture.empty() ? scan.texture : ReadFile(texture); }
   std::string TextureEnding() const {
-    return texture.empty() ? glb->texture_ending : LowerExtension(texture);
+    return texture.empty() ? scan.texture_ending : LowerExtension(texture);
   }
 };
 
@@ -59,13 +57,8 @@ GivenMesh ParseMesh(const std::string& text) {
         "--pose {}: the other poses are meshes; a project has either meshes or photographs", text));
   if (!fs::is_regular_file(mesh.file))
     throw InputError(fmt::format("--pose {}: there is no file {}", text, mesh.file.string()));
-  const std::string extension = LowerExtension(mesh.file);
-  for (const char* read : {".obj", ".ply", ".off", ".stl", ".glb"})
-    if (extension == read) return mesh;
-  throw InputError(
-      fmt::format("--pose {}: {} files are not read; open it in Blender and export it as OBJ "
-                  "(Wavefront)",
-                  text, extension));
+  MeshKindOf(mesh.file);  // refuses other formats by their names
+  return mesh;
 }
 
 std::vector<GivenMesh> ParseMeshes(const InitOptions& options) {
@@ -95,24 +88,12 @@ void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); 
 
 /// @throws InputError  the mesh cannot be read
 void FindColors(GivenMesh* mesh, bool same_faces) {
-  if (LowerExtension(mesh->file) == ".glb") {
-    mesh->glb = ReadGlb(mesh->file, !same_faces);
-    for (const std::string& warning : mesh->glb->warnings) Warn(warning);
-    mesh->colored = mesh->textured() || mesh->glb->mesh.colors.rows() > 0;
-    return;
-  }
-  const MeshTexture found = FindTexture(mesh->file);
-  if (!found.why.empty()) Warn(found.why);
-  const Mesh read = ReadMesh(mesh->file);
-  const bool readable =
-      !found.file.empty() && !ImageKindOf(ReadFile(found.file).substr(0, 4096)).empty();
-  if (!found.file.empty() && !readable)
-    Warn(
-        fmt::format("{}: its texture {} is not read: save it as PNG or JPEG, and name that in its "
-                    "material",
-                    PrintableName(mesh->file), PrintableName(found.file)));
-  if (read.has_uvs() && readable) mesh->texture = found.file;
-  mesh->colored = mesh->textured() || read.colors.rows() > 0;
+  mesh->scan = ReadScan(mesh->file, !same_faces);
+  for (const std::string& warning : mesh->scan.warnings) Warn(warning);
+  mesh->texture = mesh->scan.texture_file;
+  mesh->colored = mesh->textured() || mesh->scan.mesh.colors.rows() > 0;
+  if (!mesh->texture.empty()) mesh->scan.texture.clear();  // it is read when it is copied
+  if (!mesh->scan.changed) mesh->scan.mesh = {};
 }
 
 /// How the poses get their textures; see NewMeshes.
@@ -138,12 +119,12 @@ bool UsesTexture(const GivenMesh& mesh, const GivenMesh& source, MeshColors colo
   return colors != MeshColors::kTemplates || mesh.name == source.name;
 }
 
-/// Writes the mesh of a .glb as one that stages read.
+/// Writes a mesh that is not as in its file as one that stages read.
 /// @return  its ending
-std::string WriteGlbMesh(const GivenMesh& mesh, const fs::path& stem, const std::string& texture) {
-  const std::string ending = mesh.glb->mesh.colors.rows() > 0 ? ".ply" : ".obj";
+std::string WriteChanged(const GivenMesh& mesh, const fs::path& stem, const std::string& texture) {
+  const std::string ending = mesh.scan.mesh.colors.rows() > 0 ? ".ply" : ".obj";
   fs::create_directories(stem.parent_path());
-  WriteMesh(stem.string() + ending, mesh.glb->mesh, texture);
+  WriteMesh(stem.string() + ending, mesh.scan.mesh, texture);
   return ending;
 }
 
@@ -151,8 +132,8 @@ NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const f
   const std::string stem = "meshes/" + mesh.name,
                     texture = with_texture ? mesh.name + "_texture" + mesh.TextureEnding() : "";
   NewMesh copy{mesh.name, stem + LowerExtension(mesh.file), ""};
-  if (mesh.glb)
-    copy.mesh = stem + WriteGlbMesh(mesh, folder / stem, texture);
+  if (mesh.scan.changed)
+    copy.mesh = stem + WriteChanged(mesh, folder / stem, texture);
   else
     disk.Copy(mesh.file, folder / copy.mesh);
   fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());

@@ -1,349 +1,460 @@
 #include "core/io/meshes/glb_mesh.h"
 
 #include <fmt/format.h>
-#include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <map>
 #include <optional>
-#include <set>
 
-#include "core/io/text/files.h"
+#include "core/io/meshes/gltf_data.h"
+#include "core/io/meshes/gltf_file.h"
+#include "core/io/pictures/image_kind.h"
+#include "core/io/pictures/picture_bytes.h"
 #include "core/pictures/srgb.h"
 #include "core/surfaces/seams.h"
-#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
-using tinygltf::Model;
 
-constexpr int kMostNodes = 100000;  // that are placed; one that contains itself would have no end
+constexpr int kMostPlaced = 100000;  // nodes; one that contains itself would have no end
+constexpr int kDeepest = 1000;
 constexpr std::size_t kMostPoints = 50'000'000;
 
-/// Keeps a picture as it is stored in the text. The library does not check where in the data one
-/// lies, so that those are read by PictureBytes.
-bool KeepBytes(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-               const unsigned char* bytes, int size, void*) {
-  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
-  return true;
-}
+enum Mode { kTriangles = 4, kStrip = 5, kFan = 6 };
 
-/// What a GLB names outside of itself is not opened.
-tinygltf::FsCallbacks NoFiles() {
-  tinygltf::FsCallbacks none{};
-  none.FileExists = [](const std::string&, void*) { return false; };
-  none.ExpandFilePath = [](const std::string& name, void*) { return name; };
-  none.ReadWholeFile = [](std::vector<unsigned char>*, std::string* error, const std::string& name,
-                          void*) {
-    *error += name + " lies outside of the file; ";
-    return false;
-  };
-  none.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
-                           void*) { return false; };
-  return none;
-}
+/// A part of a mesh with its numbers where they are packed together.
+struct Part {
+  const GltfPrimitive& primitive;
+  std::optional<GltfData::Unpacked> unpacked;
+};
 
-/// Numbers of an accessor, one row each.
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// Where a mesh stands, and how it is bent.
+struct Stand {
+  Eigen::Affine3d place = Eigen::Affine3d::Identity();
+  std::vector<Eigen::Affine3d> joints;  ///< world from mesh, of each; empty: no skin
+  std::vector<double> weights;          ///< of the shapes
+};
 
-class GlbReader {
+/// What a material shows on a part.
+struct Look {
+  int page = -1;
+  GltfTextureInfo info;
+  Eigen::Vector3d factor = Eigen::Vector3d::Ones();  ///< linear light
+};
+
+class SceneReader {
  public:
-  GlbReader(const fs::path& path, bool join) : name_(PrintableName(path)), join_(join) {
-    const std::string bytes = ReadFile(path);
-    if (!bytes.starts_with("glTF")) Refuse("it is no binary glTF");
-    tinygltf::TinyGLTF loader;
-    loader.SetImageLoader(KeepBytes, nullptr);
-    loader.SetFsCallbacks(NoFiles());
-    std::string error, warning;
-    if (bytes.size() > std::numeric_limits<unsigned>::max() ||
-        !loader.LoadBinaryFromMemory(&model_, &error, &warning,
-                                     reinterpret_cast<const unsigned char*>(bytes.data()),
-                                     static_cast<unsigned>(bytes.size())))
-      Refuse(error.substr(0, error.find('\n')));
-    RequireExtensions();
-  }
+  SceneReader(const fs::path& path, bool join) : file_(path), data_(file_), join_(join) {}
 
   GlbMesh Read() {
-    for (const int root : Roots()) Place(root, Eigen::Affine3d::Identity());
-    if (faces_.empty()) Refuse("it has no triangles");
-    GlbMesh result;
-    FindTexture(&result);
-    result.mesh = Joined(!result.texture.empty());
+    FindWorld();
+    warnings_ = file_.warnings;
+    for (const int root : file_.roots) Place(root, 0);
+    if (faces_.empty()) RefuseEmpty();
     if (skipped_ > 0)
-      result.warnings.push_back(
-          fmt::format("{}: {} of its parts are lines, points, strips or fans, and were left out",
-                      name_, skipped_));
+      Warn(fmt::format("{} of its parts are lines or points, and were left out", skipped_));
+    GlbMesh result;
+    result.paged = Joined();
+    result.warnings = std::move(warnings_);
     return result;
   }
 
  private:
-  [[noreturn]] void Refuse(const std::string& why) const {
-    throw InputError(
-        fmt::format("{} cannot be read: {}; open it in Blender and export it as OBJ", name_, why));
+  [[noreturn]] void RefuseEmpty() const {
+    if (splats_ > 0)
+      file_.Refuse("it holds Gaussian splats (KHR_gaussian_splatting) and no triangles");
+    file_.Refuse("it has no triangles");
   }
 
-  void RequireExtensions() const {
-    const std::set<std::string> harmless = {"KHR_mesh_quantization", "KHR_materials_unlit",
-                                            "KHR_texture_transform"};
-    for (const std::string& extension : model_.extensionsRequired)
-      if (!harmless.contains(extension))
-        Refuse(
-            fmt::format("it needs the extension {}; export it without compression (Draco, "
-                        "meshopt) and the like",
-                        extension));
+  void Warn(const std::string& what) {
+    const std::string text = fmt::format("{}: {}", file_.name(), what);
+    if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
+      warnings_.push_back(text);
   }
 
-  template <class T>
-  const T& At(const std::vector<T>& list, int index, const char* what) const {
-    if (index < 0 || index >= SizeOf(list))
-      Refuse(fmt::format("it is damaged (a {} that does not exist)", what));
-    return list[index];
-  }
-
-  std::vector<int> Roots() const {
-    if (!model_.scenes.empty())
-      return At(model_.scenes, std::max(0, model_.defaultScene), "scene").nodes;
-    std::vector<char> child(model_.nodes.size(), 0);
-    for (const tinygltf::Node& node : model_.nodes)
-      for (const int c : node.children) {
-        At(model_.nodes, c, "node");
-        child[c] = 1;
+  /// Where each node lies. Joints may be anywhere in the tree.
+  void FindWorld() {
+    std::vector<int> parent(file_.nodes.size(), -1);
+    for (int n = 0; n < SizeOf(file_.nodes); ++n)
+      for (const int child : file_.nodes[n].children) {
+        file_.At(file_.nodes, child, "node");
+        if (parent[child] >= 0) file_.Refuse("it is damaged (a node that lies in two others)");
+        parent[child] = n;
       }
-    std::vector<int> roots;
-    for (int i = 0; i < SizeOf(child); ++i)
-      if (!child[i]) roots.push_back(i);
-    return roots;
-  }
-
-  static Eigen::Affine3d PlaceOf(const tinygltf::Node& node) {
-    Eigen::Affine3d place = Eigen::Affine3d::Identity();
-    if (node.matrix.size() == 16) {
-      place.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-      return place;
+    for (int n = 0; n < SizeOf(file_.nodes); ++n) {
+      Eigen::Affine3d place = Eigen::Affine3d::Identity();
+      int depth = 0;
+      for (int at = n; at >= 0; at = parent[at]) {
+        if (++depth > kDeepest) file_.Refuse("it is damaged (nodes that contain each other)");
+        place = file_.nodes[at].parent_from_node * place;
+      }
+      world_.push_back(place);
     }
-    if (node.translation.size() == 3)
-      place.translate(Eigen::Map<const Eigen::Vector3d>(node.translation.data()));
-    if (node.rotation.size() == 4)
-      place.rotate(
-          Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(node.rotation.data())).normalized());
-    if (node.scale.size() == 3) place.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
-    return place;
   }
 
-  void Place(int index, const Eigen::Affine3d& parent, int depth = 0) {
-    constexpr int kDeepest = 1000;
-    if (++placed_ > kMostNodes || depth > kDeepest)
-      Refuse("it is damaged (nodes that contain each other)");
-    const tinygltf::Node& node = At(model_.nodes, index, "node");
-    const Eigen::Affine3d place = parent * PlaceOf(node);
-    if (node.mesh >= 0)
-      for (const tinygltf::Primitive& part : At(model_.meshes, node.mesh, "mesh").primitives)
-        AddPart(part, place);
-    for (const int child : node.children) Place(child, place, depth + 1);
+  void Place(int index, int depth) {
+    if (++placed_ > kMostPlaced || depth > kDeepest)
+      file_.Refuse("it is damaged (nodes that contain each other)");
+    const GltfNode& node = file_.At(file_.nodes, index, "node");
+    if (!node.visible) return;
+    if (node.mesh >= 0) PlaceMesh(node, world_[index]);
+    for (const int child : node.children) Place(child, depth + 1);
   }
 
-  const unsigned char* Element(const tinygltf::Accessor& accessor, std::size_t* stride,
-                               std::size_t size) const {
-    if (accessor.sparse.isSparse || accessor.bufferView < 0)
-      Refuse("it has sparse data; export it without");
-    const auto& view = At(model_.bufferViews, accessor.bufferView, "part of its data");
-    const auto& buffer = At(model_.buffers, view.buffer, "part of its data").data;
-    *stride = view.byteStride > 0 ? view.byteStride : size;
-    const std::size_t last = accessor.count > 0 ? accessor.count - 1 : 0;
-    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset ||
-        accessor.byteOffset > view.byteLength || size > view.byteLength - accessor.byteOffset ||
-        (*stride > 0 && last > (view.byteLength - accessor.byteOffset - size) / *stride))
-      Refuse("it is damaged (data that it does not have)");
-    return buffer.data() + view.byteOffset + accessor.byteOffset;
-  }
-
-  template <class T>
-  Rows Converted(const tinygltf::Accessor& accessor, int columns) const {
-    std::size_t stride = 0;
-    if (accessor.count == 0) return Rows(0, columns);
-    const unsigned char* from = Element(accessor, &stride, columns * sizeof(T));
-    Rows rows(static_cast<Eigen::Index>(accessor.count), columns);  // no more than the file has
-    const double scale =
-        accessor.normalized ? 1.0 / static_cast<double>(std::numeric_limits<T>::max()) : 1.0;
-    for (Eigen::Index i = 0; i < rows.rows(); ++i)
-      for (int c = 0; c < columns; ++c) {
-        T value;
-        std::memcpy(&value, from + i * stride + c * sizeof(T), sizeof(T));
-        rows(i, c) = scale * static_cast<double>(value);
-      }
-    return rows;
-  }
-
-  Rows Numbers(int index) const {
-    const tinygltf::Accessor& accessor = At(model_.accessors, index, "list of numbers");
-    const int columns = tinygltf::GetNumComponentsInType(accessor.type);
-    if (columns < 1) Refuse("it is damaged (numbers of an unknown kind)");
-    switch (accessor.componentType) {
-      case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return Converted<std::int8_t>(accessor, columns);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return Converted<std::uint8_t>(accessor, columns);
-      case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return Converted<std::int16_t>(accessor, columns);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return Converted<std::uint16_t>(accessor, columns);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        return Converted<std::uint32_t>(accessor, columns);
-      case TINYGLTF_COMPONENT_TYPE_FLOAT: {
-        tinygltf::Accessor plain = accessor;
-        plain.normalized = false;
-        return Converted<float>(plain, columns);
-      }
-      default:
-        Refuse("it is damaged (numbers of an unknown kind)");
+  void PlaceMesh(const GltfNode& node, const Eigen::Affine3d& place) {
+    const GltfMesh& mesh = file_.At(file_.meshes, node.mesh, "mesh");
+    Stand stand;
+    stand.weights = node.weights.empty() ? mesh.weights : node.weights;
+    if (node.skin >= 0) stand.joints = JointsOf(file_.At(file_.skins, node.skin, "skin"));
+    for (const Eigen::Affine3d& instance : InstancesOf(node)) {
+      stand.place = place * instance;
+      for (const GltfPrimitive& part : mesh.primitives) AddPart(part, stand);
     }
+  }
+
+  std::vector<Eigen::Affine3d> JointsOf(const GltfSkin& skin) {
+    std::vector<Eigen::Affine3d> joints;
+    for (const int joint : skin.joints) {
+      file_.At(file_.nodes, joint, "joint");
+      joints.push_back(world_[joint]);
+    }
+    if (joints.empty()) file_.Refuse("it is damaged (a skin without joints)");
+    if (skin.inverse_bind < 0) return joints;
+    const GltfRows binds = data_.Numbers(skin.inverse_bind);
+    if (binds.cols() != 16 || binds.rows() < std::ssize(joints))
+      file_.Refuse("it is damaged (inverseBindMatrices)");
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      Eigen::Affine3d bind;
+      bind.matrix() = Eigen::Map<const Eigen::Matrix4d>(binds.data() + 16 * j);
+      joints[j] = joints[j] * bind;
+    }
+    return joints;
+  }
+
+  /// EXT_mesh_gpu_instancing; a node without it stands once.
+  std::vector<Eigen::Affine3d> InstancesOf(const GltfNode& node) {
+    if (node.instances.empty()) return {Eigen::Affine3d::Identity()};
+    const auto rows_of = [&](const char* name, int columns) {
+      const auto it = node.instances.find(name);
+      GltfRows rows = it == node.instances.end() ? GltfRows() : data_.Numbers(it->second);
+      if (rows.rows() > 0 && rows.cols() < columns)
+        file_.Refuse("it is damaged (EXT_mesh_gpu_instancing)");
+      return rows;
+    };
+    const GltfRows moves = rows_of("TRANSLATION", 3), turns = rows_of("ROTATION", 4),
+                   scales = rows_of("SCALE", 3);
+    const Eigen::Index count = std::max({moves.rows(), turns.rows(), scales.rows()});
+    if (count > kMostPlaced) file_.Refuse("it has too many instances");
+    std::vector<Eigen::Affine3d> instances;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      Eigen::Affine3d place = Eigen::Affine3d::Identity();
+      if (i < moves.rows()) place.translate(Eigen::Vector3d(moves.row(i).head<3>()));
+      if (i < turns.rows())
+        place.rotate(Eigen::Quaterniond(Eigen::Vector4d(turns.row(i).head<4>())).normalized());
+      if (i < scales.rows()) place.scale(Eigen::Vector3d(scales.row(i).head<3>()));
+      instances.push_back(place);
+    }
+    return instances;
   }
 
   /// Empty: the part has none.
-  Rows Attribute(const tinygltf::Primitive& part, const std::string& name, int columns) const {
-    const auto it = part.attributes.find(name);
-    if (it == part.attributes.end()) return {};
-    Rows rows = Numbers(it->second);
-    if (rows.cols() < columns) Refuse(fmt::format("it is damaged ({})", name));
+  /// @throws InputError  not one row a vertex, or too few columns
+  GltfRows Attribute(const Part& part, const std::string& name, int columns,
+                     Eigen::Index vertices = -1) {
+    GltfRows rows;
+    const auto it = part.primitive.attributes.find(name);
+    if (part.unpacked && part.unpacked->attributes.contains(name))
+      rows = part.unpacked->attributes.at(name);
+    else if (it != part.primitive.attributes.end())
+      rows = data_.Numbers(it->second);
+    else
+      return rows;
+    if (rows.cols() < columns || (vertices >= 0 && rows.rows() != vertices))
+      file_.Refuse(fmt::format("it is damaged ({})", name));
     return rows;
   }
 
-  void AddPart(const tinygltf::Primitive& part, const Eigen::Affine3d& place) {
-    if (part.mode != TINYGLTF_MODE_TRIANGLES && part.mode != -1) {
+  /// The same, with the shapes that are switched on.
+  GltfRows Shaped(const Part& part, const Stand& stand, const std::string& name, int columns,
+                  Eigen::Index vertices = -1) {
+    GltfRows rows = Attribute(part, name, columns, vertices);
+    const std::vector<GltfAttributes>& targets = part.primitive.targets;
+    for (std::size_t t = 0; t < std::min(targets.size(), stand.weights.size()); ++t) {
+      const auto it = targets[t].find(name);
+      if (stand.weights[t] == 0 || it == targets[t].end() || rows.rows() == 0) continue;
+      const GltfRows change = data_.Numbers(it->second);
+      if (change.rows() != rows.rows() || change.cols() > rows.cols())
+        file_.Refuse(fmt::format("it is damaged (a shape's {})", name));
+      rows.leftCols(change.cols()) += stand.weights[t] * change;
+    }
+    return rows;
+  }
+
+  void AddPart(const GltfPrimitive& primitive, const Stand& stand) {
+    splats_ += primitive.splats;
+    if (primitive.mode < kTriangles || primitive.mode > kFan) {
       ++skipped_;
       return;
     }
-    const Rows points = Attribute(part, "POSITION", 3);
-    if (points_.size() + points.rows() > kMostPoints) Refuse("it has too many vertices");
+    Part part{primitive, std::nullopt};
+    if (data_.IsDraco(primitive)) part.unpacked = data_.Draco(primitive);
+    const GltfRows points = Shaped(part, stand, "POSITION", 3);
+    const Eigen::Index count = points.rows();
+    if (points_.size() + static_cast<std::size_t>(count) > kMostPoints)
+      file_.Refuse("it has too many vertices");
     const int first = SizeOf(points_);
-    const Look look = LookOf(part);
-    const Rows uvs = Attribute(part, "TEXCOORD_" + std::to_string(look.uv_set), 2),
-               colors = Attribute(part, "COLOR_0", 3);
+    const bool mirrored = AddPoints(part, stand, points);
+    const Look look = AddColors(part, stand, count);
+    AddUvs(part, stand, look, count);
+    AddFaces(part, first, static_cast<int>(count), mirrored, look.page);
+  }
+
+  /// @return whether the part is turned inside out by its place
+  bool AddPoints(const Part& part, const Stand& stand, const GltfRows& points) {
+    const bool skinned =
+        !stand.joints.empty() && part.primitive.attributes.contains("JOINTS_0");
+    double orientation = 0;
+    std::vector<Eigen::Affine3d> bends;
+    if (skinned) bends = BendsOf(part, stand, points.rows());
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
-      const Eigen::Vector3d p = place * Eigen::Vector3d(points.row(i).head<3>());
-      if (!p.allFinite()) Refuse("it has a vertex that is not finite");
+      const Eigen::Affine3d& place = skinned ? bends[i] : stand.place;
+      const Eigen::Vector3d p =
+          place * Eigen::Vector3d(points.row(i).head<3>()) + file_.center;
+      if (!p.allFinite()) file_.Refuse("it has a vertex that is not finite");
       points_.emplace_back(p.x(), -p.z(), p.y());  // y up becomes z up
-      const bool has_uv = i < uvs.rows();
-      uvs_.emplace_back(has_uv ? uvs(i, 0) : 0, has_uv ? 1 - uvs(i, 1) : 0);
+      if (skinned) orientation += place.linear().determinant();
+    }
+    return (skinned ? orientation : stand.place.linear().determinant()) < 0;
+  }
+
+  /// The weighted mean of the joints' transforms, of each vertex. The node's own place does not
+  /// count.
+  std::vector<Eigen::Affine3d> BendsOf(const Part& part, const Stand& stand, Eigen::Index count) {
+    std::vector<Eigen::Matrix4d> sums(static_cast<std::size_t>(count), Eigen::Matrix4d::Zero());
+    for (int set = 0;; ++set) {
+      const GltfRows joints = Attribute(part, fmt::format("JOINTS_{}", set), 4, count),
+                     weights = Attribute(part, fmt::format("WEIGHTS_{}", set), 4, count);
+      if (joints.rows() == 0 && weights.rows() == 0) break;
+      if (joints.rows() != weights.rows())
+        file_.Refuse(fmt::format("it is damaged (JOINTS_{} without WEIGHTS_{})", set, set));
+      for (Eigen::Index i = 0; i < count; ++i)
+        for (int k = 0; k < 4; ++k)
+          if (weights(i, k) != 0)
+            sums[static_cast<std::size_t>(i)] +=
+                weights(i, k) * file_.At(stand.joints, static_cast<int>(joints(i, k)), "joint")
+                                    .matrix();
+    }
+    std::vector<Eigen::Affine3d> bends(sums.size(), stand.joints[0]);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double sum = sums[i](3, 3);
+      if (sum > 0) bends[i].matrix() = sums[i] / sum;  // no weights: the first joint has it
+    }
+    return bends;
+  }
+
+  /// Adds the colours of the vertices: the material's times their own. A colour that all vertices
+  /// of a textured part share belongs to its page.
+  Look AddColors(const Part& part, const Stand& stand, Eigen::Index count) {
+    const GltfRows own = Shaped(part, stand, "COLOR_0", 3, count);
+    Look look = LookOf(part.primitive);
+    TexturePage page;
+    const bool textured = FindPage(part, &look, &page);
+    if (textured) {
+      page.factor = look.factor;
+      if (own.rows() > 0) TintPage(own, &page);
+      look.page = paged_.PageOf(page);
+    }
+    for (Eigen::Index i = 0; i < count; ++i) {
       Eigen::Vector3d color = look.factor;
-      if (i < colors.rows()) color.array() *= colors.row(i).head<3>().transpose().array();
+      if (own.rows() > 0) color.array() *= own.row(i).head<3>().transpose().array();
       colors_.push_back(color);
     }
-    has_colors_ |= colors.rows() > 0 || look.factor != Eigen::Vector3d::Ones();
-    AddFaces(part, first, static_cast<int>(points.rows()), place.linear().determinant() < 0);
-    images_.insert(uvs.rows() > 0 ? look.image : -1);
-  }
-
-  void AddFaces(const tinygltf::Primitive& part, int first, int count, bool mirrored) {
-    Rows corners;
-    if (part.indices >= 0) {
-      corners = Numbers(part.indices);
-    } else {
-      corners = Rows(count, 1);
-      for (int i = 0; i < count; ++i) corners(i, 0) = i;
-    }
-    for (Eigen::Index i = 0; i + 2 < corners.rows(); i += 3) {
-      Eigen::Vector3i face;
-      for (int k = 0; k < 3; ++k) {
-        if (corners(i + k, 0) < 0 || corners(i + k, 0) >= count)
-          Refuse("it is damaged (a corner that does not exist)");
-        face[k] = first + static_cast<int>(corners(i + k, 0));
-      }
-      if (mirrored) std::swap(face[1], face[2]);
-      if (face[0] != face[1] && face[1] != face[2] && face[0] != face[2]) faces_.push_back(face);
-    }
-  }
-
-  struct Look {
-    int image = -1, uv_set = 0;
-    Eigen::Vector3d factor = Eigen::Vector3d::Ones();  // linear light
-  };
-  Look LookOf(const tinygltf::Primitive& part) const {
-    Look look;
-    if (part.material < 0) return look;
-    const auto& colour = At(model_.materials, part.material, "material").pbrMetallicRoughness;
-    if (colour.baseColorFactor.size() >= 3)
-      look.factor = Eigen::Map<const Eigen::Vector3d>(colour.baseColorFactor.data());
-    if (colour.baseColorTexture.index < 0) return look;
-    look.image = At(model_.textures, colour.baseColorTexture.index, "texture").source;
-    look.uv_set = std::clamp(colour.baseColorTexture.texCoord, 0, 7);
+    has_colors_ |= own.rows() > 0 || look.factor != Eigen::Vector3d::Ones();
     return look;
   }
 
-  void FindTexture(GlbMesh* result) const {
-    std::set<int> images = images_;
-    const bool bare = images.erase(-1) > 0;
-    if (images.empty()) return;
-    const auto warn = [&](const std::string& what) {
-      result->warnings.push_back(fmt::format("{}: {}", name_, what));
-    };
-    if (images.size() > 1)
-      return warn(fmt::format(
-          "it has {} textures, but one is used: bake them into one layout and one texture in your "
-          "scanning or modelling program first",
-          images.size()));
-    const std::string text = PictureBytes(At(model_.images, *images.begin(), "picture"));
-    result->texture_ending.clear();
-    if (text.starts_with("\x89PNG")) result->texture_ending = ".png";
-    if (text.starts_with("\xff\xd8\xff")) result->texture_ending = ".jpg";
-    if (result->texture_ending.empty())
-      return warn("its texture is neither PNG nor JPEG, so that it cannot be used");
-    result->texture = text;
-    if (bare) warn("some of its parts have no texture: they will have a colour of it");
+  void TintPage(const GltfRows& own, TexturePage* page) {
+    constexpr double kALevel = 1.0 / 255;
+    const Eigen::RowVector3d least = own.leftCols<3>().colwise().minCoeff(),
+                             most = own.leftCols<3>().colwise().maxCoeff();
+    if ((most - least).maxCoeff() <= kALevel)
+      page->factor.array() *= most.transpose().array();
+    else
+      Warn("its vertices have colours (COLOR_0) that tint its texture, which were left out: bake "
+           "them into the texture first");
   }
 
-  std::string PictureBytes(const tinygltf::Image& image) const {
-    if (image.bufferView < 0) return {image.image.begin(), image.image.end()};
-    const auto& view = At(model_.bufferViews, image.bufferView, "part of its data");
-    const auto& buffer = At(model_.buffers, view.buffer, "part of its data").data;
-    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-      Refuse("it is damaged (data that it does not have)");
-    return {reinterpret_cast<const char*>(buffer.data()) + view.byteOffset, view.byteLength};
+  Look LookOf(const GltfPrimitive& primitive) const {
+    Look look;
+    if (primitive.material < 0) return look;
+    const GltfMaterial& material = file_.At(file_.materials, primitive.material, "material");
+    look.info = material.color;
+    look.factor = material.factor;
+    return look;
   }
 
-  Mesh Joined(bool with_uvs) const {
+  /// Finds the page of a part with a texture that can be used.
+  bool FindPage(const Part& part, Look* look, TexturePage* page) {
+    if (look->info.texture < 0) return false;
+    const std::string coordinates = fmt::format("TEXCOORD_{}", look->info.uv_set);
+    if (!part.primitive.attributes.contains(coordinates)) {
+      Warn(fmt::format("a part names a texture, but has no {}: it has one colour", coordinates));
+      return false;
+    }
+    const GltfTexture& texture = file_.At(file_.textures, look->info.texture, "texture");
+    page->picture = PictureOf(texture);
+    page->wrap_u = texture.wrap_u;
+    page->wrap_v = texture.wrap_v;
+    return page->picture >= 0;
+  }
+
+  /// The first of a texture's pictures that can be read; -1: none, which is said.
+  int PictureOf(const GltfTexture& texture) {
+    std::map<std::string, int> sources = texture.images_of_extensions;
+    if (texture.image >= 0) sources[""] = texture.image;  // comes first
+    for (const auto& [extension, index] : sources) {
+      file_.At(file_.images, index, "picture");
+      const int picture = PictureIndex(index);
+      if (!PictureBytesKind(paged_.pictures[picture].bytes).empty()) return picture;
+    }
+    SayNoPicture(sources);
+    return -1;
+  }
+
+  /// @throws InputError  the file needs the extension of one of them
+  void SayNoPicture(const std::map<std::string, int>& sources) {
+    if (sources.empty()) return Warn("a texture of it names no picture");
+    for (const auto& [extension, index] : sources)
+      if (file_.required.contains(extension))
+        file_.Refuse(fmt::format("it needs the extension {}, which is not read", extension));
+    const auto& [extension, index] = *sources.begin();
+    const std::string& why = file_.images[index].why;
+    if (!why.empty()) return Warn(why);
+    const std::string cure = "which is not read, and is left out: export it with PNG or JPEG";
+    if (!extension.empty())
+      return Warn(fmt::format("its texture is of the extension {}, {}", extension, cure));
+    const std::string kind =
+        OtherKindOf(std::string_view(paged_.pictures[picture_of_image_[index]].bytes).substr(0, 64));
+    Warn(fmt::format("its texture is {}, {}",
+                     kind.empty() ? "neither PNG, JPEG nor WebP" : kind, cure));
+  }
+
+  int PictureIndex(int image_index) {
+    const auto found = picture_of_image_.find(image_index);
+    if (found != picture_of_image_.end()) return found->second;
+    const GltfImage& image = file_.images[image_index];
+    std::string bytes = image.view >= 0 ? std::string(data_.Bytes(image.view)) : image.bytes;
+    const int picture = SizeOf(paged_.pictures);
+    paged_.pictures.push_back({image.name, std::move(bytes)});
+    picture_of_image_[image_index] = picture;
+    return picture;
+  }
+
+  void AddUvs(const Part& part, const Stand& stand, const Look& look, Eigen::Index count) {
+    const GltfRows uvs = look.page < 0 ? GltfRows()
+                                       : Shaped(part, stand,
+                                                fmt::format("TEXCOORD_{}", look.info.uv_set), 2,
+                                                count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (uvs.rows() == 0) {
+        uvs_.emplace_back(0, 0);
+        continue;
+      }
+      const Eigen::Vector2d uv =
+          look.info.transform * Eigen::Vector2d(uvs.row(i).head<2>().transpose());
+      if (!uv.allFinite()) file_.Refuse("it has a texture coordinate that is not finite");
+      uvs_.emplace_back(uv.x(), 1 - uv.y());
+    }
+  }
+
+  void AddFaces(const Part& part, int first, int count, bool mirrored, int page) {
+    GltfRows corners;
+    if (part.unpacked) {
+      corners = part.unpacked->corners;
+    } else if (part.primitive.indices >= 0) {
+      corners = data_.Numbers(part.primitive.indices);
+    } else {
+      corners.resize(count, 1);
+      for (int i = 0; i < count; ++i) corners(i, 0) = i;
+    }
+    for (Eigen::Index i = 0; i < corners.rows(); ++i)
+      if (!(corners(i, 0) >= 0 && corners(i, 0) < count))
+        file_.Refuse("it is damaged (a corner that does not exist)");
+    const int mode = part.unpacked ? static_cast<int>(kTriangles) : part.primitive.mode;
+    const Eigen::Index step = mode == kTriangles ? 3 : 1;
+    for (Eigen::Index i = 0; i + 2 < corners.rows(); i += step) {
+      const bool odd = mode == kStrip && i % 2 == 1;
+      const Eigen::Index start = mode == kFan ? 0 : i;
+      Eigen::Vector3i face(static_cast<int>(corners(start, 0)),
+                           static_cast<int>(corners(i + 1, 0)),
+                           static_cast<int>(corners(i + 2, 0)));
+      if (odd != mirrored) std::swap(face[1], face[2]);
+      if (face[0] == face[1] || face[1] == face[2] || face[0] == face[2]) continue;
+      faces_.push_back(face.array() + first);
+      paged_.page_of_face.push_back(page);
+    }
+  }
+
+  static std::uint8_t LevelOf(double linear) {
+    return static_cast<std::uint8_t>(
+        std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0))));
+  }
+
+  PagedMesh Joined() {
     Mesh flat;
     flat.points.resize(SizeOf(points_), 3);
     flat.faces.resize(SizeOf(faces_), 3);
     for (int i = 0; i < SizeOf(points_); ++i) flat.points.row(i) = points_[i].transpose();
     for (int f = 0; f < SizeOf(faces_); ++f) flat.faces.row(f) = faces_[f].transpose();
     WeldedMesh welded = join_ ? WeldWholeFaces(flat) : Weld(flat, {});
-    Mesh mesh = std::move(welded.mesh);
-    if (with_uvs) {
-      mesh.uv_faces = flat.faces;
-      mesh.uvs.resize(SizeOf(uvs_), 2);
-      for (int i = 0; i < SizeOf(uvs_); ++i) mesh.uvs.row(i) = uvs_[i].transpose();
-    } else if (has_colors_) {
-      mesh.colors.resize(mesh.points.rows(), 3);
-      for (int i = SizeOf(points_) - 1; i >= 0; --i)
-        for (int c = 0; c < 3; ++c)
-          mesh.colors(welded.of_input[i], c) = static_cast<std::uint8_t>(
-              std::lround(255 * SrgbFromLinear(std::clamp(colors_[i][c], 0.0, 1.0))));
-    }
-    return mesh;
+    paged_.mesh = std::move(welded.mesh);
+    if (!paged_.pages.empty())
+      TakeUvs(flat.faces);
+    else if (has_colors_)
+      TakeColors(welded.of_input);
+    return std::move(paged_);
   }
 
-  std::string name_;
-  Model model_;
+  void TakeUvs(const FacesX3& faces) {
+    Mesh& mesh = paged_.mesh;
+    mesh.uv_faces = faces;
+    mesh.uvs.resize(SizeOf(uvs_), 2);
+    for (int i = 0; i < SizeOf(uvs_); ++i) mesh.uvs.row(i) = uvs_[i].transpose();
+    const std::vector<int>& pages = paged_.page_of_face;
+    if (std::find(pages.begin(), pages.end(), -1) == pages.end()) return;
+    for (const Eigen::Vector3i& face : faces_)
+      paged_.corner_colors.push_back({colors_[face[0]], colors_[face[1]], colors_[face[2]]});
+  }
+
+  void TakeColors(const std::vector<int>& of_input) {
+    Mesh& mesh = paged_.mesh;
+    mesh.colors.resize(mesh.points.rows(), 3);
+    for (int i = SizeOf(points_) - 1; i >= 0; --i)
+      for (int c = 0; c < 3; ++c) mesh.colors(of_input[i], c) = LevelOf(colors_[i][c]);
+  }
+
+  GltfFile file_;
+  GltfData data_;
+  PagedMesh paged_;
+  std::vector<std::string> warnings_;
+  std::vector<Eigen::Affine3d> world_;  ///< world from node
+  std::map<int, int> picture_of_image_;
   std::vector<Eigen::Vector3d> points_, colors_;
   std::vector<Eigen::Vector2d> uvs_;
   std::vector<Eigen::Vector3i> faces_;
-  std::set<int> images_;  ///< of the parts; -1: one without a texture
   bool join_ = true, has_colors_ = false;
-  int placed_ = 0, skipped_ = 0;
+  int placed_ = 0, skipped_ = 0, splats_ = 0;
 };
 
 }  // namespace
 
 GlbMesh ReadGlb(const fs::path& path, bool join_seams) {
-  return GlbReader(path, join_seams).Read();
+  return SceneReader(path, join_seams).Read();
 }
 
 }  // namespace keypose

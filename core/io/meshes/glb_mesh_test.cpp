@@ -7,6 +7,8 @@
 #include <functional>
 #include <sstream>
 
+#include "core/io/meshes/scan_file.h"
+#include "core/io/pictures/picture_bytes.h"
 #include "core/io/text/files.h"
 #include "core/surfaces/geometry.h"
 #include "core/testing/folder.h"
@@ -16,7 +18,7 @@ namespace keypose::glb_mesh_test {
 
 using ::testing::HasSubstr;
 
-const std::string kPicture = "\x89PNG and so on";
+const std::string kPicture = "\x89PNG\r\n\x1a\n and so on";
 
 int AddList(tinygltf::Model* model, const void* bytes, std::size_t size, std::size_t count,
             int type, int component) {
@@ -74,11 +76,11 @@ tinygltf::Model Square() {
 
 class GlbMeshTest : public ::testing::Test, public TestingFolder {
  protected:
-  GlbMesh Read(tinygltf::Model model, bool join = true) {
+  Scan Read(tinygltf::Model model, bool join = true) {
     std::ostringstream out;
     EXPECT_TRUE(tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true));
     WriteFile(folder_ / "a.glb", out.str());
-    return ReadGlb(folder_ / "a.glb", join);
+    return ReadScan(folder_ / "a.glb", join);
   }
   void Refuse(const std::function<void(tinygltf::Model*)>& spoil, const std::string& why) {
     tinygltf::Model model = Square();
@@ -94,7 +96,7 @@ class GlbMeshTest : public ::testing::Test, public TestingFolder {
 };
 
 TEST_F(GlbMeshTest, TheSceneIsPlacedZUpWithItsTexture) {
-  const GlbMesh read = Read(Square());
+  const Scan read = Read(Square());
   EXPECT_THAT(read.warnings, ::testing::IsEmpty());
   EXPECT_EQ(read.texture, kPicture);
   EXPECT_EQ(read.texture_ending, ".png");
@@ -120,33 +122,68 @@ TEST_F(GlbMeshTest, WithoutATextureMaterialsColourTheVertices) {
   auto& look = model.materials[0].pbrMetallicRoughness;
   look.baseColorTexture.index = -1;
   look.baseColorFactor = {1, 0, 0.2158605, 1};
-  const GlbMesh read = Read(model);
+  const Scan read = Read(model);
   EXPECT_EQ(read.texture, "");
   ASSERT_EQ(read.mesh.colors.rows(), 4);
   EXPECT_EQ(read.mesh.colors.row(3).cast<int>(), Eigen::RowVector3i(255, 0, 128));
   EXPECT_FALSE(read.mesh.has_uvs());
 }
 
-TEST_F(GlbMeshTest, SeveralTexturesAndOtherPicturesAreSaid) {
+/// Puts another picture in the place of the square's.
+void SetPicture(const std::string& bytes, tinygltf::Model* model) {
+  auto& data = model->buffers[0].data;
+  tinygltf::BufferView& view = model->bufferViews[3];
+  view.byteOffset = data.size();
+  view.byteLength = bytes.size();
+  data.insert(data.end(), bytes.begin(), bytes.end());
+  data.resize((data.size() + 3) / 4 * 4);
+}
+
+/// A picture of one colour.
+std::string PictureOf(std::uint8_t red, std::uint8_t green) {
+  Image8 image(10, 10, 3);
+  for (int y = 0; y < 10; ++y)
+    for (int x = 0; x < 10; ++x) {
+      image.at(x, y)[0] = red;
+      image.at(x, y)[1] = green;
+    }
+  return PngBytes(image);
+}
+
+TEST_F(GlbMeshTest, SeveralTexturesBecomeOne) {
   tinygltf::Model model = Square();
+  SetPicture(PictureOf(200, 0), &model);
+  model.bufferViews.push_back(model.bufferViews[3]);
+  SetPicture(PictureOf(0, 100), &model);
   model.images.push_back(model.images[0]);
+  model.images[1].bufferView = 4;
   model.textures.push_back({});
   model.textures[1].source = 1;
   model.materials.push_back(model.materials[0]);
   model.materials[1].pbrMetallicRoughness.baseColorTexture.index = 1;
   model.meshes[0].primitives.push_back(model.meshes[0].primitives[0]);
   model.meshes[0].primitives[1].material = 1;
-  GlbMesh read = Read(model);
+  const Scan read = Read(model);
+  EXPECT_THAT(read.warnings, ::testing::IsEmpty());
+  EXPECT_EQ(read.texture_ending, ".png");
+  const Image8 texture = DecodePicture(read.texture, "texture");
+  ASSERT_EQ(read.mesh.face_count(), 4);
+  for (int f = 0; f < 4; ++f)
+    for (int k = 0; k < 3; ++k) {
+      const auto uv = read.mesh.uvs.row(read.mesh.uv_faces(f, k));
+      const int x = static_cast<int>(uv[0] * texture.width),
+                y = static_cast<int>((1 - uv[1]) * texture.height);
+      EXPECT_EQ(int{texture.at(x, y)[0]}, f < 2 ? 0 : 200) << f << " " << k;
+      EXPECT_EQ(int{texture.at(x, y)[1]}, f < 2 ? 100 : 0) << f << " " << k;
+    }
+}
+
+TEST_F(GlbMeshTest, APictureOfAnotherKindIsSaid) {
+  tinygltf::Model model = Square();
+  SetPicture("\xabKTX 20\xbb and so on", &model);
+  const Scan read = Read(model);
   EXPECT_EQ(read.texture, "");
-  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("has 2 textures")));
-  model = Square();
-  const std::string webp = "RIFF and so on.";
-  std::copy(
-      webp.begin(), webp.end(),
-      model.buffers[0].data.begin() + static_cast<std::ptrdiff_t>(model.bufferViews[3].byteOffset));
-  read = Read(model);
-  EXPECT_EQ(read.texture, "");
-  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("neither PNG nor JPEG")));
+  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("is a KTX picture (Basis Universal)")));
 }
 
 TEST_F(GlbMeshTest, DamagedFilesAreRefused) {
@@ -159,7 +196,7 @@ TEST_F(GlbMeshTest, DamagedFilesAreRefused) {
   Refuse([](Model* m) { m->bufferViews[3].byteLength = 1 << 20; }, "data that it does not have");
   Refuse([](Model* m) { m->buffers[0].data[m->bufferViews[2].byteOffset] = 99; }, "corner");
   Refuse([](Model* m) { m->meshes[0].primitives[0].mode = TINYGLTF_MODE_LINE; }, "no triangles");
-  Refuse([](Model* m) { m->extensionsRequired = {"KHR_draco_mesh_compression"}; }, "Draco");
+  Refuse([](Model* m) { m->extensionsRequired = {"ACME_folded"}; }, "the extension ACME_folded");
   WriteFile(folder_ / "a.glb", "PK and so on");
   EXPECT_THROW(ReadGlb(folder_ / "a.glb"), InputError);
   WriteFile(folder_ / "a.glb", "glTF");

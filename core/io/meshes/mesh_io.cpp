@@ -1,26 +1,23 @@
 #include "core/io/meshes/mesh_io.h"
 
-#define TINYOBJLOADER_USE_DOUBLE
 #include <CGAL/IO/OFF/File_scanner_OFF.h>
 #include <CGAL/IO/STL.h>
 #include <CGAL/Simple_cartesian.h>
-#include <tiny_obj_loader.h>
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "core/io/meshes/glb_mesh.h"
+#include "core/io/meshes/gltf_file.h"
+#include "core/io/meshes/obj_file.h"
 #include "core/io/meshes/ply_mesh.h"
 #include "core/io/meshes/polygon_fan.h"
 #include "core/io/text/files.h"
@@ -31,186 +28,6 @@ namespace fs = std::filesystem;
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 
 namespace {
-
-/// Reads a number at `at` like strtod, but most numbers much faster. Returns nullptr when there is
-/// no number or it is not finite.
-const char* TakeNumber(const char* at, const char* end, double& value) {
-  while (at < end && (*at == ' ' || *at == '\t')) ++at;
-  const auto [rest, error] = std::from_chars(at, end, value);
-  if (error == std::errc() && std::isfinite(value)) return rest;
-  char* stop = nullptr;  // e.g. for a plus sign
-  value = std::strtod(at, &stop);
-  return stop == at || stop > end || !std::isfinite(value) ? nullptr : stop;
-}
-
-/// Joins lines that end in a backslash with the next one, because the OBJ library does not. The
-/// removed line ends are put after the joined line, so that the lines below keep their numbers.
-std::string WithWholeLines(std::string text) {
-  if (text.find('\\') == std::string::npos) return text;
-  std::string whole;
-  whole.reserve(text.size());
-  std::size_t taken = 0;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    std::size_t end = at;
-    if (text[at] == '\\') end += text.compare(at + 1, 2, "\r\n") == 0 ? 2 : 1;
-    if (end > at && end < text.size() && text[end] == '\n') {
-      whole += ' ';
-      ++taken;
-      at = end;
-    } else {
-      whole += text[at];
-      if (text[at] == '\n') whole.append(std::exchange(taken, 0), '\n');
-    }
-  }
-  return whole;
-}
-
-/// Appends three numbers, or fewer if there are not so many. @return where they end; nullptr then
-const char* TakeThree(const char* at, const char* end, std::vector<double>& numbers) {
-  for (int k = 0; k < 3; ++k) {
-    double value = 0;
-    if (at = TakeNumber(at, end, value); !at) return nullptr;
-    numbers.push_back(value);
-  }
-  return at;
-}
-
-/// Checks the text of the positions: the OBJ library reads 'nan', 'inf' and words as 0, which would
-/// hide damage. And reads the colours that may follow them (v x y z r g b), which the library
-/// skips.
-/// @return three numbers a vertex; another count where a vertex has no colour
-std::vector<double> CheckedColors(const fs::path& path, const std::string& text) {
-  int number = 0;
-  std::vector<double> position, colors;
-  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
-    end = std::min(text.find('\n', begin), text.size());
-    ++number;
-    if (end - begin < 2 || text[begin] != 'v' ||
-        (text[begin + 1] != ' ' && text[begin + 1] != '\t'))
-      continue;
-    const char* const stop = text.data() + end;
-    position.clear();
-    const char* at = TakeThree(text.data() + begin + 1, stop, position);
-    if (!at)
-      throw InputError(fmt::format(
-          "{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the "
-          "file and export it again",
-          path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
-    if (at < stop && *at != '\r') TakeThree(at, stop, colors);
-  }
-  return colors;
-}
-
-/// Colours from 0 to 1, as most programs write them, or else from 0 to 255.
-ColorsX3 ColorsFrom(const std::vector<double>& numbers, Eigen::Index vertices) {
-  if (numbers.empty() || std::ssize(numbers) != 3 * vertices) return {};
-  const double scale = *std::max_element(numbers.begin(), numbers.end()) > 1 ? 1 : 255;
-  ColorsX3 colors(vertices, 3);
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    colors.data()[i] =
-        static_cast<std::uint8_t>(std::lround(std::clamp(scale * numbers[i], 0.0, 255.0)));
-  return colors;
-}
-
-/// The callbacks of the OBJ library. They are used because its ready-made arrays count a polygon's
-/// corners in one byte.
-class ObjCollector {
- public:
-  explicit ObjCollector(const fs::path& path) : path_(path) {}
-
-  void Read(std::istream& in) {
-    tinyobj::callback_t calls;
-    calls.vertex_cb = [](void* self, double x, double y, double z, double) {
-      Of(self).Put(Of(self).points_, {x, y, z});
-    };
-    calls.texcoord_cb = [](void* self, double u, double v, double) {
-      Of(self).Put(Of(self).uvs_, {u, v});
-    };
-    calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
-      Of(self).AddFace(corners, count);
-    };
-    std::string warning, error;
-    const bool read = tinyobj::LoadObjWithCallback(in, calls, this, nullptr, &warning, &error);
-    if (!read || !error.empty())
-      throw InputError("cannot read OBJ file " + path_.string() + ": " +
-                       (error.empty() ? "malformed" : error));
-  }
-
-  Mesh Take() const {
-    Mesh mesh;
-    mesh.points = Eigen::Map<const PointsX3>(points_.data(),
-                                             static_cast<Eigen::Index>(points_.size() / 3), 3);
-    mesh.faces = Fanned(corners_, mesh.points.rows());
-    TakeUvs(mesh);
-    return mesh;
-  }
-
- private:
-  static ObjCollector& Of(void* self) { return *static_cast<ObjCollector*>(self); }
-
-  void Put(std::vector<double>& values, std::initializer_list<double> more) {
-    values.insert(values.end(), more);
-  }
-
-  /// Corners without texture coordinates get (0, 0) where others have some.
-  void TakeUvs(Mesh& mesh) const {
-    const auto none = std::count(uv_corners_.begin(), uv_corners_.end(), kNone);
-    if (uvs_.empty() || none == std::ssize(uv_corners_)) return;
-    const auto given = static_cast<Eigen::Index>(uvs_.size() / 2);
-    mesh.uvs = UvsX2::Zero(given + (none > 0), 2);
-    mesh.uvs.topRows(given) = Eigen::Map<const UvsX2>(uvs_.data(), given, 2);
-    std::vector<int> corners = uv_corners_;
-    std::replace(corners.begin(), corners.end(), kNone, static_cast<int>(given));
-    mesh.uv_faces = Fanned(corners, mesh.uvs.rows());
-  }
-
-  /// An index counted from 0. In the file, indices count from 1, or backwards from the last element
-  /// before the face.
-  static int FromZero(int index, std::size_t so_far) {
-    return index > 0 ? index - 1 : index + static_cast<int>(so_far);
-  }
-
-  void AddFace(const tinyobj::index_t* corners, int count) {
-    for (int k = 0; k < count; ++k) {
-      if (corners[k].vertex_index == 0)
-        throw InputError(
-            fmt::format("{}: face {} has a corner that names no vertex (they count from 1)",
-                        path_.string(), sizes_.size()));
-      corners_.push_back(FromZero(corners[k].vertex_index, points_.size() / 3));
-      uv_corners_.push_back(corners[k].texcoord_index == 0
-                                ? kNone
-                                : FromZero(corners[k].texcoord_index, uvs_.size() / 2));
-    }
-    sizes_.push_back(static_cast<std::size_t>(count));
-  }
-
-  FacesX3 Fanned(const std::vector<int>& corners, Eigen::Index vertices) const {
-    Fan fan(path_, vertices);
-    std::size_t at = 0;
-    for (const std::size_t size : sizes_) {
-      fan.Add(corners.data() + at, size);
-      at += size;
-    }
-    return fan.Take();
-  }
-
-  static constexpr int kNone = std::numeric_limits<int>::min();
-  const fs::path& path_;
-  std::vector<double> points_, uvs_;       // 3 and 2 a vertex
-  std::vector<int> corners_, uv_corners_;  // of all faces, concatenated
-  std::vector<std::size_t> sizes_;         // corners of each face
-};
-
-Mesh ReadObjMesh(const fs::path& path) {
-  std::string text = WithWholeLines(ReadFile(path));
-  const std::vector<double> colors = CheckedColors(path, text);
-  std::istringstream in(std::move(text));
-  ObjCollector collector(path);
-  collector.Read(in);
-  Mesh mesh = collector.Take();
-  mesh.colors = ColorsFrom(colors, mesh.points.rows());
-  return mesh;
-}
 
 template <class Polygons>
 Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Polygons& polygons) {
@@ -322,7 +139,6 @@ bool LooksLikeOff(const std::string& start) {
 /// What a file is that other programs call a mesh, for messages; "" if that is not known.
 std::string OtherMeshKind(std::string_view head) {
   constexpr std::pair<std::string_view, const char*> kStarts[] = {
-      {"glTF", "a binary glTF (.glb)"},
       {"Kaydara FBX", "an FBX file"},
       {"; FBX", "an FBX file"},
       {"PK\x03\x04", "a ZIP file, as .usdz and .3mf are"},
@@ -330,10 +146,16 @@ std::string OtherMeshKind(std::string_view head) {
       {"PXR-USDC", "a USD file"},
       {"BLENDER", "a Blender file"},
       {"Ogawa", "an Alembic file"},
+      {"DRACO", "a Draco file (.drc)"},
+      {"VRML", "a VRML file"},
+      {"#VRML", "a VRML file"},
+      {"#X3D", "an X3D file"},
+      {"\x1f\x8b", "a file packed by gzip"},
+      {"7z\xbc\xaf", "a file packed by 7-Zip"},
+      {"Rar!", "a file packed by RAR"},
       {"<?xml", "an XML file, as Collada's .dae is"}};
   for (const auto& [start, kind] : kStarts)
     if (head.starts_with(start)) return kind;
-  if (head.starts_with("{") && head.find("\"asset\"") != head.npos) return "a glTF file";
   return "";
 }
 
@@ -352,7 +174,7 @@ bool LooksLikeObj(const std::string& head) {
 
 }  // namespace
 
-Mesh ReadMesh(const fs::path& path) {
+MeshKind MeshKindOf(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("mesh " + path.string() + " does not exist");
   if (!fs::is_regular_file(path)) throw DiskError("mesh " + path.string() + " is not a file");
   std::ifstream in(path, std::ios::binary);
@@ -365,22 +187,50 @@ Mesh ReadMesh(const fs::path& path) {
   const auto next_word = [&head](std::size_t from) {
     return std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf", from), head.size());
   };
+  const std::string kind = OtherMeshKind(head);
   std::size_t word = next_word(0);
   while (word < head.size() && head[word] == '#')
     word = next_word(std::min(head.find('\n', word), head.size()));
   std::string start = head.substr(word, 8);
   std::transform(start.begin(), start.end(), start.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  if (start.rfind("PLY", 0) == 0) return ReadPlyMesh(path);
-  if (LooksLikeOff(start)) return ReadOffMesh(path);
-  if (start.rfind("SOLID", 0) == 0 || LooksLikeBinaryStl(path, head)) return ReadStlMesh(path);
-  if (const std::string kind = OtherMeshKind(head); !kind.empty())
+  if (start.rfind("PLY", 0) == 0) return MeshKind::kPly;
+  if (LooksLikeOff(start)) return MeshKind::kOff;
+  if (LooksLikeBinaryStl(path, head)) return MeshKind::kStl;
+  if (LooksLikeGltf(head)) return MeshKind::kGltf;
+  if (start.rfind("SOLID", 0) == 0) return MeshKind::kStl;
+  if (!kind.empty())
     throw InputError(path.string() + " is " + kind +
-                     "; meshes are read from PLY, OBJ, OFF and STL: open it in Blender and export "
-                     "it as OBJ (Wavefront)");
-  if (LooksLikeObj(head)) return ReadObjMesh(path);
+                     "; meshes are read from PLY, OBJ, OFF, STL and glTF: open it in Blender and "
+                     "export it as OBJ (Wavefront)");
+  if (LooksLikeObj(head)) return MeshKind::kObj;
   throw InputError(path.string() +
-                   " is not a PLY, OBJ, OFF or STL mesh (judged by its first bytes)");
+                   " is not a PLY, OBJ, OFF, STL or glTF mesh (judged by its first bytes)");
+}
+
+namespace {
+
+/// The surface of a glTF. Its texture coordinates are kept where they are those of one texture.
+Mesh ReadGltfMesh(const fs::path& path) {
+  PagedMesh paged = ReadGlb(path).paged;
+  if (paged.pages.size() > 1 || !paged.corner_colors.empty()) {
+    paged.mesh.uvs.resize(0, 2);
+    paged.mesh.uv_faces.resize(0, 3);
+  }
+  return std::move(paged.mesh);
+}
+
+}  // namespace
+
+Mesh ReadMesh(const fs::path& path) {
+  switch (MeshKindOf(path)) {
+    case MeshKind::kPly: return ReadPlyMesh(path);
+    case MeshKind::kObj: return ReadObj(path).mesh;
+    case MeshKind::kOff: return ReadOffMesh(path);
+    case MeshKind::kStl: return ReadStlMesh(path);
+    case MeshKind::kGltf: return ReadGltfMesh(path);
+  }
+  return {};
 }
 
 PointCloud ReadPointCloud(const fs::path& path) {

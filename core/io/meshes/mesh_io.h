@@ -1,4 +1,4 @@
-// Reads meshes and point clouds by content (PLY, OBJ, OFF, STL) and writes them by file name.
+// Reads meshes and point clouds by content (PLY, OBJ, OFF, STL, glTF) and writes them by file name.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,17 @@
 
 namespace keypose {
 
+enum class MeshKind { kPly, kObj, kOff, kStl, kGltf };
+
+/// The kind of a mesh file, judged by its first bytes; its name does not matter.
+/// @throws DiskError   cannot be opened
+/// @throws InputError  not one of the formats; says what it is, where that is known
+MeshKind MeshKindOf(const std::filesystem::path& path);
+
 /// Reads a triangle mesh; polygons are split into fans of triangles. Vertices and faces keep the
 /// order of the file (STL: corners with equal coordinates become one vertex). Reads positions,
 /// vertex normals (PLY), vertex colours and texture coordinates (OBJ `vt`, where faces without any
-/// get (0, 0); of PLY see ply_mesh.h).
+/// get (0, 0); of PLY see ply_mesh.h, of glTF glb_mesh.h). Materials and textures: scan_file.h.
 /// @throws DiskError   cannot be opened
 /// @throws InputError  not one of the formats, truncated, an index out of range; says where
 Mesh ReadMesh(const std::filesystem::path& path);
@@ -20,8 +27,7 @@ Mesh ReadMesh(const std::filesystem::path& path);
 /// @throws UsageError  it is neither .ply nor .obj
 void RequireMeshName(const std::filesystem::path& path);
 
-/// Writes .ply (binary little endian) or .obj. PLY keeps all bits of a double; an OBJ that is read
-/// again may lose the last two. If `material_texture` is given, an OBJ with UVs gets an .mtl file
+/// Writes .ply (binary little endian) or .obj. Both keep all bits of a double. If `material_texture` is given, an OBJ with UVs gets an .mtl file
 /// that names it.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh,

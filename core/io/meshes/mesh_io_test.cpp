@@ -105,11 +105,11 @@ TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
 }
 
 TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
-  for (const auto& [head, kind] : {std::pair<std::string, const char*>{"glTF\x02", "glTF"},
+  for (const auto& [head, kind] : {std::pair<std::string, const char*>{"DRACO\x02", "Draco"},
                                    {"Kaydara FBX Binary  ", "FBX"},
                                    {"#usda 1.0\n(\n", "USD"},
                                    {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
-                                   {"{\"asset\": {\"version\": \"2.0\"}}", "glTF"}})
+                                   {"VRML V1.0", "VRML"}})
     try {
       ReadMesh(Put("m.bin", head));
       ADD_FAILURE() << kind << " was read";

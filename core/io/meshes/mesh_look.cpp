@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <set>
+#include <string_view>
 
 #include "core/io/text/files.h"
 
@@ -16,9 +17,12 @@ std::set<std::string> MaterialsOf(const std::filesystem::path& path) {
   std::set<std::string> used;
   std::string material;
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("ply")) return {};
-    if (line.starts_with("usemtl ")) material = line.substr(7, line.find_last_not_of("\r ") - 6);
-    if (line.starts_with("f ")) used.insert(material);
+    if (line.starts_with("ply") || line.starts_with("glTF")) return {};
+    const auto is = [&line](std::string_view word) {
+      return line.starts_with(word) && line.find_first_of(" \t") == word.size();
+    };
+    if (is("usemtl")) material = line.substr(7, line.find_last_not_of("\r\t ") - 6);
+    if (is("f")) used.insert(material);
   }
   return used;
 }

@@ -2,15 +2,26 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "core/values/mesh.h"
 
 namespace keypose {
 
-/// Texture coordinates are those of the faces' corners (`texcoord`), or else of the vertices
-/// (`s t`, `u v` or `texture_u texture_v`).
+/// Faces are `vertex_indices` or `vertex_index` of `face`, and strips of `tristrips`. Texture
+/// coordinates are those of the faces' corners (`texcoord`), or else of the vertices (`s t`, `u v`,
+/// `texture_u texture_v`). Colours are those of the vertices, else the means of the faces'.
 /// @throws InputError  as ReadMesh
 Mesh ReadPlyMesh(const std::filesystem::path& path);
+
+/// A mesh whose faces show several textures, as MeshLab writes them (`texnumber`).
+struct PlyPages {
+  Mesh mesh;
+  std::vector<int> page_of_face;  ///< F, into the `comment TextureFile` lines; empty: all the first
+};
+/// @throws InputError  as ReadMesh
+PlyPages ReadPlyPages(const std::filesystem::path& path);
+
 /// @throws InputError  as ReadPointCloud
 PointCloud ReadPlyCloud(const std::filesystem::path& path);
 

@@ -1,6 +1,9 @@
 #include "core/io/meshes/ply_mesh.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <array>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/testing/damaged_file.h"
@@ -47,6 +50,109 @@ TEST_F(MeshIo, QuadsOfAPlyKeepTheTextureCoordinatesOfTheirCorners) {
                        kSquareFace +
                        "property list uchar float texcoord\nend_header\n"
                        "0 0 5\n1 0 5\n1 1 5\n0 1 5\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n")));
+}
+
+using ::testing::HasSubstr;
+
+/// A triangle whose vertices have three more columns.
+std::string WithColors(const std::string& type, const std::array<const char*, 3>& names,
+                       const std::string& first) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\n";
+  for (const char* name : names) text += "property " + type + " " + name + "\n";
+  return text + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 " +
+         first + "\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n";
+}
+
+TEST_F(MeshIo, PlyColorsAreReadByTypeAndValue) {
+  constexpr std::array<const char*, 3> kUsual = {"red", "green", "blue"};
+  const auto color = [&](const std::string& type, const std::string& first,
+                         const std::array<const char*, 3>& names) {
+    const Mesh mesh = ReadMesh(Put("m.ply", WithColors(type, names, first)));
+    return mesh.colors.rows() == 0 ? Eigen::RowVector3i(-1, -1, -1)
+                                   : Eigen::RowVector3i(mesh.colors.row(0).cast<int>());
+  };
+  const Eigen::RowVector3i right(255, 51, 0);
+  for (const char* type : {"uchar", "short", "ushort", "int", "uint", "float", "double"})
+    EXPECT_EQ(color(type, "255 51 0", kUsual), right) << type;
+  EXPECT_EQ(color("char", "-1 51 0", kUsual), right);
+  for (const char* type : {"ushort", "int", "uint", "float", "double"})
+    EXPECT_EQ(color(type, "65535 13107 0", kUsual), right) << type;
+  for (const char* type : {"float", "double"})
+    EXPECT_EQ(color(type, "1 0.2 0", kUsual), right) << type;
+  for (const std::array<const char*, 3>& names :
+       {std::array{"diffuse_red", "diffuse_green", "diffuse_blue"}, std::array{"r", "g", "b"},
+        std::array{"RED", "Green", "blue"}})
+    EXPECT_EQ(color("uchar", "255 51 0", names), right) << names[0];
+  EXPECT_EQ(color("float", "1 0 0", {"nx", "ny", "nz"}), Eigen::RowVector3i(-1, -1, -1));
+}
+
+TEST_F(MeshIo, ColorsOfPlyFacesBecomeThoseOfTheirVertices) {
+  const Mesh mesh = ReadMesh(Put(
+      "m.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 200 0 0\n3 0 2 3 0 100 0\n"));
+  ASSERT_EQ(mesh.colors.rows(), 4);
+  EXPECT_EQ(mesh.colors.row(0).cast<int>(), Eigen::RowVector3i(100, 50, 0));
+  EXPECT_EQ(mesh.colors.row(1).cast<int>(), Eigen::RowVector3i(200, 0, 0));
+}
+
+const char* const kFourVertices =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\n";
+const char* const kFourPlaces = "end_header\n0 0 5\n1 0 5\n0 1 5\n1 1 5\n";
+
+TEST_F(MeshIo, StripsOfTrianglesOfAPlyAreRead) {
+  const auto read = [&](const std::string& strip) {
+    return ReadMesh(Put("m.ply", std::string(kFourVertices) +
+                                     "element tristrips 1\nproperty list int int vertex_indices\n" +
+                                     kFourPlaces + strip));
+  };
+  const Mesh one = read("4 0 1 2 3\n");
+  ASSERT_EQ(one.face_count(), 2);
+  EXPECT_EQ(one.faces.row(0), Eigen::RowVector3i(0, 1, 2));
+  EXPECT_EQ(one.faces.row(1), Eigen::RowVector3i(2, 1, 3));
+  const Mesh two = read("8 0 1 2 -1 2 1 3 -1\n");
+  ASSERT_EQ(two.face_count(), 2);
+  EXPECT_EQ(two.faces.row(1), Eigen::RowVector3i(2, 1, 3));
+  EXPECT_EQ(read("6 0 1 2 2 3 3\n").face_count(), 1) << "thin ones only join strips";
+}
+
+TEST_F(HostileMesh, PlyKindsThatHoldNoPolygonsAreNamed) {
+  const auto message = [&](const std::string& elements, const std::string& rows) {
+    return MeshMessage(Put("m.ply", kFourVertices + elements + kFourPlaces + rows));
+  };
+  EXPECT_THAT(message("element range_grid 1\nproperty list uchar int vertex_indices\n", "1 0\n"),
+              HasSubstr("a range grid"));
+  EXPECT_THAT(message("element multi_texture_face 1\nproperty uchar tx\n", "1\n"),
+              HasSubstr("multi_texture_face"));
+  EXPECT_THAT(message("element face 1\nproperty list uchar int corners\n", "3 0 1 2\n"),
+              HasSubstr("faces without a list vertex_indices"));
+  EXPECT_THAT(message("element tristrips 1\nproperty int length\n", "3\n"),
+              HasSubstr("tristrips without a list"));
+  EXPECT_THAT(message("element face 1\nproperty list uchar int vertex_indices\n"
+                      "property list uchar float texcoord\n",
+                      "3 0 1 2 4 0 0 1 0\n"),
+              HasSubstr("has 4 numbers in the list texcoord of face 0"));
+  EXPECT_THAT(MeshMessage(Put("m.ply",
+                              "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                              "property float y\nproperty float z\nproperty float f_dc_0\n"
+                              "property float scale_0\nproperty float rot_0\nend_header\n"
+                              "0 0 0 1 1 1\n")),
+              HasSubstr("Gaussian splats"));
+}
+
+TEST_F(MeshIo, TextureCoordinatesOfPlyVerticesByOtherNames) {
+  for (const auto& [u, v] : {std::pair{"u", "v"}, {"S", "T"}, {"texture_s", "texture_t"},
+                             {"s0", "t0"}, {"u0", "v0"}})
+    ExpectUvsAreThePlaces(ReadMesh(
+        Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                                 "property float y\nproperty float z\nproperty float ") +
+                         u + "\nproperty double " + v + "\n" + kSquareFace +
+                         "end_header\n0 0 5 0 0\n1 0 5 1 0\n1 1 5 1 1\n0 1 5 0 1\n4 0 1 2 3\n")));
 }
 
 }  // namespace keypose::ply_mesh_test

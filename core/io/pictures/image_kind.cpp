@@ -88,7 +88,7 @@ std::string ImageKindOf(std::string_view head) {
 
 std::string OtherKindOf(std::string_view head) {
   using std::string_view_literals::operator""sv;
-  constexpr std::array<std::pair<std::string_view, const char*>, 12> kOthers = {
+  constexpr std::array<std::pair<std::string_view, const char*>, 14> kOthers = {
       {{"GIF8"sv, "a GIF picture"},
        {"BM"sv, "a BMP picture"},
        {"8BPS"sv, "a Photoshop document"},
@@ -97,6 +97,8 @@ std::string OtherKindOf(std::string_view head) {
        {"\0\0\0\x0cJXL "sv, "a JPEG XL picture"},
        {"\0\0\0\x0cjP  "sv, "a JPEG 2000 picture"},
        {"#?RADIANCE"sv, "a Radiance picture"},
+       {"\xabKTX"sv, "a KTX picture (Basis Universal)"},
+       {"DDS "sv, "a DDS picture"},
        {"%PDF"sv, "a PDF document"},
        {"<!DOCTYPE"sv, "a web page"},
        {"<html"sv, "a web page"},
