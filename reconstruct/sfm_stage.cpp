@@ -239,7 +239,7 @@ const StageSpec kSpec = {
                {.name = "poses",
                 .kind = "path",
                 .help =
-                    "cameras that are known: a folder with a COLMAP model, or a transforms.json",
+                    "cameras that are known: a COLMAP model's folder, a transforms.json, or Metashape's XML",
                 .file = "",
                 .optional = true}},
     .outputs = {{.name = "model",

@@ -218,6 +218,7 @@ std::vector<Sight> SightsOf(const Lens& lens, int columns, int rows) {
   constexpr double kLeastDepth = 0.15;  // of a unit ray: 81 degrees from the axis
   const double width = lens.width > 0 ? lens.width : 2 * lens.cx,
                height = lens.height > 0 ? lens.height : 2 * lens.cy;
+  if (!(width > 0 && height > 0)) return {};
   std::vector<Sight> sights;
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {

@@ -49,6 +49,8 @@ struct Lens {
   std::array<double, 2> tilt{};
   bool radial_first = false;
 
+  bool operator==(const Lens&) const = default;
+
   /// Where a point of the camera's frame is seen; none where this lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;
   /// The unit direction that is seen at a pixel; none where no direction near the axis is (beyond
