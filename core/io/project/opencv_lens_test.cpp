@@ -23,13 +23,14 @@ TEST(OpenCvLens, PixelsCountFromTheCentreOfTheFirst) {
 
 // The order of OpenCV's coefficients; the tests of Lens compare the mapping with OpenCV's own.
 TEST(OpenCvLens, CoefficientsHaveOpenCvsOrder) {
-  const Lens lens = OpenCvLens("", kMatrix, Numbers(14), "here");
+  const std::vector<double> n = Numbers(14);
+  const Lens lens = OpenCvLens("", kMatrix, n, "here");
   EXPECT_EQ(lens.radial, (std::array<double, 6>{0.001, 0.002, 0.005, 0, 0, 0}));
   EXPECT_EQ(lens.p1, 0.003);
   EXPECT_EQ(lens.p2, 0.004);
   EXPECT_EQ(lens.divisor, (std::array<double, 3>{0.006, 0.007, 0.008}));
-  EXPECT_EQ(lens.prism, (std::array<double, 4>{0.009, 0.010, 0.011, 0.012}));
-  EXPECT_EQ(lens.tilt, (std::array<double, 2>{0.013, 0.014}));
+  EXPECT_EQ(lens.prism, (std::array<double, 4>{n[8], n[9], n[10], n[11]}));
+  EXPECT_EQ(lens.tilt, (std::array<double, 2>{n[12], n[13]}));
 }
 
 TEST(OpenCvLens, EveryModelIsReadOrRefusedByName) {
