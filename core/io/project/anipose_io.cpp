@@ -9,7 +9,6 @@
 #include "core/io/project/opencv_lens.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/rig_programs.h"
-#include "core/io/project/yaml_numbers.h"
 #include "core/values/errors.h"
 
 namespace keypose {

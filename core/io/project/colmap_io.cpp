@@ -312,28 +312,6 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
   return points;
 }
 
-}  // namespace
-
-void RequireUsableCamera(const Camera& camera, const std::string& where) {
-  constexpr double kMost = 1e7,
-                   kLeastFocal = 1e-2;  // in pixels; also far above any distortion coefficient
-  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy,
-                                      camera.k1, camera.k2, camera.p1, camera.p2};
-  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for NaN
-  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) ||
-      !(camera.fy > kLeastFocal))
-    throw InputError(where +
-                     " has an impossible focal length, centre or distortion (not finite, 0, or "
-                     "beyond 1e7); it is damaged: run sfm again");
-  if (camera.width < 1 || camera.height < 1 ||
-      std::int64_t{camera.width} * camera.height > kMostPixels)
-    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " +
-                     std::to_string(camera.height) +
-                     " pixels, which is not possible; it is damaged: run sfm again");
-}
-
-namespace {
-
 bool IsModel(const fs::path& folder) {
   return fs::exists(folder / "images.bin") || fs::exists(folder / "images.txt");
 }

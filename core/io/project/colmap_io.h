@@ -9,11 +9,6 @@
 
 namespace keypose {
 
-/// @param where  file and camera, for the message
-/// @throws InputError  a parameter that is not finite or not possible for a lens; no pixels, or
-/// more than kMostPixels
-void RequireUsableCamera(const Camera& camera, const std::string& where);
-
 /// Reads .bin when present, else .txt, of the folder or of the one model below it (`sparse/0`,
 /// `sparse`, `0`). Every lens model of COLMAP is read by name (colmap_lens.h), and becomes the
 /// camera that maps as it does. rigs, frames and other files beside are not needed: images hold

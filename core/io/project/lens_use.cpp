@@ -1,13 +1,33 @@
 #include "core/io/project/lens_use.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
-#include "core/io/project/colmap_io.h"
+#include "core/io/pictures/image_kind.h"
 #include "core/values/errors.h"
 
 namespace keypose {
+
+void RequireUsableCamera(const Camera& camera, const std::string& where) {
+  constexpr double kMost = 1e7,
+                   kLeastFocal = 1e-2;  // in pixels; also far above any distortion coefficient
+  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy,
+                                      camera.k1, camera.k2, camera.p1, camera.p2};
+  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for NaN
+  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) ||
+      !(camera.fy > kLeastFocal))
+    throw InputError(where +
+                     " has an impossible focal length, centre or distortion (not finite, 0, or "
+                     "beyond 1e7); it is damaged: run sfm again");
+  if (camera.width < 1 || camera.height < 1 ||
+      std::int64_t{camera.width} * camera.height > kMostPixels)
+    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " +
+                     std::to_string(camera.height) +
+                     " pixels, which is not possible; it is damaged: run sfm again");
+}
 
 void RequireUsableLens(const Lens& lens, const std::string& where) {
   constexpr double kMost = 1e7;

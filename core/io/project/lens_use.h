@@ -9,6 +9,11 @@
 namespace keypose {
 
 /// @param where  file and camera, for the message
+/// @throws InputError  a parameter that is not finite or not possible for a lens; no pixels, or
+/// more than kMostPixels
+void RequireUsableCamera(const Camera& camera, const std::string& where);
+
+/// @param where  file and camera, for the message
 /// @throws InputError  a number that is not finite or not possible for a lens; pictures without
 /// pixels, or of more than kMostPixels (width and height may both be 0: not known)
 void RequireUsableLens(const Lens& lens, const std::string& where);

@@ -21,7 +21,7 @@
 #include "core/io/project/qualisys_calibration.h"
 #include "core/io/project/rig_parts.h"
 #include "core/io/project/rig_programs.h"
-#include "core/io/project/yaml_numbers.h"
+#include "core/io/project/yaml_numbers.inc"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 
@@ -29,6 +29,8 @@ namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
+using yaml_numbers::FirstOf;
+using yaml_numbers::YamlNumbers;
 
 // ---- OpenCV YAML ----
 
@@ -106,15 +108,6 @@ double UnitOf(const YAML::Node& node, const std::string& where) {
   return found->second;
 }
 
-YAML::Node LoadYaml(const fs::path& path) {
-  std::string text = ReadFile(path);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  if (path.extension() == ".json") RequireShallowJson(text, PrintableName(path.filename()));
-  // OpenCV's first line, %YAML:1.0, is not YAML's.
-  if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
-  return YAML::Load(text);
-}
-
 bool IsCameraNode(const YAML::Node& node) {
   return node.IsMap() && FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix"});
 }
@@ -139,28 +132,15 @@ void AddOpenCvNodes(const YAML::Node& root, const fs::path& path, bool lens_only
 
 /// OpenCV's, or what other programs make of it.
 void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
-  const std::string file = PrintableName(path.filename());
+  const std::string file = PrintableName(path.filename()), text = ReadFile(path);
+  if (path.extension() == ".json") RequireShallowJson(text, file);
+  if (IsKalibr(text)) return AddKalibr(text, file, rig);
+  if (IsMcCalib(text)) return AddMcCalib(text, file, rig);
   rig->format = "OpenCV YAML";
   try {
-    const YAML::Node root = LoadYaml(path);
-    if (IsKalibr(root))
-      AddKalibr(root, file, rig);
-    else if (IsMcCalib(root))
-      AddMcCalib(root, file, rig);
-    else
-      AddOpenCvNodes(root, path, lens_only, rig);
+    AddOpenCvNodes(yaml_numbers::Parsed(text), path, lens_only, rig);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{} is not YAML that OpenCV writes ({})", file, error.what()));
-  }
-}
-
-void AddEasyMocapFolder(const fs::path& folder, RigCalibration* rig) {
-  try {
-    AddEasyMocap(LoadYaml(folder / "intri.yml"), LoadYaml(folder / "extri.yml"),
-                 PrintableName(folder.filename()), rig);
-  } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}: intri.yml or extri.yml is not YAML that OpenCV writes ({})",
-                                 PrintableName(folder), error.what()));
   }
 }
 
@@ -239,7 +219,8 @@ bool IsYaml(const fs::path& path) {
 
 void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
   if (fs::exists(path / "intri.yml") && fs::exists(path / "extri.yml"))
-    return AddEasyMocapFolder(path, rig);
+    return AddEasyMocap(ReadFile(path / "intri.yml"), ReadFile(path / "extri.yml"),
+                        PrintableName(path.filename()), rig);
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
     if (IsYaml(entry.path())) files.push_back(entry.path());

@@ -7,11 +7,13 @@
 
 #include "core/io/project/lens_use.h"
 #include "core/io/project/opencv_lens.h"
-#include "core/io/project/yaml_numbers.h"
+#include "core/io/project/yaml_numbers.inc"
 #include "core/values/errors.h"
 
 namespace keypose {
 namespace {
+
+using yaml_numbers::YamlNumbers;
 
 Rigid3 RigidOf(const std::vector<double>& n, const std::string& what, const std::string& where) {
   if (n.size() != 16) throw InputError(where + ": `" + what + "` must hold 16 numbers");
@@ -66,14 +68,20 @@ Lens KalibrLens(const YAML::Node& node, const std::string& where) {
   return lens;
 }
 
-}  // namespace
-
-bool IsKalibr(const YAML::Node& root) {
-  return root.IsMap() && root["cam0"] && root["cam0"].IsMap() && root["cam0"]["intrinsics"] &&
-         !root["cam0"]["camera_matrix"];
+/// @throws InputError  no YAML: says so of the program's file
+template <class Body>
+void WithYaml(const std::string& file, const std::string& program, Body&& body) {
+  try {
+    body();
+  } catch (const YAML::Exception& error) {
+    throw InputError(
+        fmt::format("{} is not YAML that {} writes ({})", file, program, error.what()));
+  }
 }
 
-void AddKalibr(const YAML::Node& root, const std::string& file, RigCalibration* rig) {
+bool Has(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+void AddKalibrCameras(const YAML::Node& root, const std::string& file, RigCalibration* rig) {
   Rigid3 camera_from_world;
   for (int i = 0; root["cam" + std::to_string(i)]; ++i) {
     const std::string name = "cam" + std::to_string(i), where = file + ", " + name;
@@ -90,11 +98,7 @@ void AddKalibr(const YAML::Node& root, const std::string& file, RigCalibration* 
   rig->metres_per_unit = 1;
 }
 
-bool IsMcCalib(const YAML::Node& root) {
-  return root.IsMap() && root["nb_camera"] && root["camera_0"] && root["camera_0"].IsMap();
-}
-
-void AddMcCalib(const YAML::Node& root, const std::string& file, RigCalibration* rig) {
+void AddMcCalibCameras(const YAML::Node& root, const std::string& file, RigCalibration* rig) {
   std::set<std::string> groups;
   for (int i = 0; root["camera_" + std::to_string(i)]; ++i) {
     const std::string name = "camera_" + std::to_string(i), where = file + ", " + name;
@@ -120,8 +124,8 @@ void AddMcCalib(const YAML::Node& root, const std::string& file, RigCalibration*
   rig->format = "MC-Calib";
 }
 
-void AddEasyMocap(const YAML::Node& intri, const YAML::Node& extri, const std::string& file,
-                  RigCalibration* rig) {
+void AddEasyMocapCameras(const YAML::Node& intri, const YAML::Node& extri, const std::string& file,
+                         RigCalibration* rig) {
   const YAML::Node names = intri["names"];
   if (!names || !names.IsSequence())
     throw InputError(file + ": intri.yml has no list `names`; EasyMocap writes one");
@@ -145,6 +149,31 @@ void AddEasyMocap(const YAML::Node& intri, const YAML::Node& extri, const std::s
     AddView(name, lens, {ExactRotation(r, where), {t[0], t[1], t[2]}}, where, rig);
   }
   rig->format = "EasyMocap";
+}
+
+}  // namespace
+
+bool IsKalibr(const std::string& text) {
+  return Has(text, "cam0:") && Has(text, "intrinsics:") && !Has(text, "camera_matrix");
+}
+
+void AddKalibr(const std::string& text, const std::string& file, RigCalibration* rig) {
+  WithYaml(file, "Kalibr", [&] { AddKalibrCameras(yaml_numbers::Parsed(text), file, rig); });
+}
+
+bool IsMcCalib(const std::string& text) {
+  return Has(text, "nb_camera") && Has(text, "camera_pose_matrix");
+}
+
+void AddMcCalib(const std::string& text, const std::string& file, RigCalibration* rig) {
+  WithYaml(file, "MC-Calib", [&] { AddMcCalibCameras(yaml_numbers::Parsed(text), file, rig); });
+}
+
+void AddEasyMocap(const std::string& intri, const std::string& extri, const std::string& file,
+                  RigCalibration* rig) {
+  WithYaml(file, "EasyMocap", [&] {
+    AddEasyMocapCameras(yaml_numbers::Parsed(intri), yaml_numbers::Parsed(extri), file, rig);
+  });
 }
 
 }  // namespace keypose
