@@ -34,7 +34,7 @@ constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "animate";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
   spec.title = "Motion of a clip";
   spec.inputs = {

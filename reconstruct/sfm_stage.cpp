@@ -226,7 +226,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "16",
+    .version = "17",
     .summary =
         "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .title = "Cameras",
