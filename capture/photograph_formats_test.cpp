@@ -16,6 +16,7 @@
 #include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
 #include "core/testing/dng.h"
+#include "core/values/exif_focal.h"
 
 namespace keypose::capture::photograph_formats_test {
 
@@ -56,7 +57,7 @@ TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   const ImageSet set = ReadImageSet(images);
   ASSERT_EQ(set.images.size(), 8U);
   EXPECT_EQ(set.images[0].name, "IMG_0.jpg");
-  EXPECT_DOUBLE_EQ(set.images[0].focal_px, 26.0 / 36 * 192);
+  EXPECT_DOUBLE_EQ(set.images[0].focal_px, 26 / kFilmDiagonal_mm * std::hypot(192, 120));
   const ImageInfo info = ReadImageInfo(images / "IMG_0.jpg");
   EXPECT_EQ(info.format, "jpeg");
   EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 26);

@@ -34,7 +34,7 @@ constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "animate";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
   spec.title = "Motion of a clip";
   spec.inputs = {
@@ -143,7 +143,9 @@ double GroundOf(const RiggedMesh& rig, const Retarget& retarget, const std::vect
 }
 
 void Run(StageContext& stage, const AnimateOptions& options) {
-  const MotionClip clip = ReadBvh(stage.Input("clip"));
+  std::vector<std::string> notes;
+  const MotionClip clip = ReadBvh(stage.Input("clip"), &notes);
+  for (const std::string& note : notes) stage.Warn(note);
   Mesh mesh = ReadMesh(stage.Input("mesh"));
   RequireUsable(mesh, "animate: the rig's mesh");
   const fs::path skeleton = stage.Input("skeleton"), weights = stage.Input("weights");

@@ -226,7 +226,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "16",
+    .version = "17",
     .summary =
         "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .title = "Cameras",
@@ -239,7 +239,7 @@ const StageSpec kSpec = {
                {.name = "poses",
                 .kind = "path",
                 .help =
-                    "cameras that are known: a folder with a COLMAP model, or a transforms.json",
+                    "cameras that are known: a COLMAP model's folder, a transforms.json, or Metashape's XML",
                 .file = "",
                 .optional = true}},
     .outputs = {{.name = "model",

@@ -23,9 +23,14 @@ Photograph Photo(const std::string& name, int width, int height, std::uint64_t d
 }
 
 TEST(FocalPx, ReadsWhatExifOffers) {
-  EXPECT_DOUBLE_EQ(FocalPx(3000, 2000, 50, 0, 0), 50.0 / 36 * 3000);
-  EXPECT_DOUBLE_EQ(FocalPx(2000, 3000, 50, 0, 0),
-                   50.0 / 36 * 3000);  // portrait: still the longer side
+  // by the diagonal, which of 3:2 is the same as by 36 mm of width, of a portrait too
+  EXPECT_NEAR(FocalPx(3000, 2000, 50, 0, 0), 50.0 / 36 * 3000, 1e-3);
+  EXPECT_NEAR(FocalPx(2000, 3000, 50, 0, 0), 50.0 / 36 * 3000, 1e-3);
+  EXPECT_NEAR(FocalPx(4000, 3000, 26, 0, 0), 26 / 43.2666 * 5000, 1e-2);  // a phone
+  EXPECT_NEAR(FocalPx(640, 480, 43, 0, 0), 795.1, 0.1);
+  // the sensor is exact where the whole millimetres agree with it, and stale where they do not
+  EXPECT_DOUBLE_EQ(FocalPx(4272, 2848, 81, 50, 22.2), 50 / 22.2 * 4272);
+  EXPECT_NEAR(FocalPx(2736, 1824, 50, 50, 18), 50.0 / 36 * 2736, 1e-3);
   EXPECT_DOUBLE_EQ(FocalPx(4272, 2848, 0, 50, 22.2), 50 / 22.2 * 4272);
   EXPECT_DOUBLE_EQ(FocalPx(4000, 3000, 0, 4.5, 6.2),
                    4.5 / 6.2 * 4000);  // a phone: small sensor, small pixels

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "core/values/errors.h"
 
@@ -34,32 +35,58 @@ Camera ForPhotograph(const View& known, const Camera& photograph) {
   return camera;
 }
 
+/// The photographs of a set, by name and by what stands before the extension.
+class PhotographNames {
+ public:
+  explicit PhotographNames(const std::vector<std::string>& names) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      by_name_[names[i]] = i;
+      by_stem_.emplace(Stem(names[i]), i);
+    }
+  }
+  /// By the whole path of a view first, whose folders capture joins to the name with "_", then with
+  /// fewer and fewer of its folders.
+  std::optional<std::size_t> Find(std::string path) const {
+    std::replace(path.begin(), path.end(), '\\', '/');
+    while (true) {
+      std::string name = path;
+      std::replace(name.begin(), name.end(), '/', '_');
+      if (const auto found = FindName(name)) return found;
+      const std::size_t slash = path.find('/');
+      if (slash == std::string::npos) return std::nullopt;
+      path.erase(0, slash + 1);
+    }
+  }
+
+ private:
+  std::optional<std::size_t> FindName(const std::string& name) const {
+    if (const auto found = by_name_.find(name); found != by_name_.end()) return found->second;
+    for (const std::string& stem : {Stem(name), name})
+      if (const auto found = by_stem_.find(stem); found != by_stem_.end()) return found->second;
+    return std::nullopt;
+  }
+
+  std::map<std::string, std::size_t> by_name_, by_stem_;
+};
+
 }  // namespace
 
 std::vector<View> MatchKnownPoses(const std::vector<View>& known,
                                   const std::vector<std::string>& photographs,
                                   const std::vector<Camera>& sizes) {
-  std::map<std::string, std::size_t> by_name, by_stem;
-  for (std::size_t i = 0; i < photographs.size(); ++i) {
-    by_name[photographs[i]] = i;
-    by_stem.emplace(Stem(photographs[i]), i);
-  }
+  const PhotographNames names(photographs);
   std::map<std::string, View> matched;
   std::string strangers;
   int count = 0;
   for (const View& view : known) {
-    auto found = by_name.find(view.name);
-    if (found == by_name.end()) {
-      found = by_stem.find(Stem(view.name));
-      if (found == by_stem.end()) found = by_stem.find(view.name);
-      if (found == by_stem.end()) {
-        if (++count <= 12) strangers += (strangers.empty() ? "" : ", ") + view.name;
-        continue;
-      }
+    const std::optional<std::size_t> found = names.Find(view.name);
+    if (!found) {
+      if (++count <= 12) strangers += (strangers.empty() ? "" : ", ") + view.name;
+      continue;
     }
     View here = view;
-    here.name = photographs[found->second];
-    here.camera = ForPhotograph(view, sizes[found->second]);
+    here.name = photographs[*found];
+    here.camera = ForPhotograph(view, sizes[*found]);
     if (!matched.emplace(here.name, here).second)
       throw InputError("sfm: the known poses hold two cameras for " + here.name +
                        "; leave one out");

@@ -9,7 +9,9 @@
 namespace keypose::reconstruct {
 
 /// Known cameras under the names of their photographs: of the same name, else of the same stem
-/// ("r_001" for "r_001.png"), with intrinsics for the photographs' size.
+/// ("r_001" for "r_001.png"), with intrinsics for the photographs' size. Folders in a view's name
+/// are those that capture puts before a photograph's: "left/1.jpg" is the camera of "left_1.jpg",
+/// and where there is none, of "1.jpg".
 ///
 /// @param known   names may lack an extension; sizes and principal points of 0 are filled in from
 /// the photograph; a negative focal length is in units of the photograph's width

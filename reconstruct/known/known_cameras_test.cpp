@@ -51,6 +51,20 @@ std::string MessageOf(const std::function<void()>& act) {
   return "";
 }
 
+TEST(MatchKnownPoses, SubfoldersWithEqualNamesAreToldApart) {
+  Camera size;
+  size.width = 1440, size.height = 1080;
+  const View left = LookFrom({1, 0, 1}, TestCamera(), "left/0001.jpg"),
+             right = LookFrom({0, 1, 1}, TestCamera(), "images\\right\\0001.png");
+  const auto matched =
+      MatchKnownPoses({left, right}, {"left_0001.jpg", "right_0001.jpg"}, {size, size});
+  ASSERT_EQ(matched.size(), 2u);
+  EXPECT_LT((matched[0].Center() - left.Center()).norm(), 1e-12);
+  EXPECT_LT((matched[1].Center() - right.Center()).norm(), 1e-12);
+  EXPECT_EQ(MatchKnownPoses({left}, {"0001.jpg"}, {size})[0].name, "0001.jpg");
+  EXPECT_THROW(MatchKnownPoses({left, right}, {"0001.jpg"}, {size}), InputError);
+}
+
 TEST(MatchKnownPoses, StrangersTwinsAndOtherShapesAreInputErrors) {
   Camera photograph;
   photograph.width = 1440, photograph.height = 1080;

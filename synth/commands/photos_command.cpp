@@ -10,6 +10,7 @@
 #include "core/io/pictures/image_io.h"
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 #include "core/values/size_of.h"
 #include "synth/photographs/fresh_folder.h"
 #include "synth/photographs/truth_files.h"
@@ -27,7 +28,9 @@ void MakeFolder(const std::filesystem::path& folder) {
 
 ExifToWrite ExifOf(const PhotographerOptions& options) {
   ExifToWrite exif;
-  exif.focal_35mm = options.focal_35mm;
+  // the option is by the longer side, EXIF's by the diagonal
+  const double focal_px = options.focal_35mm / 36 * std::max(options.width, options.height);
+  exif.focal_35mm = Equivalent35mm(focal_px, options.width, options.height);
   exif.focal_mm = options.focal_35mm / 1.5;  // an APS-C camera
   exif.make = "Keypose";
   exif.model = "Synthetic APS-C";

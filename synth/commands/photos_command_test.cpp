@@ -19,6 +19,7 @@
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 #include "synth/commands/score_command.h"
 #include "synth/photographs/mishaps.h"
 #include "synth/photographs/testing/synth_files.h"
@@ -143,7 +144,10 @@ TEST_F(SynthFiles, PhotographsCarryTheCameraInTheirExif) {
   const ImageInfo info = ReadImageInfo(folder_ / "photos/bent/IMG_0006.jpg");
   EXPECT_EQ(info.width, 200);
   EXPECT_EQ(info.height, 150);
-  EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 60);
+  // 60 by the longer side of 4:3; by the diagonal 57.7, which EXIF rounds
+  EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 58);
+  EXPECT_NEAR(FocalPx(200, 150, 58, *info.focal_mm, info.sensor_width_mm.value_or(0)),
+              60.0 / 36 * 200, 1e-2);
   EXPECT_NEAR(info.focal_mm.value_or(0), 40, 0.01);
   EXPECT_NE(info.camera_model.find("Keypose"), std::string::npos);
   EXPECT_EQ(ReadImageInfo(folder_ / "background/rest.jpg").width, 200);

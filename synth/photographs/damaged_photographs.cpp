@@ -8,6 +8,7 @@
 #include "core/io/text/files.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 #include "core/values/image.h"
 #include "synth/photographs/sensor.h"
 
@@ -26,7 +27,9 @@ const std::pair<const char*, DamageKind> kWords[] = {
 ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
   ExifToWrite exif;
   exif.focal_mm = info.focal_mm.value_or(0);
-  exif.focal_35mm = info.focal_35mm.value_or(0);
+  const double focal_px = FocalPx(info.width, info.height, info.focal_35mm.value_or(0),
+                                  info.focal_mm.value_or(0), info.sensor_width_mm.value_or(0));
+  exif.focal_35mm = Equivalent35mm(focal_px, info.width, info.height);
   exif.model = info.camera_model;
   exif.orientation = orientation;
   return exif;

@@ -97,6 +97,26 @@ void Models() {
   WriteFile(
       In("poses", "transforms.json"),
       R"({"fl_x":900,"w":640,"h":480,"k1":0.01,"frames":[{"file_path":"a.jpg","transform_matrix":[[1,0,0,0],[0,0,-1,-2],[0,1,0,0],[0,0,0,1]]}]})");
+  WriteFile(
+      In("poses", "cameras.xml"),
+      "<document version=\"2.0.0\"><chunk><sensors><sensor id=\"0\" type=\"frame\"><resolution "
+      "width=\"400\" height=\"300\"/><calibration "
+      "class=\"adjusted\"><f>500</f><cx>7</cx><k3>-0.01</k3>"
+      "</calibration></sensor></sensors><components><component id=\"0\"><transform><scale>2</scale>"
+      "</transform></component></components><cameras><camera sensor_id=\"0\" component_id=\"0\" "
+      "label=\"a\"><transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 "
+      "1</transform></camera></cameras></chunk>"
+      "</document>\n");
+  WriteFile(In("rig_calibration", "calibration.toml"),
+            "[cam_0]\nname = \"a\"\nsize = [1000, 800]\nmatrix = [[900.0, 0.0, 510.0], [0.0, "
+            "901.0, 395.0], "
+            "[0.0, 0.0, 1.0]]\ndistortions = [0.01, -0.02, 0.001, 0.002, 0.0]\nrotation = [0.1, "
+            "0.2, 0.3]\n"
+            "translation = [1.0, 2.0, 3.0]\n");
+  WriteFile(
+      In("rig_calibration", "camchain.yaml"),
+      "cam0: {camera_model: pinhole, intrinsics: [900, 901, 510, 395], distortion_model: radtan, "
+      "distortion_coeffs: [0.01, 0, 0, 0], resolution: [1000, 800]}\n");
 }
 
 void Landmarks() {

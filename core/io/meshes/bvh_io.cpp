@@ -17,10 +17,18 @@ namespace {
 
 constexpr std::array<const char*, 6> kChannelNames{"Xposition", "Yposition", "Zposition",
                                                    "Xrotation", "Yrotation", "Zrotation"};
-// Far more than any skeleton has; a file with more is damaged.
-constexpr int kMostJoints = 10000, kMostFrames = 10000000;
+constexpr std::array<const char*, 3> kScaleNames{"Xscale", "Yscale", "Zscale"};
+// Far more than any skeleton or clip has; a file with more is damaged.
+constexpr int kMostJoints = 10000, kMostFrames = 10000000, kMostChannels = 9;
 
-/// Words of a text with the lines they stand in.
+char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+bool SameLetters(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return Lower(x) == Lower(y); });
+}
+
+/// Words of a text with the lines they stand in. A brace is a word of its own.
 class Words {
  public:
   Words(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {
@@ -28,19 +36,30 @@ class Words {
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
   }
 
+  /// Empty at the end.
   std::string_view Next() {
     SkipSpace();
     while (text_.substr(at_).starts_with("#") || text_.substr(at_).starts_with("//")) {
-      Line();  // a comment
+      at_ = std::min(text_.find('\n', at_), text_.size());  // a comment
       SkipSpace();
     }
     const std::size_t begin = at_;
-    while (at_ < text_.size() && !IsSpace(text_[at_])) ++at_;
+    if (at_ < text_.size() && IsBrace(text_[at_])) return text_.substr(at_++, 1);
+    while (at_ < text_.size() && !IsSpace(text_[at_]) && !IsBrace(text_[at_])) ++at_;
     return text_.substr(begin, at_ - begin);
   }
-  /// The rest of the line, without spaces at its ends.
-  std::string Line() {
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  /// The next word, which stays.
+  std::string_view Peek() {
+    const std::size_t at = at_;
+    const int line = line_;
+    const std::string_view word = Next();
+    at_ = at;
+    line_ = line;
+    return word;
+  }
+  /// The rest of the line, up to a brace, without spaces at its ends.
+  std::string Name() {
+    const std::size_t end = std::min(text_.find_first_of("{}\n", at_), text_.size());
     std::string rest(text_.substr(at_, end - at_));
     at_ = end;
     while (!rest.empty() && IsSpace(rest.back())) rest.pop_back();
@@ -49,16 +68,33 @@ class Words {
   }
   void Expect(std::string_view word) {
     const std::string_view got = Next();
-    if (got != word) Fail(fmt::format("'{}' was expected, not '{}'", word, got));
+    if (!SameLetters(got, word)) Fail(fmt::format("'{}' was expected, not '{}'", word, got));
+  }
+  /// Letters, with or without spaces between and behind them, and a colon: "Frame Time:.0333".
+  void Label(std::string_view letters) {
+    Peek();
+    std::size_t matched = 0;
+    for (SkipToWord(); at_ < text_.size(); ++at_) {
+      if (IsSpace(text_[at_]) && text_[at_] != '\n') continue;
+      if (matched == letters.size() && text_[at_] == ':') return void(++at_);
+      if (matched == letters.size() || Lower(text_[at_]) != letters[matched]) break;
+      ++matched;
+    }
+    Fail(fmt::format("'{}:' was expected", letters == "frames" ? "Frames" : "Frame Time"));
   }
   double Number() {
     const std::string_view word = Next();
+    if (word.empty()) Fail("it ends where a number was expected");
+    std::string_view digits = word;
+    // from_chars does not know the plus
+    if (digits.starts_with("+") && !digits.starts_with("+-")) digits.remove_prefix(1);
     double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-      Fail(word.empty() ? "it ends where a number was expected"
-                        : fmt::format("'{}' is not a number", word));
-    return value;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool read = error == std::errc() && end == digits.data() + digits.size();
+    if (read && std::isfinite(value)) return value;
+    if (word.find(',') != std::string_view::npos)
+      Fail(fmt::format("'{}' has a comma; export it again with decimal points", word));
+    Fail(fmt::format("'{}' is not a number", word));
   }
   int Count(int most) {
     const double value = Number();
@@ -75,7 +111,13 @@ class Words {
   void SkipSpace() {
     while (at_ < text_.size() && IsSpace(text_[at_])) line_ += text_[at_++] == '\n';
   }
+  /// To the word that Next() would take, over comments.
+  void SkipToWord() {
+    const std::string_view word = Next();
+    at_ -= word.size();
+  }
   static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+  static bool IsBrace(char c) { return c == '{' || c == '}'; }
 
   std::string_view text_;
   std::string name_;
@@ -83,54 +125,216 @@ class Words {
   int line_ = 1;
 };
 
-/// Some programs write "XPosition" or "xrotation".
-bool SameLetters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+/// What a number of a frame is: of the channels that a clip keeps, or a scale.
+struct Column {
+  int joint = 0;
+  int scaled_axis = -1;  ///< 0, 1, 2: a scale along that axis
+};
+
+struct BvhFile {
+  MotionClip clip;
+  std::vector<Column> columns;
+  std::vector<std::vector<double>> frames;  ///< as in the file, scales too
+};
+
+void ReadChannels(Words& words, int joint, BvhFile* file) {
+  const int count = words.Count(kMostChannels);
+  for (int i = 0; i < count; ++i) {
+    const std::string_view word = words.Next();
+    Column column{joint, -1};
+    std::size_t known = 0;
+    while (known < kChannelNames.size() && !SameLetters(word, kChannelNames[known])) ++known;
+    for (int axis = 0; axis < 3; ++axis)
+      if (SameLetters(word, kScaleNames[static_cast<std::size_t>(axis)])) column.scaled_axis = axis;
+    if (known < kChannelNames.size())
+      file->clip.joints[joint].channels.push_back(static_cast<BvhChannel>(known));
+    else if (column.scaled_axis < 0)
+      words.Fail(fmt::format("'{}' is not a channel", word));
+    file->columns.push_back(column);
+  }
 }
 
-BvhChannel ChannelNamed(std::string_view word, const Words& words) {
-  for (std::size_t i = 0; i < kChannelNames.size(); ++i)
-    if (SameLetters(word, kChannelNames[i])) return static_cast<BvhChannel>(i);
-  words.Fail(fmt::format("'{}' is not a channel", word));
-}
+/// Joints are numbered as they come, and so are their channels, whatever hangs on them.
+class HierarchyReader {
+ public:
+  HierarchyReader(Words& words, BvhFile* file) : words_(words), file_(*file) {}
 
-void ReadOffset(Words& words, ClipJoint* joint) {
-  words.Expect("{");
-  words.Expect("OFFSET");
-  for (int i = 0; i < 3; ++i) joint->offset[i] = words.Number();
-}
+  void Read() {
+    words_.Expect("HIERARCHY");
+    while (SameLetters(words_.Peek(), "ROOT")) {
+      words_.Next();
+      Open(words_.Name());
+      while (!open_.empty()) ReadWord();
+    }
+    if (file_.clip.joints.empty()) words_.Expect("ROOT");
+  }
 
-void ReadHierarchy(Words& words, MotionClip* clip) {
-  std::vector<int> open;
-  const auto add = [&](const std::string& name) {
-    if (static_cast<int>(clip->joints.size()) >= kMostJoints) words.Fail("too many joints");
+ private:
+  void Open(const std::string& name) {
+    if (static_cast<int>(file_.clip.joints.size()) >= kMostJoints) words_.Fail("too many joints");
+    words_.Expect("{");
     ClipJoint joint;
     joint.name = name;
-    joint.parent = open.empty() ? -1 : open.back();
-    ReadOffset(words, &joint);
-    open.push_back(static_cast<int>(clip->joints.size()));
-    clip->joints.push_back(joint);
-  };
-  words.Expect("HIERARCHY");
-  words.Expect("ROOT");
-  add(words.Line());
-  while (!open.empty()) {
-    const std::string_view word = words.Next();
-    if (word == "CHANNELS") {
-      const int count = words.Count(6);
-      for (int i = 0; i < count; ++i)
-        clip->joints[open.back()].channels.push_back(ChannelNamed(words.Next(), words));
-    } else if (word == "JOINT") {
-      add(words.Line());
-    } else if (word == "End") {
-      words.Line();
-      add("");
+    joint.parent = open_.empty() ? -1 : open_.back();
+    open_.push_back(static_cast<int>(file_.clip.joints.size()));
+    placed_.push_back(false);
+    file_.clip.joints.push_back(joint);
+  }
+  void ReadWord() {
+    const std::string_view word = words_.Next();
+    if (SameLetters(word, "OFFSET")) {
+      for (int i = 0; i < 3; ++i) file_.clip.joints[open_.back()].offset[i] = words_.Number();
+      placed_[open_.back()] = true;
+    } else if (SameLetters(word, "CHANNELS")) {
+      RequireLast();
+      ReadChannels(words_, open_.back(), &file_);
+    } else if (SameLetters(word, "JOINT")) {
+      Open(words_.Name());
+    } else if (SameLetters(word, "End") || SameLetters(word, "EndSite")) {
+      words_.Name();  // "Site", and a name that some programs add
+      Open("");
     } else if (word == "}") {
-      open.pop_back();
+      if (!placed_[open_.back()]) words_.Fail("a joint has no OFFSET");
+      open_.pop_back();
     } else {
-      words.Fail(fmt::format("'{}' was not expected", word));
+      words_.Fail(fmt::format("'{}' was not expected", word));
+    }
+  }
+  /// Numbers of a frame come in the order of the CHANNELS lines.
+  void RequireLast() const {
+    if (open_.back() + 1 != static_cast<int>(file_.clip.joints.size()))
+      words_.Fail("a joint's CHANNELS stand behind its children");
+  }
+
+  Words& words_;
+  BvhFile& file_;
+  std::vector<int> open_;
+  std::vector<char> placed_;
+};
+
+void Note(std::vector<std::string>* notes, const std::string& note) {
+  if (notes) notes->push_back(note);
+}
+
+void ReadMotion(Words& words, const std::string& name, BvhFile* file,
+                std::vector<std::string>* notes) {
+  words.Expect("MOTION");
+  words.Label("frames");
+  const int said = words.Count(kMostFrames);
+  words.Label("frametime");
+  file->clip.frame_time_s = words.Number();
+  if (!(file->clip.frame_time_s > 0)) words.Fail("the time of a frame must be positive");
+  if (file->clip.frame_time_s > 1)
+    Note(notes, fmt::format("{}: a frame lasts {} s; is that a rate? A BVH file has 1 / rate here",
+                            name, file->clip.frame_time_s));
+  const std::size_t channels = file->columns.size();
+  if (channels == 0) words.Fail("its joints have no channels");
+  while (!words.Peek().empty()) {
+    std::vector<double> frame(channels);
+    for (double& number : frame) number = words.Number();
+    file->frames.push_back(std::move(frame));
+  }
+  const auto found = static_cast<int>(file->frames.size());
+  if (std::abs(found - said) > 1)
+    words.Fail(fmt::format("it says that it has {} frames, but has {}", said, found));
+  if (found != said)
+    Note(notes, fmt::format("{} says that it has {} frames, but has {}, which are all used", name,
+                            said, found));
+}
+
+/// For each frame the joint's scale, the same along its axes; empty: none, or always 1.
+/// @param columns  the joint's scales
+Eigen::ArrayXd ScalesOf(const BvhFile& file, const std::vector<std::size_t>& columns,
+                        const std::string& joint, const Words& words) {
+  constexpr double kSame = 1e-5;  // as files round
+  if (columns.empty() || file.frames.empty()) return {};
+  Eigen::ArrayXd scales(static_cast<Eigen::Index>(file.frames.size()));
+  for (std::size_t f = 0; f < file.frames.size(); ++f) {
+    double least = file.frames[f][columns[0]], most = least;
+    for (const std::size_t c : columns) {
+      least = std::min(least, file.frames[f][c]);
+      most = std::max(most, file.frames[f][c]);
+    }
+    if (!(least > 0) || most - least > kSame * most)
+      words.Fail(
+          fmt::format("joint {} is scaled by {} to {} in frame {}; only a scale that is the "
+                      "same along all axes, and above 0, can be used: bake it, or leave "
+                      "the scale channels out, and export again",
+                      joint, least, most, f));
+    scales[static_cast<Eigen::Index>(f)] = most;
+  }
+  if ((scales - 1).abs().maxCoeff() <= kSame) return {};
+  return scales;
+}
+
+bool IsPosition(BvhChannel channel) { return channel < BvhChannel::kXrotation; }
+
+/// Fills the clip's values, joint after joint. What a scaled joint carries has its places scaled:
+/// the numbers of its position channels, or else its offset, which becomes three position channels.
+class ValuesWriter {
+ public:
+  ValuesWriter(const BvhFile& file, const Words& words) : file_(file), clip_(file.clip) {
+    for (int j = 0; j < static_cast<int>(clip_.joints.size()); ++j) AddJoint(j, words);
+  }
+  MotionClip Clip() {
+    clip_.values.resize(static_cast<Eigen::Index>(file_.frames.size()),
+                        static_cast<Eigen::Index>(columns_.size()));
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      clip_.values.col(static_cast<Eigen::Index>(c)) = columns_[c];
+    return clip_;
+  }
+
+ private:
+  void AddJoint(int j, const Words& words) {
+    ClipJoint& joint = clip_.joints[j];
+    const auto count = static_cast<Eigen::Index>(file_.frames.size());
+    const Eigen::ArrayXd above = joint.parent < 0 ? Eigen::ArrayXd() : carried_[joint.parent];
+    const bool scaled = above.size() > 0;
+    const bool moved = std::any_of(joint.channels.begin(), joint.channels.end(), IsPosition);
+    if (scaled && !moved) AddOffset(above, &joint);
+    std::size_t kept = scaled && !moved ? 3 : 0;
+    std::vector<std::size_t> scales;
+    // the file's columns come in the order of the joints
+    for (; next_ < file_.columns.size() && file_.columns[next_].joint == j; ++next_) {
+      if (file_.columns[next_].scaled_axis >= 0) {
+        scales.push_back(next_);
+        continue;
+      }
+      Eigen::ArrayXd column(count);
+      for (Eigen::Index f = 0; f < count; ++f) column[f] = file_.frames[f][next_];
+      if (IsPosition(joint.channels[kept++]) && scaled) column *= above;
+      columns_.push_back(column);
+    }
+    Eigen::ArrayXd carried = ScalesOf(file_, scales, joint.name, words);
+    if (carried.size() == 0)
+      carried = above;
+    else if (scaled)
+      carried *= above;
+    carried_.push_back(carried);
+  }
+  void AddOffset(const Eigen::ArrayXd& scale, ClipJoint* joint) {
+    joint->channels.insert(joint->channels.begin(), {BvhChannel::kXposition, BvhChannel::kYposition,
+                                                     BvhChannel::kZposition});
+    for (int axis = 0; axis < 3; ++axis) columns_.push_back(scale * joint->offset[axis]);
+    joint->offset *= scale[0];
+  }
+
+  const BvhFile& file_;
+  MotionClip clip_;
+  std::size_t next_ = 0;  ///< of the file's columns
+  std::vector<Eigen::ArrayXd> columns_;
+  std::vector<Eigen::ArrayXd> carried_;  ///< of each joint, for each frame; empty: 1
+};
+
+/// Joints without an offset of their own take the place that they have in the first frame.
+void PlaceByFirstFrame(MotionClip* clip) {
+  Eigen::Index column = 0;
+  for (ClipJoint& joint : clip->joints) {
+    const bool placeless = joint.parent >= 0 && joint.offset.isZero() && clip->frame_count() > 0;
+    for (const BvhChannel channel : joint.channels) {
+      if (placeless && IsPosition(channel))
+        joint.offset[static_cast<int>(channel)] = clip->values(0, column);
+      ++column;
     }
   }
 }
@@ -140,7 +344,7 @@ void WriteJoint(const MotionClip& clip, const std::vector<std::vector<int>>& chi
   const ClipJoint& joint = clip.joints[j];
   const std::string indent(static_cast<std::size_t>(depth), '\t');
   const char* kind = joint.name.empty() ? "End Site" : "JOINT ";
-  if (j == 0) kind = "ROOT ";
+  if (joint.parent < 0) kind = "ROOT ";
   *text += fmt::format("{0}{1}{2}\n{0}{{\n{0}\tOFFSET {3:.6f} {4:.6f} {5:.6f}\n", indent, kind,
                        joint.name, joint.offset.x(), joint.offset.y(), joint.offset.z());
   if (!joint.channels.empty()) {
@@ -155,37 +359,28 @@ void WriteJoint(const MotionClip& clip, const std::vector<std::vector<int>>& chi
 
 }  // namespace
 
-MotionClip ParseBvh(const std::string& text, const std::string& name) {
-  MotionClip clip;
+MotionClip ParseBvh(const std::string& text, const std::string& name,
+                    std::vector<std::string>* notes) {
+  BvhFile file;
   Words words(text, name);
-  ReadHierarchy(words, &clip);
-  words.Expect("MOTION");
-  words.Expect("Frames:");
-  const int frames = words.Count(kMostFrames);
-  words.Expect("Frame");
-  words.Expect("Time:");
-  clip.frame_time_s = words.Number();
-  if (!(clip.frame_time_s > 0)) words.Fail("the time of a frame must be positive");
-  const int channels = clip.channel_count();
-  // A number takes two bytes at least: a count beyond that is damaged, and is not allocated.
-  if (static_cast<double>(frames) * channels > 0.5 * static_cast<double>(text.size()) + 1)
-    words.Fail(fmt::format("it has not the {} frames that it names", frames));
-  clip.values.resize(frames, channels);
-  for (int f = 0; f < frames; ++f)
-    for (int c = 0; c < channels; ++c) clip.values(f, c) = words.Number();
+  HierarchyReader(words, &file).Read();
+  ReadMotion(words, name, &file, notes);
+  MotionClip clip = ValuesWriter(file, words).Clip();
+  PlaceByFirstFrame(&clip);
   return clip;
 }
 
-MotionClip ReadBvh(const std::filesystem::path& path) {
-  return ParseBvh(ReadFile(path), PrintableName(path.filename()));
+MotionClip ReadBvh(const std::filesystem::path& path, std::vector<std::string>* notes) {
+  return ParseBvh(ReadFile(path), PrintableName(path.filename()), notes);
 }
 
 std::string BvhText(const MotionClip& clip) {
   std::vector<std::vector<int>> children(clip.joints.size());
-  for (std::size_t j = 1; j < clip.joints.size(); ++j)
-    children[clip.joints[j].parent].push_back(static_cast<int>(j));
+  for (std::size_t j = 0; j < clip.joints.size(); ++j)
+    if (clip.joints[j].parent >= 0) children[clip.joints[j].parent].push_back(static_cast<int>(j));
   std::string text = "HIERARCHY\n";
-  WriteJoint(clip, children, 0, 0, &text);
+  for (std::size_t j = 0; j < clip.joints.size(); ++j)
+    if (clip.joints[j].parent < 0) WriteJoint(clip, children, static_cast<int>(j), 0, &text);
   text += fmt::format("MOTION\nFrames: {}\nFrame Time: {:.7f}\n", clip.frame_count(),
                       clip.frame_time_s);
   for (int f = 0; f < clip.frame_count(); ++f) {

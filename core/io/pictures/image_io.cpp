@@ -20,6 +20,7 @@
 #include "core/numbers/parallel.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 #include "core/values/file_names.h"
 #include "core/values/memory.h"
 
@@ -154,16 +155,34 @@ std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name)
   return std::nullopt;
 }
 
-std::optional<double> SensorWidth(const ImageSpec& spec) {
+/// Millimetres of EXIF's units of resolution; 0: none that is known.
+double MillimetresOf(int unit) {
+  switch (unit) {
+    case 2:
+      return 25.4;
+    case 3:
+      return 10;
+    case 4:
+      return 1;
+    case 5:
+      return 1e-3;
+    default:
+      return 0;
+  }
+}
+
+/// The sensor's longer side. Pixels are square, and programs that turn a photograph may or may not
+/// swap its two sides in EXIF, so the longer one stands for both.
+std::optional<double> SensorSize(const ImageSpec& spec) {
   const auto resolution = PositiveAttribute(spec, "Exif:FocalPlaneXResolution");
   if (!resolution) return std::nullopt;
-  const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
-  double mm_per_unit = 25.4;
-  if (unit == 3) mm_per_unit = 10.0;
-  if (unit == 4) mm_per_unit = 1.0;
-  const double pixels = spec.get_int_attribute("Exif:PixelXDimension", spec.width);
-  const double width = pixels / *resolution * mm_per_unit;
-  return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;
+  const double mm_per_unit =
+      MillimetresOf(spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2));
+  const int x = spec.get_int_attribute("Exif:PixelXDimension", 0),
+            y = spec.get_int_attribute("Exif:PixelYDimension", 0);
+  const int pixels = x > 0 ? std::max(x, y) : std::max(spec.width, spec.height);
+  const double longer = pixels / *resolution * mm_per_unit;
+  return longer > 1 && longer < 100 ? std::optional<double>(longer) : std::nullopt;
 }
 
 /// BT.601.
@@ -224,7 +243,7 @@ ImageInfo ReadImageInfo(const fs::path& path) {
   info.channels = spec.nchannels;
   info.focal_mm = PositiveAttribute(spec, "Exif:FocalLength");
   info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
-  info.sensor_width_mm = SensorWidth(spec);
+  info.sensor_width_mm = SensorSize(spec);
   const std::string make(spec.get_string_attribute("Make")),
       model(spec.get_string_attribute("Model"));
   info.camera_model =
@@ -333,6 +352,23 @@ void WriteLevels(const fs::path& path, const ImageF& levels, int bits, const std
   WriteAll(path, spec, TypeDesc::UINT8, eight.data());
 }
 
+namespace {
+
+/// The equivalent of 35 mm film is a whole number in EXIF. Where it is none, the size of a pixel on
+/// the sensor tells the focal length exactly, as cameras do.
+void AddPixelPitch(const ExifToWrite& exif, ImageSpec* spec) {
+  const bool whole = exif.focal_35mm == std::round(exif.focal_35mm);
+  if (exif.focal_mm <= 0 || exif.focal_35mm <= 0 || whole) return;
+  const double focal_px =
+      exif.focal_35mm / kFilmDiagonal_mm * std::hypot(spec->width, spec->height);
+  const auto pixels_per_cm = static_cast<float>(10 * focal_px / exif.focal_mm);
+  spec->attribute("Exif:FocalPlaneXResolution", pixels_per_cm);
+  spec->attribute("Exif:FocalPlaneYResolution", pixels_per_cm);
+  spec->attribute("Exif:FocalPlaneResolutionUnit", 3);
+}
+
+}  // namespace
+
 void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
   spec.attribute("CompressionQuality", quality);
@@ -347,6 +383,7 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
     if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
     if (exif->focal_35mm > 0)
       spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
+    AddPixelPitch(*exif, &spec);
   }
   WriteAll(path, spec, TypeDesc::UINT8, image.data.data());
 }

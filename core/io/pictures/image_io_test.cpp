@@ -10,6 +10,7 @@
 #include "core/io/testing/image_files.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
+#include "core/values/exif_focal.h"
 
 namespace keypose::image_io_test {
 
@@ -113,6 +114,21 @@ TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
   // green to the left.
   EXPECT_LT(image.at(16, 2)[0], image.at(16, 61)[0]);
   EXPECT_GT(image.at(2, 32)[1], image.at(29, 32)[1]);
+}
+
+TEST_F(ImageIo, PixelPitchTellsTheFocalLengthToAFraction) {
+  ExifToWrite exif;
+  exif.focal_mm = 40;
+  exif.focal_35mm = 57.6888;  // which EXIF rounds
+  WriteImage(folder_ / "a.jpg", Image8(100, 75, 3), 90, &exif);
+  const ImageInfo info = ReadImageInfo(folder_ / "a.jpg");
+  EXPECT_EQ(info.focal_35mm.value_or(0), 58);
+  const double wanted = 57.6888 / kFilmDiagonal_mm * 125;
+  EXPECT_NEAR(info.sensor_width_mm.value_or(0), 40 / wanted * 100, 1e-3);
+  EXPECT_NEAR(FocalPx(100, 75, 58, 40, *info.sensor_width_mm), wanted, 1e-2);
+  exif.focal_35mm = 58;
+  WriteImage(folder_ / "b.jpg", Image8(100, 75, 3), 90, &exif);
+  EXPECT_FALSE(ReadImageInfo(folder_ / "b.jpg").sensor_width_mm);
 }
 
 TEST_F(ImageIo, TruncatedJpegThrowsAndNamesTheFile) {

@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <sstream>
 
 #include "core/io/pictures/image_kind.h"
+#include "core/io/project/colmap_lens.h"
+#include "core/io/project/lens_use.h"
 #include "core/io/text/files.h"
 #include "core/values/coordinate_limit.h"
 #include "core/values/errors.h"
@@ -20,43 +24,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Model {
-  int id;
-  const char* name;
-  std::size_t parameters;
-};
-constexpr std::array<Model, 5> kModels{{{0, "SIMPLE_PINHOLE", 3},
-                                        {1, "PINHOLE", 4},
-                                        {2, "SIMPLE_RADIAL", 4},
-                                        {3, "RADIAL", 5},
-                                        {4, "OPENCV", 8}}};
-
-Camera CameraFrom(int model, std::uint64_t width, std::uint64_t height,
-                  const std::vector<double>& p) {
-  Camera camera;
-  camera.width = static_cast<int>(std::min(width, std::uint64_t{kMostPixels}));
-  camera.height = static_cast<int>(std::min(height, std::uint64_t{kMostPixels}));
-  const bool one_focal = model == 0 || model == 2 || model == 3;
-  camera.fx = p[0];
-  camera.fy = one_focal ? p[0] : p[1];
-  const std::size_t at = one_focal ? 1 : 2;
-  camera.cx = p[at];
-  camera.cy = p[at + 1];
-  if (p.size() > at + 2) camera.k1 = p[at + 2];
-  if (p.size() > at + 3) camera.k2 = p[at + 3];
-  if (p.size() > at + 5) {
-    camera.p1 = p[at + 4];
-    camera.p2 = p[at + 5];
-  }
-  return camera;
+Lens SizedLens(Lens lens, std::uint64_t width, std::uint64_t height) {
+  lens.width = static_cast<int>(std::min(width, std::uint64_t{kMostPixels}));
+  lens.height = static_cast<int>(std::min(height, std::uint64_t{kMostPixels}));
+  return lens;
 }
 
-const Model& FindModel(const std::string& name_or_id, const fs::path& where) {
-  for (const Model& model : kModels)
-    if (name_or_id == model.name || name_or_id == std::to_string(model.id)) return model;
-  throw InputError(
-      where.string() + ": camera model " + name_or_id +
-      " is not supported; use SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL or OPENCV");
+std::string KnownModels() {
+  std::string names;
+  for (const ColmapLensModel& model : ColmapLensModels())
+    names += (names.empty() ? "" : ", ") + model.name;
+  return names;
 }
 
 class BinaryReader {
@@ -103,10 +81,10 @@ class BinaryWriter {
   std::string bytes_;
 };
 
-using Cameras = std::map<std::uint32_t, Camera>;
+using Cameras = std::map<std::uint32_t, Lens>;
 struct NamedView {
-  std::uint32_t id;
-  View view;
+  std::uint32_t id = 0, camera = 0;
+  LensView view;
 };
 
 Cameras ReadCamerasBinary(const fs::path& path) {
@@ -115,12 +93,21 @@ Cameras ReadCamerasBinary(const fs::path& path) {
   const auto count = in.Get<std::uint64_t>();
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto id = in.Get<std::uint32_t>();
-    const Model& model = FindModel(std::to_string(in.Get<std::int32_t>()), path);
+    const std::string where = path.string() + ": camera " + std::to_string(id);
+    const auto number = in.Get<std::int32_t>();
+    const std::optional<ColmapLensModel> model = FindColmapModel(number);
+    if (!model)
+      throw InputError(where +
+                       " has a lens model that is newer than COLMAP 4.2 (binary files hold "
+                       "its number alone, " +
+                       std::to_string(number) +
+                       "); write the model as text, which has names: `colmap model_converter "
+                       "--output_type TXT`");
     const auto width = in.Get<std::uint64_t>(), height = in.Get<std::uint64_t>();
-    std::vector<double> parameters(model.parameters);
+    std::vector<double> parameters(static_cast<std::size_t>(model->parameters));
     for (double& p : parameters) p = in.Get<double>();
-    cameras[id] = CameraFrom(model.id, width, height, parameters);
-    RequireUsableCamera(cameras[id], path.string() + ": camera " + std::to_string(id));
+    cameras[id] = SizedLens(ColmapLens(*model, parameters, where), width, height);
+    RequireUsableLens(cameras[id], where);
   }
   return cameras;
 }
@@ -139,7 +126,7 @@ Rigid3 PoseFrom(const std::array<double, 7>& q, const std::string& where) {
           Eigen::Vector3d(q[4], q[5], q[6])};
 }
 
-const Camera& CameraOf(const Cameras& cameras, std::uint32_t id, const fs::path& path) {
+const Lens& CameraOf(const Cameras& cameras, std::uint32_t id, const fs::path& path) {
   const auto it = cameras.find(id);
   if (it == cameras.end())
     throw InputError(path.string() + " names camera " + std::to_string(id) +
@@ -158,7 +145,8 @@ std::vector<NamedView> ReadImagesBinary(const fs::path& path, const Cameras& cam
     for (double& p : pose) p = in.Get<double>();
     named.view.camera_from_world =
         PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
-    named.view.camera = CameraOf(cameras, in.Get<std::uint32_t>(), path);
+    named.camera = in.Get<std::uint32_t>();
+    named.view.lens = CameraOf(cameras, named.camera, path);
     named.view.name = in.GetString();
     const auto features = in.Get<std::uint64_t>();
     if (features > (std::uint64_t{1} << 32))
@@ -201,12 +189,29 @@ std::vector<RawPoint> ReadPointsBinary(const fs::path& path) {
   return points;
 }
 
-/// Lines that are not comments. Images keep their empty feature lines.
-std::vector<std::string> DataLines(const fs::path& path, bool keep_empty) {
-  std::istringstream in(ReadFile(path));
+std::string Trimmed(const std::string& line) {
+  const char* const spaces = " \t\r\n";
+  const std::size_t begin = line.find_first_not_of(spaces);
+  if (begin == std::string::npos) return "";
+  return line.substr(begin, line.find_last_not_of(spaces) + 1 - begin);
+}
+
+bool IsData(const std::string& line) { return !line.empty() && line[0] != '#'; }
+
+/// All lines, without spaces at their ends.
+std::vector<std::string> TrimmedLines(const fs::path& path) {
+  std::string text = ReadFile(path);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  std::istringstream in(std::move(text));
   std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);)
-    if (!(line.rfind('#', 0) == 0) && (keep_empty || !line.empty())) lines.push_back(line);
+  for (std::string line; std::getline(in, line);) lines.push_back(Trimmed(line));
+  return lines;
+}
+
+/// Lines that are neither empty nor comments.
+std::vector<std::string> DataLines(const fs::path& path) {
+  std::vector<std::string> lines = TrimmedLines(path);
+  std::erase_if(lines, [](const std::string& line) { return !IsData(line); });
   return lines;
 }
 
@@ -216,45 +221,80 @@ std::vector<std::string> DataLines(const fs::path& path, bool keep_empty) {
 
 Cameras ReadCamerasText(const fs::path& path) {
   Cameras cameras;
-  for (const std::string& line : DataLines(path, false)) {
+  for (const std::string& line : DataLines(path)) {
     std::istringstream in(line);
     std::uint32_t id = 0;
     std::string name;
     std::uint64_t width = 0, height = 0;
     if (!(in >> id >> name >> width >> height)) ThrowLine(path, line);
-    const Model& model = FindModel(name, path);
-    std::vector<double> parameters(model.parameters);
-    for (double& p : parameters)
-      if (!(in >> p)) ThrowLine(path, line);
-    cameras[id] = CameraFrom(model.id, width, height, parameters);
-    RequireUsableCamera(cameras[id], path.string() + ": camera " + std::to_string(id));
+    const std::string where = path.string() + ": camera " + std::to_string(id);
+    const std::optional<ColmapLensModel> model = FindColmapModel(name);
+    if (!model)
+      throw InputError(where + ": the lens model " + name + " is not known; known are " +
+                       KnownModels() +
+                       ". Write pictures and cameras of a pinhole: `colmap "
+                       "image_undistorter`");
+    std::vector<double> parameters;
+    for (double p = 0; in >> p;) parameters.push_back(p);
+    if (!in.eof()) ThrowLine(path, line);
+    cameras[id] = SizedLens(ColmapLens(*model, parameters, where), width, height);
+    RequireUsableLens(cameras[id], where);
   }
   return cameras;
 }
 
+/// A line of an image: ten words, of which the last, the name, may hold spaces.
+std::optional<NamedView> ParseImage(const std::string& line, std::array<double, 7>* pose) {
+  std::istringstream in(line);
+  NamedView named;
+  in >> named.id;
+  for (double& p : *pose) in >> p;
+  if (!(in >> named.camera >> std::ws) || !std::getline(in, named.view.name)) return std::nullopt;
+  return named;
+}
+
+/// Whether a line holds features: words, three for each, none of them a name. Some programs leave
+/// the line out, and the next one is an image.
+bool IsFeatures(const std::string& line) {
+  std::size_t words = 0;
+  bool in_word = false;
+  for (const char c : line) {
+    const bool space = c == ' ' || c == '\t';
+    words += !space && !in_word;
+    in_word = !space;
+  }
+  if (words % 3 != 0) return false;
+  std::istringstream in(line.substr(0, 400));  // an image has its name in the tenth word
+  double number = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(words, 9); ++i)
+    if (!(in >> number)) return false;
+  std::string tenth;
+  if (!(in >> tenth)) return true;
+  char* end = nullptr;
+  std::strtod(tenth.c_str(), &end);
+  return *end == 0;
+}
+
 std::vector<NamedView> ReadImagesText(const fs::path& path, const Cameras& cameras) {
   std::vector<NamedView> views;
-  const auto lines = DataLines(path, true);
-  for (std::size_t i = 0; i < lines.size(); i += 2) {
-    if (lines[i].empty()) break;
-    std::istringstream in(lines[i]);
-    NamedView named;
+  const std::vector<std::string> lines = TrimmedLines(path);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!IsData(lines[i])) continue;
     std::array<double, 7> pose{};
-    std::uint32_t camera = 0;
-    in >> named.id;
-    for (double& p : pose) in >> p;
-    if (!(in >> camera >> std::ws) || !std::getline(in, named.view.name)) ThrowLine(path, lines[i]);
-    named.view.camera_from_world =
-        PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
-    named.view.camera = CameraOf(cameras, camera, path);
-    views.push_back(std::move(named));
+    std::optional<NamedView> named = ParseImage(lines[i], &pose);
+    if (!named) ThrowLine(path, lines[i]);
+    named->view.camera_from_world =
+        PoseFrom(pose, path.string() + ": image " + std::to_string(named->id));
+    named->view.lens = CameraOf(cameras, named->camera, path);
+    views.push_back(std::move(*named));
+    if (i + 1 < lines.size() && IsFeatures(lines[i + 1])) ++i;
   }
   return views;
 }
 
 std::vector<RawPoint> ReadPointsText(const fs::path& path) {
   std::vector<RawPoint> points;
-  for (const std::string& line : DataLines(path, false)) {
+  for (const std::string& line : DataLines(path)) {
     std::istringstream in(line);
     RawPoint raw;
     std::uint64_t id = 0;
@@ -272,56 +312,91 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
   return points;
 }
 
-}  // namespace
-
-void RequireUsableCamera(const Camera& camera, const std::string& where) {
-  constexpr double kMost = 1e7,
-                   kLeastFocal = 1e-2;  // in pixels; also far above any distortion coefficient
-  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy,
-                                      camera.k1, camera.k2, camera.p1, camera.p2};
-  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for NaN
-  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) ||
-      !(camera.fy > kLeastFocal))
-    throw InputError(where +
-                     " has an impossible focal length, centre or distortion (not finite, 0, or "
-                     "beyond 1e7); it is damaged: run sfm again");
-  if (camera.width < 1 || camera.height < 1 ||
-      std::int64_t{camera.width} * camera.height > kMostPixels)
-    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " +
-                     std::to_string(camera.height) +
-                     " pixels, which is not possible; it is damaged: run sfm again");
+bool IsModel(const fs::path& folder) {
+  return fs::exists(folder / "images.bin") || fs::exists(folder / "images.txt");
 }
 
-Scene ReadColmapModel(const fs::path& folder) {
+/// The folder itself, or the one model that COLMAP's and others' programs put below it.
+fs::path ModelFolder(const fs::path& folder) {
+  if (IsModel(folder)) return folder;
+  std::vector<fs::path> below;
+  for (const fs::path& parent : {folder / "sparse", folder}) {
+    if (IsModel(parent)) below.push_back(parent);
+    for (int number = 0; number < 10; ++number)
+      if (const fs::path model = parent / std::to_string(number); IsModel(model))
+        below.push_back(model);
+    if (!below.empty()) break;
+  }
+  if (below.size() > 1)
+    throw InputError(folder.string() + " has several COLMAP models; pass one of them, such as " +
+                     below.front().string());
+  return below.empty() ? folder : below.front();
+}
+
+/// Images with their lenses, sorted by name.
+std::vector<NamedView> ReadNamedViews(const fs::path& folder) {
   const bool binary = fs::exists(folder / "images.bin");
   if (!binary && !fs::exists(folder / "images.txt"))
     throw InputError(folder.string() +
                      " has neither images.bin nor images.txt: it is not a COLMAP model folder");
   const std::string extension = binary ? ".bin" : ".txt";
   const fs::path cameras_file = folder / ("cameras" + extension),
-                 images_file = folder / ("images" + extension),
-                 points_file = folder / ("points3D" + extension);
+                 images_file = folder / ("images" + extension);
   const Cameras cameras = binary ? ReadCamerasBinary(cameras_file) : ReadCamerasText(cameras_file);
   auto views =
       binary ? ReadImagesBinary(images_file, cameras) : ReadImagesText(images_file, cameras);
   std::sort(views.begin(), views.end(),
             [](const auto& a, const auto& b) { return a.view.name < b.view.name; });
-  Scene scene;
-  std::map<std::uint32_t, int> index_of;
-  for (NamedView& named : views) {
-    index_of[named.id] = SizeOf(scene.views);
-    scene.views.push_back(std::move(named.view));
-  }
-  if (!fs::exists(points_file)) return scene;
-  for (RawPoint& raw : binary ? ReadPointsBinary(points_file) : ReadPointsText(points_file)) {
+  return views;
+}
+
+std::vector<SparsePoint> ReadPoints(const fs::path& folder,
+                                    const std::map<std::uint32_t, int>& index_of) {
+  const bool binary = fs::exists(folder / "images.bin");
+  const fs::path file = folder / (binary ? "points3D.bin" : "points3D.txt");
+  std::vector<SparsePoint> points;
+  if (!fs::exists(file)) return points;
+  for (RawPoint& raw : binary ? ReadPointsBinary(file) : ReadPointsText(file)) {
     for (const std::uint32_t id : raw.image_ids)
       if (const auto it = index_of.find(id); it != index_of.end())
         raw.point.views.push_back(it->second);
     std::sort(raw.point.views.begin(), raw.point.views.end());
     raw.point.views.erase(std::unique(raw.point.views.begin(), raw.point.views.end()),
                           raw.point.views.end());
-    scene.points.push_back(std::move(raw.point));
+    points.push_back(std::move(raw.point));
   }
+  return points;
+}
+
+}  // namespace
+
+bool HasColmapModel(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_directory(folder, ignored) && IsModel(ModelFolder(folder));
+}
+
+std::vector<LensView> ReadColmapLenses(const fs::path& folder) {
+  std::vector<LensView> views;
+  for (NamedView& named : ReadNamedViews(ModelFolder(folder)))
+    views.push_back(std::move(named.view));
+  return views;
+}
+
+Scene ReadColmapModel(const fs::path& folder) {
+  const fs::path model = ModelFolder(folder);
+  Scene scene;
+  std::map<std::uint32_t, int> index_of;
+  std::map<std::uint32_t, Camera> usable;
+  for (const NamedView& named : ReadNamedViews(model)) {
+    index_of[named.id] = SizeOf(scene.views);
+    auto camera = usable.find(named.camera);
+    if (camera == usable.end()) {
+      const std::string where = model.string() + ": camera " + std::to_string(named.camera);
+      camera = usable.emplace(named.camera, UsableCamera(named.view.lens, where)).first;
+    }
+    scene.views.push_back({named.view.name, camera->second, named.view.camera_from_world});
+  }
+  scene.points = ReadPoints(model, index_of);
   return scene;
 }
 

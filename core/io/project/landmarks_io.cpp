@@ -14,6 +14,7 @@
 #include "core/io/project/binding_io.h"
 #include "core/io/text/files.h"
 #include "core/io/text/json_pick.h"
+#include "core/io/text/xml_depth.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/coordinate_limit.h"
@@ -218,48 +219,11 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
                                               side));
 }
 
-/// Deep nesting is refused before the XML library sees it. Comments and quoted values are skipped
-/// as the library does. Other constructs that begin with '<!' are not skipped, so a level may be
-/// counted twice, but none is missed.
-void RequireShallowXml(const std::string& text, const fs::path& path) {
-  constexpr int kMostLevels = 100;
-  int level = 0;
-  for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
-    const auto begins = [&](const char* mark) {
-      return text.compare(at, std::strlen(mark), mark) == 0;
-    };
-    const auto behind = [&](const char* mark) {
-      return std::min(text.size(), text.find(mark, at));
-    };
-    if (begins("<!--")) {
-      at = behind("-->");
-    } else if (begins("<![CDATA[")) {
-      at = behind("]]>");
-    } else if (begins("</")) {
-      --level;
-      at += 2;
-    } else if (begins("<!") || begins("<?")) {
-      at += 2;
-    } else {
-      char quote = 0;
-      for (++at; at < text.size() && (quote || text[at] != '>'); ++at) {
-        if (quote ? text[at] == quote : text[at] == '"' || text[at] == '\'')
-          quote = quote ? 0 : text[at];
-      }
-      level += at == text.size() || text[at - 1] != '/';
-    }
-    if (level > kMostLevels)
-      throw InputError(path.string() +
-                       " is not a MeshLab picked-points file: its elements are nested more than "
-                       "100 levels deep");
-  }
-}
-
 std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log,
                                        const std::string& side) {
   boost::property_tree::ptree tree;
   std::string text = ReadFile(path);
-  RequireShallowXml(text, path);
+  RequireShallowXml(text, path.string() + " is not a MeshLab picked-points file");
   std::istringstream in(std::move(text));
   try {
     boost::property_tree::read_xml(in, tree);

@@ -5,17 +5,21 @@
 #include <vector>
 
 #include "core/values/camera.h"
+#include "core/values/lens.h"
 
 namespace keypose {
 
-/// Reads a COLMAP model (folder, binary or text) or a transforms.json as NeRF programs write it, by
-/// its name or that of its folder. The matrices are camera to world, with x right, y up and z
-/// backwards. The focal length is fl_x, fl_y or camera_angle_x. These and k1, k2, p1, p2, cx, cy,
-/// w, h may be given for the whole file or for a frame. The name of a view is the file name in its
-/// file_path, without folders.
-/// @return views sorted by name; width, height, cx, cy are 0 where the file does not give them
-/// @throws InputError  of neither kind, damaged, no camera, a repeated name, or a matrix that is
-/// not a rigid motion; names file and frame
+/// Reads a COLMAP model (colmap_io.h; folder, binary or text), a transforms.json (transforms_io.h),
+/// or Metashape's XML (metashape_io.h), by its content or that of its folder. Each lens becomes the
+/// camera that maps as it does, to kSameLens_px.
+/// @return views sorted by name; width, height, cx, cy are 0 where the file does not give them;
+/// focal lengths are negative, in units of the photograph's width, where it gives an angle but no
+/// size
+/// @throws InputError  of neither kind, damaged, no camera, a repeated name, a matrix that is not a
+/// rigid motion, a lens that no Camera maps as; names file, frame and lens model
 std::vector<View> ReadPoses(const std::filesystem::path& path);
+
+/// The same with the lenses as they are.
+std::vector<LensView> ReadLensPoses(const std::filesystem::path& path);
 
 }  // namespace keypose

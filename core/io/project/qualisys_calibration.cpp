@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/project/lens_use.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -73,7 +74,7 @@ constexpr double kParts = 64;  // of a pixel, the unit of lengths on the sensor
 int PixelsTo(double first, double last) { return SideOf(std::floor((last - first) / kParts) + 1); }
 
 /// The sensor, and where the film's first pixel lies in it.
-void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* camera) {
+void ReadQualisysLens(const Attributes& a, const std::string& where, Lens* camera) {
   // from the centre of the first pixel
   const auto pixels = [&](const char* name) { return Attribute(a, name, where) / kParts; };
   camera->width = PixelsTo(Attribute(a, "sensorMinU", where, 0), Attribute(a, "sensorMaxU", where));
@@ -83,14 +84,20 @@ void ReadQualisysLens(const Attributes& a, const std::string& where, Camera* cam
   camera->fy = pixels("focalLengthV");
   camera->cx = pixels("centerPointU") + 0.5;
   camera->cy = pixels("centerPointV") + 0.5;
-  camera->k1 = Attribute(a, "radialDistortion1", where, 0);
-  camera->k2 = Attribute(a, "radialDistortion2", where, 0);
+  camera->model = "Qualisys' with skew or radialDistortion3";
+  camera->skew = Attribute(a, "skew", where, 0) / kParts;
+  camera->radial = {Attribute(a, "radialDistortion1", where, 0),
+                    Attribute(a, "radialDistortion2", where, 0),
+                    Attribute(a, "radialDistortion3", where, 0),
+                    0,
+                    0,
+                    0};
   camera->p1 = Attribute(a, "tangentalDistortion1", where, 0);
   camera->p2 = Attribute(a, "tangentalDistortion2", where, 0);
 }
 
 /// The camera of a film that shows only a window of the sensor.
-void CutToWindow(const Attributes& window, const std::string& where, Camera* camera) {
+void CutToWindow(const Attributes& window, const std::string& where, Lens* camera) {
   if (window.empty()) return;
   const double left = Attribute(window, "left", where, 0), top = Attribute(window, "top", where, 0),
                right = Attribute(window, "right", where, -1),
@@ -170,8 +177,10 @@ std::vector<QualisysCamera> CamerasOf(const std::string& text, const std::string
     if (name == "fov_video") camera.window = attributes;
     if (name == "transform") ReadPlace(attributes, where, &camera);
     if (name == "intrinsic") {
-      ReadQualisysLens(attributes, where, &camera.view.camera);
-      CutToWindow(camera.window, where, &camera.view.camera);
+      Lens lens;
+      ReadQualisysLens(attributes, where, &lens);
+      CutToWindow(camera.window, where, &lens);
+      camera.view.camera = UsableCamera(lens, where);
       RequireUsable(camera.view, where);
       camera.has_lens = true;
     }

@@ -14,10 +14,14 @@
 #include <set>
 #include <sstream>
 
-#include "core/io/project/colmap_io.h"
+#include "core/io/project/lens_use.h"
+#include "core/io/project/metashape_io.h"
+#include "core/io/project/opencv_lens.h"
 #include "core/io/project/poses_io.h"
 #include "core/io/project/qualisys_calibration.h"
 #include "core/io/project/rig_parts.h"
+#include "core/io/project/rig_programs.h"
+#include "core/io/project/yaml_numbers.inc"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 
@@ -25,98 +29,71 @@ namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
+using yaml_numbers::FirstOf;
+using yaml_numbers::YamlNumbers;
 
 // ---- OpenCV YAML ----
 
-YAML::Node FirstOf(const YAML::Node& node, const std::vector<const char*>& names) {
-  for (const char* name : names)
-    if (node[name]) return node[name];
-  return YAML::Node(YAML::NodeType::Undefined);
-}
-
-/// All numbers of a matrix node ({rows, cols, dt, data}) or of nested lists.
-/// @param left  how many nodes may follow: an alias (*name) can contain itself, and a few of them
-/// can stand for more numbers than fit in memory
-void Collect(const YAML::Node& node, int depth, int* left, std::vector<double>* numbers) {
-  constexpr int kDeepest = 8;
-  if (depth > kDeepest || --*left < 0)
-    throw YAML::RepresentationException(node.Mark(), "more lists or numbers than any matrix has");
-  if (node.IsMap() && node["data"]) return Collect(node["data"], depth + 1, left, numbers);
-  if (node.IsScalar()) return numbers->push_back(node.as<double>());
-  for (const YAML::Node& part : node) Collect(part, depth + 1, left, numbers);
-}
-
-std::vector<double> Numbers(const YAML::Node& node) {
-  int left = 1000;
-  std::vector<double> numbers;
-  if (node && !node.IsNull()) Collect(node, 0, &left, &numbers);
-  return numbers;
-}
-
-Eigen::Matrix3d RowMajor(const std::vector<double>& n) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(n.data());
-}
-
-Eigen::Matrix3d RotationOf(const YAML::Node& node, const std::string& where) {
-  const std::vector<double> n =
-      Numbers(FirstOf(node, {"rotation", "R", "rotation_matrix", "rvec", "rotation_vector"}));
-  if (n.size() == 9) return RowMajor(n);
-  if (n.size() != 3)
-    throw InputError(where + ": `rotation` must hold 9 numbers, or 3 (Rodrigues); it has " +
-                     std::to_string(n.size()));
-  const Eigen::Vector3d turn(n[0], n[1], n[2]);
-  if (turn.norm() < 1e-12) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-}
-
-void ReadLens(const YAML::Node& node, const std::string& where, Camera* camera,
-              std::vector<std::string>* notes) {
-  const std::vector<double> k =
-      Numbers(FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix", "intrinsics"}));
-  if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
-  // OpenCV counts pixels from the centre of the first one.
-  camera->fx = k[0];
-  camera->fy = k[4];
-  camera->cx = k[2] + 0.5;
-  camera->cy = k[5] + 0.5;
-  const std::vector<double> d =
-      Numbers(FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion", "dist"}));
-  const auto at = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
-  camera->k1 = at(0);
-  camera->k2 = at(1);
-  camera->p1 = at(2);
-  camera->p2 = at(3);
-  for (std::size_t i = 4; i < d.size(); ++i)
-    if (std::abs(d[i]) > 1e-9) {
-      notes->push_back(where + ": only k1, k2, p1, p2 of its distortion are used");
-      break;
-    }
-  const std::vector<double> size = Numbers(FirstOf(node, {"image_size", "resolution", "size"}));
-  if (size.size() == 2) {
-    camera->width = SideOf(size[0]);
-    camera->height = SideOf(size[1]);
+/// What the file calls its lens model, in one of the ways in which programs say it.
+std::string ModelOf(const YAML::Node& node) {
+  const YAML::Node flag = FirstOf(node, {"fisheye_model", "fisheye", "is_fisheye"});
+  if (flag && flag.IsScalar()) {
+    const std::string said = flag.as<std::string>();
+    if (said != "0" && said != "false" && said != "False" && said != "no") return "fisheye";
   }
-  if (const YAML::Node w = FirstOf(node, {"image_width", "width"})) camera->width = w.as<int>();
-  if (const YAML::Node h = FirstOf(node, {"image_height", "height"})) camera->height = h.as<int>();
+  if (const YAML::Node name = FirstOf(node, {"distortion_model", "distortion_type"});
+      name && name.IsScalar())
+    return name.as<std::string>();
+  for (const char* key : {"camera_model", "model", "model_type", "lens_model"})
+    if (node[key] && node[key].IsScalar() && IsLensModelName(node[key].as<std::string>()))
+      return node[key].as<std::string>();
+  return "";
+}
+
+void PutSize(const YAML::Node& node, Lens* lens) {
+  const std::vector<double> size =
+      YamlNumbers(FirstOf(node, {"image_size", "resolution", "size", "img_size"}));
+  if (size.size() == 2) {
+    lens->width = SideOf(size[0]);
+    lens->height = SideOf(size[1]);
+  }
+  if (const YAML::Node w = FirstOf(node, {"image_width", "width", "img_width"}))
+    lens->width = w.as<int>();
+  if (const YAML::Node h = FirstOf(node, {"image_height", "height", "img_height"}))
+    lens->height = h.as<int>();
+}
+
+Lens LensOfYaml(const YAML::Node& node, const std::string& where) {
+  const std::vector<double> k =
+      YamlNumbers(FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix", "intrinsics"}));
+  if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
+  const std::vector<double> d =
+      YamlNumbers(FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion",
+                                 "dist", "distortion_coeffs", "distCoeffs", "distortions"}));
+  Lens lens = OpenCvLens(ModelOf(node), {k[0], k[4], k[2], k[5], k[1]}, d, where);
+  PutSize(node, &lens);
+  return lens;
 }
 
 View ViewOfYaml(const YAML::Node& node, const std::string& name, const std::string& where,
-                bool lens_only, std::vector<std::string>* notes) {
+                bool lens_only) {
   View view;
   view.name = name;
-  ReadLens(node, where, &view.camera, notes);
+  view.camera = UsableCamera(LensOfYaml(node, where), where);
   const YAML::Node translation =
       FirstOf(node, {"translation", "T", "tvec", "translation_vector", "t"});
-  if (!translation && !FirstOf(node, {"rotation", "R", "rotation_matrix", "rvec"})) {
-    RequireUsable(view, where);
+  const YAML::Node rotation =
+      FirstOf(node, {"rotation", "R", "rotation_matrix", "rvec", "rotation_vector"});
+  if (!translation && !rotation) {
     if (lens_only) return view;
     throw InputError(where +
                      " has a lens but no place: `keypose calibrate --lenses` takes it, with films "
                      "of a board or points of known place");
   }
-  const std::vector<double> t = Numbers(translation);
+  const std::vector<double> t = YamlNumbers(translation);
   if (t.size() != 3) throw InputError(where + ": `translation` must hold 3 numbers");
-  view.camera_from_world = {ExactRotation(RotationOf(node, where), where), {t[0], t[1], t[2]}};
+  view.camera_from_world = {ExactRotation(RotationOf(YamlNumbers(rotation), where), where),
+                            {t[0], t[1], t[2]}};
   RequireUsable(view, where);
   return view;
 }
@@ -131,36 +108,37 @@ double UnitOf(const YAML::Node& node, const std::string& where) {
   return found->second;
 }
 
-YAML::Node LoadYaml(const fs::path& path) {
-  std::string text = ReadFile(path);
-  // OpenCV's first line, %YAML:1.0, is not YAML's.
-  if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
-  return YAML::Load(text);
-}
-
 bool IsCameraNode(const YAML::Node& node) {
   return node.IsMap() && FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix"});
 }
 
-/// The unit of a view: one whose translation is in other units than metres says so.
-void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
+void AddOpenCvNodes(const YAML::Node& root, const fs::path& path, bool lens_only,
+                    RigCalibration* rig) {
   const std::string file = PrintableName(path.filename());
-  try {
-    const YAML::Node root = LoadYaml(path);
-    double unit = root.IsMap() ? UnitOf(root, file) : 0;
-    if (IsCameraNode(root)) {
-      rig->views.push_back(ViewOfYaml(root, path.stem().string(), file, lens_only, &rig->notes));
-    } else if (root.IsMap()) {
-      for (const auto& item : root) {
-        const std::string name = item.first.as<std::string>();
-        if (IsCameraNode(item.second))
-          rig->views.push_back(
-              ViewOfYaml(item.second, name, file + ", " + name, lens_only, &rig->notes));
-      }
+  const double unit = root.IsMap() ? UnitOf(root, file) : 0;
+  if (IsCameraNode(root)) {
+    rig->views.push_back(ViewOfYaml(root, path.stem().string(), file, lens_only));
+  } else if (root.IsMap()) {
+    for (const auto& item : root) {
+      const std::string name = item.first.as<std::string>();
+      if (IsCameraNode(item.second))
+        rig->views.push_back(ViewOfYaml(item.second, name, file + ", " + name, lens_only));
     }
-    if (rig->metres_per_unit != 0 && unit != 0 && unit != rig->metres_per_unit)
-      throw InputError(file + ": its unit is not that of the other files; give one unit to all");
-    if (unit != 0) rig->metres_per_unit = unit;
+  }
+  if (rig->metres_per_unit != 0 && unit != 0 && unit != rig->metres_per_unit)
+    throw InputError(file + ": its unit is not that of the other files; give one unit to all");
+  if (unit != 0) rig->metres_per_unit = unit;
+}
+
+/// OpenCV's, or what other programs make of it.
+void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
+  const std::string file = PrintableName(path.filename()), text = ReadFile(path);
+  if (path.extension() == ".json") RequireShallowJson(text, file);
+  if (IsKalibr(text)) return AddKalibr(text, file, rig);
+  if (IsMcCalib(text)) return AddMcCalib(text, file, rig);
+  rig->format = "OpenCV YAML";
+  try {
+    AddOpenCvNodes(yaml_numbers::Parsed(text), path, lens_only, rig);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{} is not YAML that OpenCV writes ({})", file, error.what()));
   }
@@ -207,13 +185,32 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
 
 void RequireCameras(const RigCalibration& rig, const fs::path& path) {
   if (rig.views.empty())
-    throw InputError(PrintableName(path) +
-                     " holds no camera that is known: OpenCV YAML, a COLMAP model, Qualisys' text, "
-                     "or numbers with K, distortion and camera from world");
+    throw InputError(
+        PrintableName(path) +
+        " holds no camera that is known: OpenCV's YAML or JSON, what Kalibr, MC-Calib, "
+        "EasyMocap, anipose or FreeMoCap write, a COLMAP model, a transforms.json, "
+        "Metashape's XML, Qualisys' text, or numbers with K, distortion and camera from "
+        "world");
   std::set<std::string> names;
   for (const View& view : rig.views)
     if (!names.insert(view.name).second)
       throw InputError(PrintableName(path) + " has two cameras named " + view.name);
+}
+
+/// Cameras as photographs' programs write them; the world's unit is theirs.
+void ReadAsPoses(const fs::path& path, RigCalibration* rig) {
+  for (const View& view : ReadPoses(path)) {
+    if (view.camera.fx < 0)
+      throw InputError(PrintableName(path) + ", camera " + view.name +
+                       " has an angle of view but no size; give w and h");
+    rig->views.push_back(view);
+  }
+  rig->format = "COLMAP model";
+}
+
+/// transforms.json has `frames`; OpenCV's JSON has not.
+bool IsTransforms(const fs::path& path) {
+  return path.extension() == ".json" && ReadFile(path).find("\"frames\"") != std::string::npos;
 }
 
 bool IsYaml(const fs::path& path) {
@@ -221,6 +218,9 @@ bool IsYaml(const fs::path& path) {
 }
 
 void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
+  if (fs::exists(path / "intri.yml") && fs::exists(path / "extri.yml"))
+    return AddEasyMocap(ReadFile(path / "intri.yml"), ReadFile(path / "extri.yml"),
+                        PrintableName(path.filename()), rig);
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
     if (IsYaml(entry.path())) files.push_back(entry.path());
@@ -228,10 +228,10 @@ void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
     return NumberedBefore(a.stem().string(), b.stem().string());
   });
   for (const fs::path& file : files) AddYamlFile(file, lens_only, rig);
-  rig->format = "OpenCV YAML";
   if (!files.empty()) return;
-  rig->views = ReadPoses(path);
-  rig->format = "COLMAP model";
+  if (fs::exists(path / "calibration.toml"))
+    return AddAnipose(ReadFile(path / "calibration.toml"), "calibration.toml", rig);
+  ReadAsPoses(path, rig);
 }
 
 std::string Digits(const std::string& name) {
@@ -248,24 +248,31 @@ std::string CameraName(const std::string& view_name) {
   return fs::path(view_name).has_parent_path() ? first : fs::path(view_name).stem().string();
 }
 
+/// One file, by its content.
+void ReadText(const fs::path& path, bool lens_only, RigCalibration* rig) {
+  const std::string text = ReadFile(path);
+  const std::string file = PrintableName(path.filename());
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (path.extension() == ".toml")
+    AddAnipose(text, file, rig);
+  else if (IsYaml(path) || path.extension() == ".json" || text.starts_with("%YAML"))
+    AddYamlFile(path, lens_only, rig);
+  else if (IsMetashape(text))
+    ReadAsPoses(path, rig);
+  else if (first != std::string::npos && text[first] == '<')
+    AddQualisys(text, file, rig);
+  else
+    ReadMatrices(text, file, rig);
+}
+
 RigCalibration ReadCalibration(const fs::path& path, bool lens_only) {
   RigCalibration rig;
   if (fs::is_directory(path)) {
     ReadFolder(path, lens_only, &rig);
-  } else if (path.extension() == ".json") {
-    rig.views = ReadPoses(path);
-    rig.format = "COLMAP model";
+  } else if (IsTransforms(path)) {
+    ReadAsPoses(path, &rig);
   } else {
-    const std::string text = ReadFile(path);
-    const std::string file = PrintableName(path.filename());
-    const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-    if (IsYaml(path) || text.starts_with("%YAML")) {
-      AddYamlFile(path, lens_only, &rig);
-      rig.format = "OpenCV YAML";
-    } else if (first != std::string::npos && text[first] == '<')
-      AddQualisys(text, file, &rig);
-    else
-      ReadMatrices(text, file, &rig);
+    ReadText(path, lens_only, &rig);
   }
   RequireCameras(rig, path);
   return rig;

@@ -11,18 +11,23 @@
 namespace keypose {
 
 /// Reads what the path holds, by content:
-/// - OpenCV YAML: a folder with a file for each camera (its name is the camera's), or one file with
-///   a node for each. Nodes: camera_matrix, distortion_coefficients, image_width, image_height,
-///   rotation (3 x 3, or 3 numbers: Rodrigues) and translation from world to camera; the names
-///   K, D, dist_coeffs, image_size, R, rvec, T, tvec are known too; `unit: mm` or `unit: m`.
-/// - COLMAP: a model's folder, or a transforms.json (poses_io.h).
+/// - OpenCV's YAML or JSON: a folder with a file for each camera (its name is the camera's), or one
+///   file with a node for each. Nodes: camera_matrix, distortion_coefficients, distortion_model
+///   (opencv_lens.h), image_width, image_height, rotation (3 x 3, or 3 numbers: Rodrigues) and
+///   translation from world to camera; the names K, D, dist_coeffs, image_size, R, rvec, T, tvec
+///   and others are known too; fisheye or fisheye_model: 1; `unit: mm` or `unit: m`.
+/// - what programs make of these (rig_programs.h): Kalibr's camchain, MC-Calib's cameras,
+/// EasyMocap's
+///   folder of intri.yml and extri.yml, the calibration.toml of anipose, FreeMoCap and Pose2Sim.
+/// - COLMAP, transforms.json, Metashape: as poses_io.h.
 /// - Qualisys: the text that its calibration exports (XML; millimetres; bounds are inclusive; where
 ///   the camera filmed a window of its sensor, that window).
 /// - matrices: for each camera its number, K (3 x 3), two radial coefficients, and camera from
 ///   world (3 x 4).
-/// Width and height are 0 where the file does not give them.
-/// @throws InputError  of no such kind, damaged, no camera, a name twice, a rotation that is none;
-/// names file and camera
+/// Width and height are 0 where the file does not give them. Each lens becomes the camera that maps
+/// as it does, to kSameLens_px.
+/// @throws InputError  of no such kind, damaged, no camera, a name twice, a rotation that is none,
+/// a lens that no Camera maps as; names file, camera and lens model
 RigCalibration ReadRigCalibration(const std::filesystem::path& path);
 
 /// The same, where cameras in OpenCV YAML may have no place: lenses alone.

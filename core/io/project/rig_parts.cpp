@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/project/poses_io.h"
+#include "core/io/project/lens_use.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -19,6 +19,17 @@ Eigen::Quaterniond ExactRotation(const Eigen::Matrix3d& r, const std::string& wh
                     "of length 1 are needed, from world to camera",
                     where, off));
   return Eigen::Quaterniond(r).normalized();
+}
+
+Eigen::Matrix3d RotationOf(const std::vector<double>& n, const std::string& where) {
+  if (n.size() == 9)
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(n.data());
+  if (n.size() != 3)
+    throw InputError(where + ": `rotation` must hold 9 numbers, or 3 (Rodrigues); it has " +
+                     std::to_string(n.size()));
+  const Eigen::Vector3d turn(n[0], n[1], n[2]);
+  if (turn.norm() < 1e-12) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
 }
 
 void RequireUsable(const View& view, const std::string& where) {

@@ -27,6 +27,10 @@ struct RigCalibration {
 /// @throws InputError  it is none
 Eigen::Quaterniond ExactRotation(const Eigen::Matrix3d& r, const std::string& where);
 
+/// The rotation of 9 numbers, row by row, or of 3 (Rodrigues), as they are.
+/// @throws InputError  another number of them
+Eigen::Matrix3d RotationOf(const std::vector<double>& numbers, const std::string& where);
+
 /// @throws InputError  a lens that no camera has, or a place that is not finite
 void RequireUsable(const View& view, const std::string& where);
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/io/project/colmap_io.h"
+#include "core/io/project/lens_use.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
