@@ -421,7 +421,10 @@ int FloorFrame(StageContext& stage, const CalibrateOptions& options, const Board
 
 std::vector<View> PlacedByBoard(StageContext& stage, const CalibrateOptions& options,
                                 const std::vector<View>& lenses) {
-  BoardFinder finder(stage, OpenShot(stage.Input("video")).cameras, 0.8);
+  const Shot shot = OpenShot(stage.Input("video"), FilmGaps::kLeftOut);
+  for (const std::string& note : shot.join.notes) stage.Note(note);
+  if (shot.join.frames_per_second > 0) stage.Report("film_mismatch_ms", 1000 * shot.join.worst_s);
+  BoardFinder finder(stage, shot.cameras, 0.8);
   finder.LookTogether(options);
   RigCalibratorOptions rig;
   rig.floor_frame = FloorFrame(stage, options, finder, rig.least_corners);

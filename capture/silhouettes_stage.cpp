@@ -122,6 +122,7 @@ int WriteByPlates(StageContext& stage, const std::vector<ShotCamera>& cameras,
 
 void Run(StageContext& stage, const SilhouettesOptions& options) {
   Shot shot = OpenShot(stage.Input("video"));
+  for (const std::string& note : shot.join.notes) stage.Note(note);
   if (stage.Has("calibration"))
     LeaveOutUncalibrated(stage, ReadRigCalibration(stage.Input("calibration")), shot.cameras);
   const std::vector<ShotCamera> with = Cameras(shot, true), without = Cameras(shot, false);

@@ -123,7 +123,7 @@ void ReadLooks(StageContext& stage, CompositeInput* input) {
 /// film's beginning are missing, or came since.
 void WarnOfOtherNumber(StageContext& stage, const ShotFrame& frame, const FilmPicture& picture) {
   const long located = FrameNumberIn(fs::path(frame.picture).stem().string());
-  if (located < 0 || located == picture.number) return;
+  if (located < 0 || located == picture.number || frame.picture == picture.path.filename()) return;
   stage.Warn(fmt::format(
       "composite: frame {} of the shot was located in {}, but frame {} of this film is {}: frames "
       "count from the first picture. If the film was not just renamed, pictures at its beginning "

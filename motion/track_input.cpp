@@ -43,19 +43,21 @@ double UnitOfHeight(double height) {
 }
 
 /// The shot, with masks from another folder where the stage has them.
-Shot ShotWithMasks(const StageContext& stage, const std::filesystem::path& folder) {
+Shot ShotWithMasks(StageContext& stage, const std::filesystem::path& folder) {
   Shot shot = OpenShot(folder);
+  for (const std::string& note : shot.join.notes) stage.Note(note);
+  if (shot.join.frames_per_second > 0) stage.Report("film_mismatch_ms", 1000 * shot.join.worst_s);
   if (!stage.Has("masks")) return shot;
   const Shot masks = OpenShot(stage.Input("masks"));
   for (ShotCamera& camera : shot.cameras)
     for (const ShotCamera& other : masks.cameras) {
       if (other.name != camera.name || other.masks.empty()) continue;
-      if (!camera.pictures.empty() && other.masks.frames != camera.pictures.frames)
+      TakeMasks(other.masks, &camera);
+      if (!camera.pictures.empty() && camera.masks.frames != camera.pictures.frames)
         throw InputError("track: camera " + camera.name + " has " +
                          std::to_string(camera.pictures.frames) + " frames but " +
-                         std::to_string(other.masks.frames) +
+                         std::to_string(camera.masks.frames) +
                          " masks in --masks; a mask for each frame is needed");
-      camera.masks = other.masks;
     }
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = masks.frames_per_second;
   return shot;

@@ -7,12 +7,11 @@
 #include <cstdlib>
 
 #include "core/io/pictures/image_io.h"
-#include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
-#include "views/shot/shot.h"
+#include "views/decode/film_decoder.h"
 
 namespace keypose::composite {
 namespace {
@@ -41,16 +40,15 @@ Image8 ReadMatte(const fs::path& path) {
 }
 
 FilmFiles::FilmFiles(const fs::path& film) : film_(film) {
-  if (!IsMovie(film)) {
+  if (!IsFilmFile(film)) {
     pictures_ = FilmPictures(film);
     return;
   }
-  const MovieHeader header = ReadMovieHeader(film);
-  fps_ = header.fps;
-  codec_ = header.codec;
+  index_ = std::make_shared<const FilmIndex>(ReadFilmIndex(film));
+  fps_ = index_->rate.per_second;
   scratch_ = NewFolder();
-  for (int i = 0; i < header.frames; ++i)
-    pictures_.push_back({i, scratch_ / fmt::format("{:04}.png", i), i});
+  for (const int frame : FrameNumbers(index_->times_s, index_->rate))
+    pictures_.push_back({frame, scratch_ / fmt::format("{:04}.png", frame), frame});
 }
 
 FilmFiles::~FilmFiles() {
@@ -60,26 +58,14 @@ FilmFiles::~FilmFiles() {
 
 void FilmFiles::Decode(const std::vector<int>& frames, Progress* progress) {
   if (!is_video()) return;
-  FrameSource source;
-  source.video = film_;
-  source.frames = SizeOf(pictures_);
-  FrameReader reader(source);
+  FilmDecoder decoder(film_, index_);
   int done = 0;
-  for (const int frame : frames) {
-    ReportProgress(progress, static_cast<double>(done) / SizeOf(frames), "decoding the film");
-    const fs::path& to = pictures_.at(static_cast<std::size_t>(frame)).path;
-    if (!fs::exists(to)) {
-      try {
-        WritePng(to, reader.Read(frame, 3, progress));
-      } catch (const InputError& error) {
-        if (done > 0 || frame > 0) throw;
-        throw InputError(
-            fmt::format("the video {} cannot be decoded (its codec is '{}'): {}; convert it to "
-                        "H.264 in an .mp4, or to numbered pictures",
-                        PrintableName(film_), codec_, error.what()));
-      }
-    }
-    ++done;
+  for (int i = 0; i < SizeOf(pictures_); ++i) {
+    const FilmPicture& picture = pictures_[static_cast<std::size_t>(i)];
+    if (!std::binary_search(frames.begin(), frames.end(), picture.frame)) continue;
+    ReportProgress(progress, static_cast<double>(done++) / SizeOf(frames), "decoding the film");
+    if (!fs::exists(picture.path))
+      WritePng(picture.path, decoder.Read(i, index_->has_alpha ? 4 : 3, progress));
   }
 }
 

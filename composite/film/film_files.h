@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/io/project/shot_io.h"
 #include "core/values/image.h"
 #include "core/values/progress.h"
+#include "views/decode/film_index.h"
 
 namespace keypose::composite {
 
@@ -21,23 +23,24 @@ int PlatesAFrame(int last_plate, int last_frame);
 Image8 ReadMatte(const std::filesystem::path& path);
 
 /// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
-/// removed with this object. They are what the decoder gives, bit for bit.
+/// removed with this object: 8 bits a channel, with alpha where the video has it.
 class FilmFiles {
  public:
   /// Lists the pictures. Does not decode yet.
-  /// @throws InputError  no picture; a video that is cut off or damaged; see FilmPictures
+  /// @throws InputError  no picture; a video that is cut off, damaged or not read; see FilmPictures
   explicit FilmFiles(const std::filesystem::path& film);
   ~FilmFiles();
   FilmFiles(const FilmFiles&) = delete;
   FilmFiles& operator=(const FilmFiles&) = delete;
 
-  bool is_video() const { return fps_ > 0; }
+  bool is_video() const { return index_ != nullptr; }
   double fps() const { return fps_; }  ///< of a video; 0: not known
-  /// All, in order. Those of a video lie at their paths only when they were decoded.
+  /// All, in order; `frame` is by their times, so that what a video leaves out takes time. Those of
+  /// a video lie at their paths only when they were decoded.
   const std::vector<FilmPicture>& pictures() const { return pictures_; }
 
   /// Of a video: writes these pictures, where that has not been done. Else does nothing.
-  /// @param frames  ascending
+  /// @param frames  `frame` of pictures, ascending; those that the video does not have are left out
   /// @throws InputError  no decoder for it; data that cannot be decoded; names file and frame
   /// @throws DiskError
   /// @throws Cancelled  before the next frame of the video
@@ -46,8 +49,8 @@ class FilmFiles {
 
  private:
   std::filesystem::path film_, scratch_;
+  std::shared_ptr<const FilmIndex> index_;  // of a video; else null
   double fps_ = 0;
-  std::string codec_;
   std::vector<FilmPicture> pictures_;
 };
 

@@ -208,7 +208,8 @@ FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
   if (IsMovie(film)) {
     const MovieHeader header = ReadMovieHeader(film);
     // Three digits, as people write rates.
-    return {std::round(header.fps * 1000) / 1000, header.frames - 1};
+    return {std::round(header.fps * 1000) / 1000, header.last_frame,
+            header.last_frame + 1 == header.frames};
   }
   if (!fs::is_directory(film))
     throw InputError(

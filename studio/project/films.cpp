@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "core/io/pictures/image_io.h"
-#include "core/io/pictures/movie_header.h"
 #include "core/io/project/shot_io.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
@@ -64,7 +63,7 @@ class Shelf {
     const std::lock_guard<std::mutex> lock(mutex_);
     Opened& opened = opened_[folder];
     if (opened.stamp != stamp || opened.cameras.empty())
-      opened = {stamp, WithoutLinks(OpenSeparateFilms(folder), folder)};
+      opened = {stamp, WithoutLinks(OpenFilmsToShow(folder), folder)};
     return opened.cameras;
   }
 
@@ -142,10 +141,7 @@ PictureSize FrameSize(const FrameSource& film, int frame) {
     const ImageInfo info = ReadImageInfo(file);
     return {info.width, info.height};
   }
-  if (IsMovie(file)) {
-    const MovieHeader header = ReadMovieHeader(file);
-    return {header.width, header.height};
-  }
+  if (film.index) return {film.index->width, film.index->height};
   const Image8 picture = TheShelf().Read(film, frame, 1);
   return {picture.width, picture.height};
 }

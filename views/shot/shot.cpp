@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
+#include <optional>
 #include <set>
-#include <system_error>
 
 #include "core/io/pictures/image_io.h"
-#include "core/io/pictures/movie_header.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/shot_io.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
+#include "views/decode/film_decoder.h"
 #include "views/shot/sync_check.h"
 
 namespace keypose {
@@ -26,22 +25,11 @@ constexpr const char* kRateFile = "rate.json";
 constexpr double kMostRate = 1e6;  // frames per second
 
 FrameSource OpenVideo(const fs::path& path) {
-  cv::VideoCapture video(path.string());
   FrameSource source;
   source.video = path;
-  if (video.isOpened()) {
-    // A stream without an index says a hugely negative number, which no int can hold.
-    source.frames = static_cast<int>(std::clamp(video.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
-    source.frames_per_second = std::max(0.0, video.get(cv::CAP_PROP_FPS));
-  }
-  if (IsMovie(path)) try {  // a trimmed film has more pictures than the decoder gives
-      source.frames = std::min(source.frames, ReadMovieHeader(path).frames);
-    } catch (const InputError&) {
-      // What can be decoded although its index is odd is a film.
-    }
-  if (source.frames < 1)
-    throw InputError("the video " + PrintableName(path) +
-                     " cannot be decoded; convert it to H.264 in an .mp4, or to numbered pictures");
+  source.index = std::make_shared<const FilmIndex>(ReadFilmIndex(path));
+  source.frames = source.index->frames();
+  source.frames_per_second = source.index->rate.per_second;
   return source;
 }
 
@@ -59,11 +47,17 @@ double RateIn(const fs::path& folder) {
   return rate;
 }
 
+FrameSource OfPictures(const std::vector<fs::path>& pictures) {
+  FrameSource source;
+  source.pictures = pictures;
+  source.frames = SizeOf(pictures);
+  return source;
+}
+
 std::map<std::string, FrameSource> SourcesIn(const fs::path& folder) {
   std::map<std::string, FrameSource> sources;
   for (const CameraFilm& film : CameraFilms(folder))
-    sources[film.name] = film.video.empty() ? FrameSource{film.pictures, {}, SizeOf(film.pictures)}
-                                            : OpenVideo(film.video);
+    sources[film.name] = film.video.empty() ? OfPictures(film.pictures) : OpenVideo(film.video);
   return sources;
 }
 
@@ -74,14 +68,12 @@ fs::path PlateOf(const fs::path& folder, const std::string& camera) {
   return {};
 }
 
-Image8 ToImage(const cv::Mat& bgr, int channels) {
-  cv::Mat converted;
-  cv::cvtColor(bgr, converted, channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGR2RGB);
-  Image8 image(converted.cols, converted.rows, channels);
-  const std::size_t row = static_cast<std::size_t>(image.width) * channels;
-  for (int y = 0; y < image.height; ++y)
-    std::copy_n(converted.ptr<std::uint8_t>(y), row, image.at(0, y));
-  return image;
+void RequireMaskForEach(const ShotCamera& camera) {
+  if (camera.masks.empty() || camera.pictures.empty()) return;
+  if (camera.masks.frames == camera.pictures.frames) return;
+  throw InputError("camera " + camera.name + " has " + std::to_string(camera.pictures.frames) +
+                   " frames but " + std::to_string(camera.masks.frames) +
+                   " masks; a mask for each frame is needed");
 }
 
 }  // namespace
@@ -97,33 +89,28 @@ std::vector<std::string> Shot::names() const {
   return all;
 }
 
-Shot OpenShot(const fs::path& folder) {
+Shot OpenShot(const fs::path& folder, FilmGaps gaps) {
   Shot shot;
   std::map<std::string, FrameSource> pictures = SourcesIn(folder);
   std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks");
-  for (const auto& [name, source] : pictures)
-    shot.frames_per_second = std::max(shot.frames_per_second, source.frames_per_second);
-  if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   std::set<std::string> names;
   for (const auto& [name, source] : pictures) names.insert(name);
   if (pictures.empty())
     for (const auto& [name, source] : masks) names.insert(name);
-  for (const std::string& name : names) {
-    ShotCamera camera{name, pictures[name], masks[name], PlateOf(folder / "background", name)};
-    if (!camera.masks.empty() && !camera.pictures.empty() &&
-        camera.masks.frames != camera.pictures.frames)
-      throw InputError("camera " + name + " has " + std::to_string(camera.pictures.frames) +
-                       " frames but " + std::to_string(camera.masks.frames) +
-                       " masks; a mask for each frame is needed");
-    shot.cameras.push_back(std::move(camera));
-  }
+  for (const std::string& name : names)
+    shot.cameras.push_back(
+        {name, pictures[name], masks[name], PlateOf(folder / "background", name)});
   std::sort(shot.cameras.begin(), shot.cameras.end(),
             [](const auto& a, const auto& b) { return NumberedBefore(a.name, b.name); });
   if (shot.cameras.empty())
     throw InputError(
         "the shot " + PrintableName(folder) +
         " has no camera; it needs a folder of numbered pictures, or a video, for each");
-  RequireSynchronised(shot.cameras);
+  RequireSameGaps(shot.cameras);
+  shot.join = JoinFilms(shot.cameras, gaps);
+  shot.frames_per_second = shot.join.frames_per_second;
+  if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
+  for (const ShotCamera& camera : shot.cameras) RequireMaskForEach(camera);
   return shot;
 }
 
@@ -143,10 +130,20 @@ void WriteShotRate(const fs::path& folder, double frames_per_second) {
             nlohmann::json{{"schema", 1}, {"fps", frames_per_second}}.dump() + "\n");
 }
 
+std::vector<ShotCamera> OpenFilmsToShow(const fs::path& folder) {
+  const std::vector<ShotCamera> separate = OpenSeparateFilms(folder);
+  try {
+    std::vector<ShotCamera> joined = separate;
+    JoinFilms(joined);
+    return joined;
+  } catch (const InputError&) {
+    return separate;  // the steps that read them say what is wrong
+  }
+}
+
 struct FrameReader::Impl {
   FrameSource source;
-  cv::VideoCapture video;
-  int next = 0;
+  std::optional<FilmDecoder> film;
 };
 
 FrameReader::FrameReader(FrameSource source) : impl_(std::make_unique<Impl>()) {
@@ -161,20 +158,13 @@ Image8 FrameReader::Read(int frame, int channels, const Progress* progress) {
   if (frame < 0 || frame >= source.frames)
     throw UsageError("frame " + std::to_string(frame) + " was asked for, but there are " +
                      std::to_string(source.frames));
-  if (source.video.empty()) return ReadImage(source.pictures[frame], channels);
-  if (!impl_->video.isOpened() || frame < impl_->next) {
-    impl_->video.open(source.video.string());
-    impl_->next = 0;
-  }
-  cv::Mat picture;
-  for (; impl_->next <= frame; ++impl_->next) {
-    if (progress && progress->cancelled()) throw Cancelled();
-    const bool last = impl_->next == frame;
-    if (last ? !impl_->video.read(picture) : !impl_->video.grab())
-      throw InputError("frame " + std::to_string(impl_->next) + " of " +
-                       PrintableName(source.video) + " cannot be decoded; the video is damaged");
-  }
-  return ToImage(picture, channels);
+  const int picture = source.order.empty() ? frame : source.order[static_cast<std::size_t>(frame)];
+  if (source.video.empty()) return ReadImage(source.pictures[picture], channels);
+  if (!impl_->film)
+    impl_->film.emplace(source.video, source.index ? source.index
+                                                   : std::make_shared<const FilmIndex>(
+                                                         ReadFilmIndex(source.video, progress)));
+  return impl_->film->Read(picture, channels, progress);
 }
 
 }  // namespace keypose

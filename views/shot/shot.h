@@ -14,24 +14,31 @@
 
 #include "core/values/image.h"
 #include "core/values/progress.h"
+#include "views/shot/film_join.h"
 #include "views/shot/shot_camera.h"
 
 namespace keypose {
 
 struct Shot {
   std::vector<ShotCamera> cameras;  ///< sorted by name, numbers as numbers
-  double frames_per_second = 0;     ///< of the videos, or by rate.json; 0: not known
+  double frames_per_second = 0;     ///< of the frames, or by rate.json; 0: not known
+  FilmJoin join;                    ///< how videos were joined
   bool has_masks() const;           ///< every camera has them
   std::vector<std::string> names() const;
 };
 
+/// Films are joined by their times (JoinFilms).
 /// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are
-/// needed; films that do not run together (RequireSynchronised)
-Shot OpenShot(const std::filesystem::path& folder);
+/// needed; films that do not run together (JoinFilms, RequireSameGaps)
+Shot OpenShot(const std::filesystem::path& folder, FilmGaps gaps = FilmGaps::kRefused);
 
 /// Films or pictures of several cameras that need not run together, sorted by name.
 /// @throws InputError  no camera; a video that cannot be read
 std::vector<ShotCamera> OpenSeparateFilms(const std::filesystem::path& folder);
+
+/// As OpenShot has them where they can be joined, else as OpenSeparateFilms.
+/// @throws InputError  as OpenSeparateFilms
+std::vector<ShotCamera> OpenFilmsToShow(const std::filesystem::path& folder);
 
 /// Writes rate.json, so that a folder of masks says how fast their films are.
 void WriteShotRate(const std::filesystem::path& folder, double frames_per_second);

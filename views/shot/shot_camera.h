@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "views/decode/film_index.h"
 
 namespace keypose {
 
@@ -12,7 +15,11 @@ struct FrameSource {
   std::vector<std::filesystem::path> pictures;  ///< sorted, numbers as numbers
   std::filesystem::path video;
   int frames = 0;
-  double frames_per_second = 0;  ///< of a video; 0: not known
+  double frames_per_second = 0;            ///< of a video; 0: not known
+  std::shared_ptr<const FilmIndex> index;  ///< of a video; may be null: not read yet
+  /// For each frame the picture that shows it, where films were joined by their times; empty: all
+  /// pictures in their order.
+  std::vector<int> order;
   bool empty() const { return frames == 0; }
 };
 

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "views/decode/testing/test_film.h"
 
 namespace keypose::shot_test {
 namespace fs = std::filesystem;
@@ -66,16 +66,42 @@ TEST_F(ShotTest, MissingMasksAndEmptyFoldersAreErrors) {
 
 TEST_F(ShotTest, FramesOfAVideoAreReadInAnyOrder) {
   const fs::path path = folder_ / "cam1.avi";
-  cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {64, 48});
-  if (!writer.isOpened()) GTEST_SKIP() << "this OpenCV writes no video";
-  for (int i = 0; i < 5; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 + 40 * i)));
-  writer.release();
+  fs::create_directories(folder_);
+  TestFilmKind kind;
+  kind.codec = "mjpeg", kind.pixels = AV_PIX_FMT_YUVJ420P, kind.unit = kind.rate = 25;
+  WriteTestFilm(path, kind, EvenTimes(5, 1));
   const Shot shot = OpenShot(folder_);
   EXPECT_EQ(shot.cameras[0].frames(), 5);
   EXPECT_EQ(shot.frames_per_second, 25);
   FrameReader reader(shot.cameras[0].pictures);
-  for (const int frame : {0, 1, 4, 2})  // JPEG within a video changes a level or two
-    EXPECT_NEAR(*reader.Read(frame, 1).at(30, 20), 20 + 40 * frame, 4) << frame;
+  for (const int frame : {0, 1, 4, 2}) EXPECT_EQ(NumberIn(reader.Read(frame, 1)), frame);
+}
+
+TEST_F(ShotTest, FilmsOfOtherRatesAndStartsShowTheSameMoments) {
+  fs::create_directories(folder_);
+  TestFilmKind fast, slow;
+  fast.rate = 50, slow.rate = 20;
+  TestFilm a(folder_ / "a.mkv", fast), b(folder_ / "b.mkv", slow);
+  // Numbers are moments, in hundredths of a second.
+  for (int i = 0; i < 100; ++i) a.AddNumber(1800 * i, 2 * i);
+  for (int i = 5; i < 40; ++i) b.AddNumber(4500 * i, 5 * i);
+  a.Finish(), b.Finish();
+  PutPicture("masks/b/0.png", 9);
+  for (int i = 1; i < 35; ++i) PutPicture("masks/b/" + std::to_string(i) + ".png", 9 + i);
+  const Shot shot = OpenShot(folder_);
+  EXPECT_EQ(shot.frames_per_second, 20);
+  ASSERT_EQ(shot.cameras[0].frames(), 35);
+  ASSERT_EQ(shot.cameras[1].frames(), 35);
+  EXPECT_LT(shot.join.worst_s, 0.0106) << "half a picture of the faster one, and rounded times";
+  FrameReader first(shot.cameras[0].pictures), second(shot.cameras[1].pictures);
+  for (int f = 0; f < 35; ++f) {
+    const int moment = NumberIn(second.Read(f, 1));
+    EXPECT_EQ(moment, 25 + 5 * f);
+    EXPECT_LE(std::abs(NumberIn(first.Read(f, 1)) - moment), 1);
+  }
+  EXPECT_EQ(*FrameReader(shot.cameras[1].masks).Read(3, 1).at(1, 1), 12);
+  EXPECT_EQ(OpenSeparateFilms(folder_)[0].frames(), 100);
+  EXPECT_EQ(OpenFilmsToShow(folder_)[0].frames(), 35);
 }
 
 TEST_F(ShotTest, ABrokenVideoIsAnError) {

@@ -14,37 +14,13 @@
 namespace keypose {
 namespace {
 
-/// 30 and 29.97 pictures a second part by a frame in half a minute; 24 and 25 at once.
-constexpr double kSameRate = 0.005;
 /// Names whose numbers do not rise by one step are no frame numbers: times, or counters.
 constexpr double kRegular = 0.9;
-
-void RequireOneRate(const std::vector<ShotCamera>& cameras) {
-  const ShotCamera* slow = nullptr;
-  const ShotCamera* fast = nullptr;
-  for (const ShotCamera& camera : cameras) {
-    const double rate = camera.pictures.frames_per_second;
-    if (!(rate > 0)) continue;
-    if (!slow || rate < slow->pictures.frames_per_second) slow = &camera;
-    if (!fast || rate > fast->pictures.frames_per_second) fast = &camera;
-  }
-  if (!slow) return;
-  const double low = slow->pictures.frames_per_second, high = fast->pictures.frames_per_second;
-  if (high <= low * (1 + kSameRate)) return;
-  throw InputError(fmt::format(
-      "the films do not run together: {} has {:.3g} pictures a second and {} has {:.3g}; convert "
-      "all to one rate, as in\n  ffmpeg -i {}.mp4 -r {:.3g} converted.mp4",
-      slow->name, low, fast->name, high, fast->name, low));
-}
 
 /// For each picture its number after the first one's, in steps; empty if the names are not
 /// numbered so.
 std::vector<long> StepsOf(const FrameSource& source) {
-  std::vector<long> numbers;
-  for (const auto& path : source.pictures) {
-    numbers.push_back(FrameNumberIn(path.stem().string()));
-    if (numbers.back() < 0) return {};
-  }
+  const std::vector<long> numbers = FrameNumbersOf(source.pictures);
   std::map<long, int> count;
   for (int i = 1; i < SizeOf(numbers); ++i) ++count[numbers[i] - numbers[i - 1]];
   if (count.empty()) return {};
@@ -58,6 +34,8 @@ std::vector<long> StepsOf(const FrameSource& source) {
   }
   return steps;
 }
+
+}  // namespace
 
 /// A camera whose card was too slow has no picture 57 and goes on with 58: all later ones would be
 /// taken for the moment before.
@@ -85,13 +63,6 @@ void RequireSameGaps(const std::vector<ShotCamera>& cameras) {
         lacks.name, before.filename().string(), lacks.pictures.pictures[at].filename().string(),
         (&lacks == &camera ? first->name : camera.name), before.filename().string()));
   }
-}
-
-}  // namespace
-
-void RequireSynchronised(const std::vector<ShotCamera>& cameras) {
-  RequireOneRate(cameras);
-  RequireSameGaps(cameras);
 }
 
 }  // namespace keypose

@@ -1,4 +1,4 @@
-// Whether the films of a shot run together: frame N of each camera is the same moment.
+// Whether numbered pictures of several cameras run together: picture N of each is the same moment.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 namespace keypose {
 
 /// Offsets between clocks, and films of other lengths, are for the stages; what drifts is not.
-/// @throws InputError  videos of other rates; a numbered picture that only some cameras lack,
-/// after which its camera would run ahead of the others. Names camera, frame and cure
-void RequireSynchronised(const std::vector<ShotCamera>& cameras);
+/// @throws InputError  a numbered picture that only some cameras lack, after which its camera would
+/// run ahead of the others. Names camera, frame and cure
+void RequireSameGaps(const std::vector<ShotCamera>& cameras);
 
 }  // namespace keypose

@@ -23,15 +23,6 @@ ShotCamera Numbered(const std::string& name, const std::vector<int>& numbers) {
   return camera;
 }
 
-ShotCamera Video(const std::string& name, double rate) {
-  ShotCamera camera;
-  camera.name = name;
-  camera.pictures.video = name + ".mp4";
-  camera.pictures.frames = 100;
-  camera.pictures.frames_per_second = rate;
-  return camera;
-}
-
 std::vector<int> Range(int first, int count, int step, int left_out = -1) {
   std::vector<int> numbers;
   for (int i = 0; i < count; ++i)
@@ -41,17 +32,11 @@ std::vector<int> Range(int first, int count, int step, int left_out = -1) {
 
 std::string Fault(const std::vector<ShotCamera>& cameras) {
   try {
-    RequireSynchronised(cameras);
+    RequireSameGaps(cameras);
   } catch (const InputError& error) {
     return error.what();
   }
   return {};
-}
-
-TEST(Together, VideosOfOneRateOnly) {
-  EXPECT_EQ(Fault({Video("a", 30), Video("b", 30 / 1.001), Video("c", 0)}), "");
-  EXPECT_THAT(Fault({Video("a", 25), Video("b", 24), Video("c", 25)}),
-              AllOf(HasSubstr("b has 24 pictures a second and a has 25"), HasSubstr("-r 24")));
 }
 
 TEST(Together, ACameraThatLostAPictureIsNamed) {

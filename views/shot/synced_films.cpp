@@ -29,9 +29,9 @@ std::vector<ShotCamera> Chosen(const Shot& shot, const FilmsRequest& request) {
   return chosen;
 }
 
-void TakeMasks(const Shot& shot, ShotCamera& camera) {
+void TakeMasksOf(const Shot& shot, ShotCamera& camera) {
   for (const ShotCamera& other : shot.cameras)
-    if (other.name == camera.name && !other.masks.empty()) camera.masks = other.masks;
+    if (other.name == camera.name && !other.masks.empty()) TakeMasks(other.masks, &camera);
 }
 
 }  // namespace
@@ -62,6 +62,7 @@ SyncedFilms::SyncedFilms(StageContext& stage, const FilmsRequest& request) : req
 
 void SyncedFilms::Open(StageContext& stage) {
   Shot shot = OpenShot(stage.Input("video"));
+  for (const std::string& note : shot.join.notes) stage.Note(note);
   const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
   for (const std::string& note : rig.notes) stage.Note(note);
   LeaveOutUncalibrated(stage, rig, shot.cameras);
@@ -78,7 +79,7 @@ void SyncedFilms::Open(StageContext& stage) {
   }
   if (stage.Has("masks")) {
     const Shot masks = OpenShot(stage.Input("masks"));
-    for (CameraFilm& film : films_) TakeMasks(masks, film.files);
+    for (CameraFilm& film : films_) TakeMasksOf(masks, film.files);
   }
   for (const CameraFilm& film : films_)
     if (film.files.masks.empty()) bare.push_back(film.files.name);

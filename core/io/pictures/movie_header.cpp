@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/io/text/files.h"
+#include "core/numbers/picture_times.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -80,6 +81,7 @@ class MovieFile {
   /// The index of the film. All boxes are walked, so that a file that was cut off is noticed.
   std::string Index() {
     std::string index;
+    bool media = false;
     std::uint64_t at = 0;
     while (at < size_) {
       const std::string start = Read(at, std::min<std::uint64_t>(16, size_ - at));
@@ -91,7 +93,11 @@ class MovieFile {
       }
       if (length == 0) length = size_ - at;
       const std::string kind(head.Part(4, 4));
-      if (kind.size() < 4 || !IsKind(kind)) Fail("is damaged" + Again());
+      if (kind.size() < 4 || !IsKind(kind)) {
+        if (!index.empty() && media) break;  // notes of the camera's own behind a whole film
+        Fail("is damaged" + Again());
+      }
+      media = media || kind == "mdat";
       if (length < skipped || length > size_ - at)
         Fail(fmt::format("is cut off: it has {} of {} bytes or more", size_,
                          length > size_ ? length : at + std::max(length, skipped)) +
@@ -196,19 +202,29 @@ std::vector<Edit> EditsOf(const Bytes& track, double unit) {
   return edits;
 }
 
-/// Programs that trim a film without compressing it anew leave all pictures in the file, and say
-/// which are shown. Decoders give only those.
-std::uint64_t ShownFrames(const std::vector<Edit>& edits, const Bytes& tables,
-                          std::uint64_t frames) {
+/// When pictures are shown [the track's unit of time], ascending.
+std::vector<double> AllTimes(const Bytes& tables, std::uint64_t frames) {
   RunLengths durations(tables.Box("stts")), offsets(tables.Box("ctts"));
-  std::uint64_t shown = 0;
+  std::vector<double> times;
   double decoded = 0;
   for (std::uint64_t i = 0; i < frames; ++i) {
-    const double at = decoded + static_cast<std::int32_t>(offsets.Next());
-    for (const Edit& edit : edits) shown += at >= edit.start && at < edit.end;
+    times.push_back(decoded + static_cast<std::int32_t>(offsets.Next()));
     decoded += durations.Next();
   }
-  return shown;
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+/// Programs that trim a film without compressing it anew leave all pictures in the file, and say
+/// which are shown. Decoders give only those.
+std::vector<double> ShownTimes(const std::vector<Edit>& edits, const std::vector<double>& all) {
+  if (edits.empty()) return all;
+  std::vector<double> shown;
+  for (const double at : all)
+    if (std::any_of(edits.begin(), edits.end(),
+                    [&](const Edit& edit) { return at >= edit.start && at < edit.end; }))
+      shown.push_back(at);
+  return shown.empty() ? all : shown;
 }
 
 /// Whether a player shows the track turned by a quarter, as telephones film upright.
@@ -241,12 +257,15 @@ std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, d
   if (times->frames > kMostFrames || times->duration == 0 || *unit == 0)
     file.Fail("is damaged" + MovieFile::Again());
   MovieHeader header;
-  header.frames = static_cast<int>(times->frames);
   const auto edits = EditsOf(track, movie_unit > 0 ? static_cast<double>(*unit) / movie_unit : 0);
-  const std::uint64_t shown = edits.empty() ? 0 : ShownFrames(edits, *tables, times->frames);
-  if (shown > 0 && shown < times->frames) header.frames = static_cast<int>(shown);
-  header.fps = static_cast<double>(*unit) * static_cast<double>(times->frames) /
-               static_cast<double>(times->duration);
+  std::vector<double> shown = ShownTimes(edits, AllTimes(*tables, times->frames));
+  for (double& time : shown) time /= static_cast<double>(*unit);
+  const double mean = static_cast<double>(*unit) * static_cast<double>(times->frames) /
+                      static_cast<double>(times->duration);
+  const PictureRate rate = RateOf(shown, mean);
+  header.frames = static_cast<int>(shown.size());
+  header.fps = rate.per_second;
+  header.last_frame = FrameNumbers(shown, rate).back();
   header.width = static_cast<int>(*width);
   header.height = static_cast<int>(*height);
   if (IsQuarterTurned(track)) std::swap(header.width, header.height);
@@ -255,6 +274,8 @@ std::optional<MovieHeader> HeaderOf(const MovieFile& file, const Bytes& track, d
 }
 
 }  // namespace
+
+void RequireWholeMovie(const fs::path& path) { MovieFile(path).Index(); }
 
 bool IsMovie(const fs::path& path) {
   std::error_code error;

@@ -116,8 +116,7 @@ Image8 DecodeWebp(std::string_view bytes, const std::string& name) {
   if (features.has_animation) Refuse(name, "it is an animated WebP");
   RequireSize(name, features.width, features.height);
   Image8 image(features.width, features.height, 3);
-  if (!WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(),
-                         3 * image.width))
+  if (!WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(), 3 * image.width))
     Refuse(name, "the WebP is truncated or damaged");
   return image;
 }
@@ -145,7 +144,9 @@ std::string PngBytes(const Image8& image) {
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
-  header.format = image.channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+  constexpr png_uint_32 kFormats[] = {0, PNG_FORMAT_GRAY, PNG_FORMAT_GA, PNG_FORMAT_RGB,
+                                      PNG_FORMAT_RGBA};
+  header.format = kFormats[image.channels];
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.data.data(), 0, nullptr))

@@ -8,7 +8,7 @@
 
 namespace keypose {
 
-/// 1 (grey) or 3 (sRGB) channels, 8 bit.
+/// 1 (grey), 3 (sRGB) or 4 (sRGB and alpha) channels, 8 bit.
 /// @throws DiskError  names the path and the reason
 void WritePng(const std::filesystem::path& path, const Image8& image);
 

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
+#include "core/io/project/frame_names.h"
 #include "core/io/project/lens_use.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/text/files.h"
@@ -216,20 +218,25 @@ bool IsPicture(const fs::path& path) {
   return kinds.count(LowerExtension(path)) && path.filename().string().front() != '.';
 }
 
-void AddNumbered(const fs::path& path, std::map<long, fs::path>* numbered) {
-  const long number = FrameNumberIn(path.stem().string());
-  const std::string name = PrintableName(path.filename());
-  if (number < 0)
-    throw InputError(
-        fmt::format("{}: the picture {} has no frame number in its name, such as "
-                    "0012.png; rename it, or move it elsewhere",
-                    PrintableName(path.parent_path()), name));
-  const auto [at, inserted] = numbered->emplace(number, path);
-  if (!inserted)
-    throw InputError(fmt::format(
-        "{}: {} and {} have the same frame number {} (the last number in a "
-        "name counts); rename them, or remove one",
-        PrintableName(path.parent_path()), PrintableName(at->second.filename()), name, number));
+/// In the order of the frames.
+std::vector<std::pair<long, fs::path>> Numbered(const fs::path& folder,
+                                                const std::vector<std::string>& names) {
+  std::vector<std::string> stems;
+  for (const std::string& name : names) stems.push_back(fs::path(name).stem().string());
+  const FrameNumbering numbering = NumberNames(stems);
+  if (!numbering.fault.empty())
+    throw InputError(PrintableName(folder) + ": the picture " + WithoutOddBytes(numbering.fault));
+  std::vector<std::pair<long, fs::path>> numbered;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    numbered.emplace_back(numbering.numbers[i], folder / names[i]);
+  std::sort(numbered.begin(), numbered.end());
+  for (std::size_t i = 1; i < numbered.size(); ++i)
+    if (numbered[i].first == numbered[i - 1].first)
+      throw InputError(
+          fmt::format("{}: {} and {} have the same frame number {}; rename them, or remove one",
+                      PrintableName(folder), PrintableName(numbered[i - 1].second.filename()),
+                      PrintableName(numbered[i].second.filename()), numbered[i].first));
+  return numbered;
 }
 
 /// Words on pictures of kinds that are not read, such as come from a compositing program.
@@ -251,6 +258,22 @@ std::string OtherPictures(const std::vector<std::string>& names) {
         count, kind, how);
   }
   return "";
+}
+
+/// What cannot be numbered stays in its order.
+void SortByFrame(std::vector<fs::path>* pictures) {
+  std::vector<std::string> stems;
+  for (const fs::path& picture : *pictures) stems.push_back(picture.stem().string());
+  const FrameNumbering numbering = NumberNames(stems);
+  if (!numbering.fault.empty()) return;
+  std::vector<std::size_t> order(pictures->size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return numbering.numbers[a] < numbering.numbers[b];
+  });
+  std::vector<fs::path> sorted;
+  for (const std::size_t i : order) sorted.push_back((*pictures)[i]);
+  *pictures = std::move(sorted);
 }
 
 }  // namespace
@@ -326,13 +349,14 @@ std::string ShotText(const FilmedShot& shot) {
 
 std::vector<FilmPicture> NumberedPictures(const fs::path& folder,
                                           const std::vector<std::string>& names) {
-  std::map<long, fs::path> numbered;
+  std::vector<std::string> chosen;
   for (const std::string& name : names)
-    if (IsPicture(folder / name)) AddNumbered(folder / name, &numbered);
+    if (IsPicture(folder / name)) chosen.push_back(name);
   std::vector<FilmPicture> pictures;
+  const auto numbered = Numbered(folder, chosen);
   for (const auto& [number, picture] : numbered)
     pictures.push_back(
-        {static_cast<int>(number - numbered.begin()->first), picture, static_cast<int>(number)});
+        {static_cast<int>(number - numbered.front().first), picture, static_cast<int>(number)});
   return pictures;
 }
 
@@ -369,6 +393,13 @@ bool IsFramePicture(const fs::path& path) {
   return kinds.contains(LowerExtension(path));
 }
 
+std::vector<long> FrameNumbersOf(const std::vector<fs::path>& pictures) {
+  std::vector<std::string> stems;
+  for (const fs::path& picture : pictures) stems.push_back(picture.stem().string());
+  const FrameNumbering numbering = NumberNames(stems);
+  return numbering.counted ? numbering.numbers : std::vector<long>();
+}
+
 std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
   static const std::set<std::string> videos{".mp4", ".mov", ".avi", ".mkv",
                                             ".m4v", ".mpg", ".webm"};
@@ -380,6 +411,7 @@ std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
     if (fs::is_directory(path)) {
       film.pictures = NumberedContent(path);
       std::erase_if(film.pictures, [](const fs::path& file) { return !IsFramePicture(file); });
+      SortByFrame(&film.pictures);
     } else if (videos.contains(LowerExtension(path))) {
       film.name = path.stem().string();
       film.video = path;

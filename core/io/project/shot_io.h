@@ -36,9 +36,10 @@ long FrameNumberIn(const std::string& stem);
 std::vector<FilmPicture> NumberedPictures(const std::filesystem::path& folder,
                                           const std::vector<std::string>& names);
 
-/// The pictures of a film's folder, or the one picture that `path` is. The last number in a
-/// picture's name is its frame, counted from the first picture's: what a film leaves out (0000.png,
-/// 0004.png) takes time. Other files, hidden files and folders are left out.
+/// The pictures of a film's folder, or the one picture that `path` is. The number that differs from
+/// name to name (NumberNames) is a picture's frame, counted from the first picture's: what a film
+/// leaves out (0000.png, 0004.png) takes time. Dates and times only give the order. Other files,
+/// hidden files and folders are left out.
 /// @throws InputError  no picture; a name without a number beside others; a number twice
 std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path);
 
@@ -46,7 +47,7 @@ std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path);
 /// a video.
 struct CameraFilm {
   std::string name;                             ///< of the folder, or of the video without ending
-  std::vector<std::filesystem::path> pictures;  ///< sorted, numbers as numbers; empty: a video
+  std::vector<std::filesystem::path> pictures;  ///< in the order of their frames; empty: a video
   std::filesystem::path video;                  ///< empty: pictures
 };
 
@@ -55,6 +56,9 @@ struct CameraFilm {
 std::vector<std::filesystem::path> NumberedContent(const std::filesystem::path& folder);
 /// JPEG, PNG and TIFF, by the name: what films of several cameras may consist of.
 bool IsFramePicture(const std::filesystem::path& path);
+
+/// The frames that pictures' names count (NumberNames); empty: they cannot be told.
+std::vector<long> FrameNumbersOf(const std::vector<std::filesystem::path>& pictures);
 
 /// Those of a folder, but for what is called masks and background; sorted, numbers as numbers.
 /// Folders without a picture are left out; none where there is no such folder.

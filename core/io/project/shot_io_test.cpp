@@ -204,7 +204,7 @@ TEST_F(FilmFolder, WhatCannotBeNumberedIsRefused) {
   EXPECT_THAT(Fault(), HasSubstr("have the same frame number 1"));
   fs::remove(folder_ / "b_1.jpg");
   Touch("plate.png");
-  EXPECT_THAT(Fault(), HasSubstr("plate.png has no frame number"));
+  EXPECT_THAT(Fault(), HasSubstr("the picture plate has no frame number"));
   EXPECT_THROW(FilmPictures(folder_ / "nothing"), InputError);
 }
 
