@@ -72,10 +72,13 @@ std::optional<BoardPattern> SurveyedBoard(const BoardProbes& probes,
   return survey.Pattern();
 }
 
+/// Whether what is seen may be this board: its last rows may be under the figure.
 bool IsAsPrinted(const BoardPattern& pattern, const BoardLayout& own) {
-  return pattern.kind == BoardPattern::Kind::kCharuco && pattern.dictionary == kOwnDictionary &&
-         !pattern.first_white && !pattern.inverted && pattern.layout.columns == own.columns &&
-         pattern.layout.rows == own.rows;
+  constexpr int kSizes = 4;  // DICT_5X5_50 to DICT_5X5_1000 begin alike
+  return pattern.kind == BoardPattern::Kind::kCharuco &&
+         pattern.dictionary / kSizes == kOwnDictionary / kSizes && !pattern.first_white &&
+         !pattern.inverted && pattern.layout.columns == own.columns &&
+         pattern.layout.rows <= own.rows;
 }
 
 /// Whether the photographs show the board that the options name. Markers of another board may lie
