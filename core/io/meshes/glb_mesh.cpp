@@ -214,12 +214,20 @@ class SceneReader {
     AddFaces(part, first, static_cast<int>(count), mirrored, look.page);
   }
 
+  /// Makes room at once, but for many small parts no more often than is usual.
+  template <class T>
+  static void Reserve(std::vector<T>* list, Eigen::Index more) {
+    const std::size_t wanted = list->size() + static_cast<std::size_t>(more);
+    if (wanted > list->capacity()) list->reserve(std::max(wanted, 2 * list->size()));
+  }
+
   /// @return whether the part is turned inside out by its place
   bool AddPoints(const Part& part, const Stand& stand, const GltfRows& points) {
     const bool skinned =
         !stand.joints.empty() && part.primitive.attributes.contains("JOINTS_0");
     double orientation = 0;
     std::vector<Eigen::Affine3d> bends;
+    Reserve(&points_, points.rows());
     if (skinned) bends = BendsOf(part, stand, points.rows());
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       const Eigen::Affine3d& place = skinned ? bends[i] : stand.place;
@@ -269,13 +277,22 @@ class SceneReader {
       if (own.rows() > 0) TintPage(own, &page);
       look.page = paged_.PageOf(page);
     }
-    for (Eigen::Index i = 0; i < count; ++i) {
-      Eigen::Vector3d color = look.factor;
-      if (own.rows() > 0) color.array() *= own.row(i).head<3>().transpose().array();
+    AddColorsOf(own, look.factor, static_cast<std::size_t>(count));
+    return look;
+  }
+
+  /// White is kept only beside others.
+  void AddColorsOf(const GltfRows& own, const Eigen::Vector3d& factor, std::size_t count) {
+    has_colors_ |= own.rows() > 0 || factor != Eigen::Vector3d::Ones();
+    if (!has_colors_) return;
+    colors_.resize(points_.size() - count, Eigen::Vector3d::Ones());
+    for (std::size_t i = 0; i < count; ++i) {
+      Eigen::Vector3d color = factor;
+      if (own.rows() > 0)
+        color.array() *=
+            own.row(static_cast<Eigen::Index>(i)).head<3>().transpose().array();
       colors_.push_back(color);
     }
-    has_colors_ |= own.rows() > 0 || look.factor != Eigen::Vector3d::Ones();
-    return look;
   }
 
   void TintPage(const GltfRows& own, TexturePage* page) {
@@ -360,11 +377,9 @@ class SceneReader {
                                        : Shaped(part, stand,
                                                 fmt::format("TEXCOORD_{}", look.info.uv_set), 2,
                                                 count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      if (uvs.rows() == 0) {
-        uvs_.emplace_back(0, 0);
-        continue;
-      }
+    Reserve(&uvs_, count);
+    if (uvs.rows() == 0) uvs_.resize(uvs_.size() + static_cast<std::size_t>(count), {0, 0});
+    for (Eigen::Index i = 0; i < uvs.rows(); ++i) {
       const Eigen::Vector2d uv =
           look.info.transform * Eigen::Vector2d(uvs.row(i).head<2>().transpose());
       if (!uv.allFinite()) file_.Refuse("it has a texture coordinate that is not finite");
@@ -387,6 +402,8 @@ class SceneReader {
         file_.Refuse("it is damaged (a corner that does not exist)");
     const int mode = part.unpacked ? static_cast<int>(kTriangles) : part.primitive.mode;
     const Eigen::Index step = mode == kTriangles ? 3 : 1;
+    Reserve(&faces_, corners.rows() / step);
+    Reserve(&paged_.page_of_face, corners.rows() / step);
     for (Eigen::Index i = 0; i + 2 < corners.rows(); i += step) {
       const bool odd = mode == kStrip && i % 2 == 1;
       const Eigen::Index start = mode == kFan ? 0 : i;
@@ -407,31 +424,30 @@ class SceneReader {
 
   PagedMesh Joined() {
     Mesh flat;
-    flat.points.resize(SizeOf(points_), 3);
-    flat.faces.resize(SizeOf(faces_), 3);
-    for (int i = 0; i < SizeOf(points_); ++i) flat.points.row(i) = points_[i].transpose();
-    for (int f = 0; f < SizeOf(faces_); ++f) flat.faces.row(f) = faces_[f].transpose();
+    flat.points = Eigen::Map<const PointsX3>(points_[0].data(), SizeOf(points_), 3);
+    flat.faces = Eigen::Map<const FacesX3>(faces_[0].data(), SizeOf(faces_), 3);
     WeldedMesh welded = join_ ? WeldWholeFaces(flat) : Weld(flat, {});
     paged_.mesh = std::move(welded.mesh);
     if (!paged_.pages.empty())
-      TakeUvs(flat.faces);
+      TakeUvs(std::move(flat.faces));
     else if (has_colors_)
       TakeColors(welded.of_input);
     return std::move(paged_);
   }
 
-  void TakeUvs(const FacesX3& faces) {
+  void TakeUvs(FacesX3 faces) {
     Mesh& mesh = paged_.mesh;
-    mesh.uv_faces = faces;
-    mesh.uvs.resize(SizeOf(uvs_), 2);
-    for (int i = 0; i < SizeOf(uvs_); ++i) mesh.uvs.row(i) = uvs_[i].transpose();
+    mesh.uv_faces = std::move(faces);
+    mesh.uvs = Eigen::Map<const UvsX2>(uvs_[0].data(), SizeOf(uvs_), 2);
     const std::vector<int>& pages = paged_.page_of_face;
     if (std::find(pages.begin(), pages.end(), -1) == pages.end()) return;
+    colors_.resize(points_.size(), Eigen::Vector3d::Ones());
     for (const Eigen::Vector3i& face : faces_)
       paged_.corner_colors.push_back({colors_[face[0]], colors_[face[1]], colors_[face[2]]});
   }
 
   void TakeColors(const std::vector<int>& of_input) {
+    colors_.resize(points_.size(), Eigen::Vector3d::Ones());
     Mesh& mesh = paged_.mesh;
     mesh.colors.resize(mesh.points.rows(), 3);
     for (int i = SizeOf(points_) - 1; i >= 0; --i)

@@ -141,7 +141,6 @@ std::string OtherMeshKind(std::string_view head) {
   constexpr std::pair<std::string_view, const char*> kStarts[] = {
       {"Kaydara FBX", "an FBX file"},
       {"; FBX", "an FBX file"},
-      {"PK\x03\x04", "a ZIP file, as .usdz and .3mf are"},
       {"#usda", "a USD file"},
       {"PXR-USDC", "a USD file"},
       {"BLENDER", "a Blender file"},
@@ -198,6 +197,7 @@ MeshKind MeshKindOf(const fs::path& path) {
   if (LooksLikeOff(start)) return MeshKind::kOff;
   if (LooksLikeBinaryStl(path, head)) return MeshKind::kStl;
   if (LooksLikeGltf(head)) return MeshKind::kGltf;
+  if (head.starts_with("PK\x03\x04")) return MeshKind::kZip;
   if (start.rfind("SOLID", 0) == 0) return MeshKind::kStl;
   if (!kind.empty())
     throw InputError(path.string() + " is " + kind +
@@ -229,6 +229,10 @@ Mesh ReadMesh(const fs::path& path) {
     case MeshKind::kOff: return ReadOffMesh(path);
     case MeshKind::kStl: return ReadStlMesh(path);
     case MeshKind::kGltf: return ReadGltfMesh(path);
+    case MeshKind::kZip:
+      throw InputError(path.string() +
+                       " is a ZIP file (as .usdz and .3mf are): unpack it, or begin a project with "
+                       "it by keypose init");
   }
   return {};
 }

@@ -8,7 +8,7 @@
 
 namespace keypose {
 
-enum class MeshKind { kPly, kObj, kOff, kStl, kGltf };
+enum class MeshKind { kPly, kObj, kOff, kStl, kGltf, kZip };
 
 /// The kind of a mesh file, judged by its first bytes; its name does not matter.
 /// @throws DiskError   cannot be opened
@@ -20,15 +20,16 @@ MeshKind MeshKindOf(const std::filesystem::path& path);
 /// vertex normals (PLY), vertex colours and texture coordinates (OBJ `vt`, where faces without any
 /// get (0, 0); of PLY see ply_mesh.h, of glTF glb_mesh.h). Materials and textures: scan_file.h.
 /// @throws DiskError   cannot be opened
-/// @throws InputError  not one of the formats, truncated, an index out of range; says where
+/// @throws InputError  not one of the formats, or a ZIP file; truncated, an index out of range; says
+///                     where
 Mesh ReadMesh(const std::filesystem::path& path);
 
 /// Checks the name of a mesh that is yet to be written, before the work for it begins.
 /// @throws UsageError  it is neither .ply nor .obj
 void RequireMeshName(const std::filesystem::path& path);
 
-/// Writes .ply (binary little endian) or .obj. Both keep all bits of a double. If `material_texture` is given, an OBJ with UVs gets an .mtl file
-/// that names it.
+/// Writes .ply (binary little endian) or .obj. Both keep all bits of a double. If `material_texture`
+/// is given, an OBJ with UVs gets an .mtl file that names it.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh,
                const std::string& material_texture = "");

@@ -13,8 +13,10 @@
 #include "core/io/meshes/ply_io.h"
 #include "core/io/meshes/ply_mesh.h"
 #include "core/io/meshes/texture_pages.h"
+#include "core/io/meshes/zipped_scan.h"
 #include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
+#include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {
@@ -30,7 +32,7 @@ void TakeLook(const fs::path& path, PagedMesh paged, const std::vector<fs::path>
     scan->mesh = std::move(paged.mesh);
     return;
   }
-  OneTexture one = JoinPages(paged, PrintableName(path));
+  OneTexture one = JoinPages(std::move(paged), PrintableName(path));
   if (!one.why.empty()) scan->warnings.push_back(one.why);
   scan->mesh = std::move(paged.mesh);
   scan->mesh.uvs = std::move(one.uvs);
@@ -125,6 +127,16 @@ Scan FromPly(const fs::path& path) {
   return scan;
 }
 
+Scan FromZip(const fs::path& path, bool join_seams) {
+  const ZippedScan unpacked(path);
+  if (MeshKindOf(unpacked.mesh()) == MeshKind::kZip)
+    throw InputError(fmt::format("{} holds a ZIP file: unpack it", PrintableName(path)));
+  Scan scan = ReadScan(unpacked.mesh(), join_seams);
+  scan.changed = true;
+  scan.texture_file.clear();
+  return scan;
+}
+
 }  // namespace
 
 Scan ReadScan(const fs::path& path, bool join_seams) {
@@ -132,6 +144,7 @@ Scan ReadScan(const fs::path& path, bool join_seams) {
     case MeshKind::kGltf: return FromGltf(path, join_seams);
     case MeshKind::kObj: return FromObj(path);
     case MeshKind::kPly: return FromPly(path);
+    case MeshKind::kZip: return FromZip(path, join_seams);
     default: break;
   }
   Scan scan;

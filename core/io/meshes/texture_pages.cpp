@@ -7,8 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
-#include <optional>
-#include <tuple>
+#include <utility>
 
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/picture_bytes.h"
@@ -90,19 +89,26 @@ std::string EndingOf(std::string_view bytes) {
 
 class PageJoiner {
  public:
-  PageJoiner(const PagedMesh& paged, const std::string& who) : paged_(paged), who_(who) {}
+  PageJoiner(PagedMesh& paged, const std::string& who) : paged_(paged), who_(who) {}
 
   OneTexture Join() {
-    if (!ShiftFaces()) return Kept();
+    if (IsPlain() || !ShiftFaces()) return Kept();
     if (IsOnePage()) return Shifted();
     return Baked();
   }
 
  private:
-  bool IsOnePage() const {
-    const bool one = paged_.pages.size() == 1 && !HasPaletteFaces() &&
-                     paged_.pages[0].factor == Eigen::Vector3d::Ones();
-    return one && ranges_[0].InSquare();
+  bool HasOnePage() const {
+    return paged_.pages.size() == 1 && !HasPaletteFaces() &&
+           paged_.pages[0].factor == Eigen::Vector3d::Ones();
+  }
+
+  bool IsOnePage() const { return HasOnePage() && ranges_[0].InSquare(); }
+
+  /// The usual case, without looking at each face.
+  bool IsPlain() const {
+    const UvsX2& uvs = paged_.mesh.uvs;
+    return HasOnePage() && uvs.minCoeff() >= -kPageBorder && uvs.maxCoeff() <= 1 + kPageBorder;
   }
 
   bool HasPaletteFaces() const {
@@ -149,11 +155,11 @@ class PageJoiner {
   }
 
   /// The single picture as it is, or a WebP as PNG.
-  OneTexture WithPicture(OneTexture result) const {
-    const PageFile& file = paged_.pictures[paged_.pages[0].picture];
+  OneTexture WithPicture(OneTexture result) {
+    PageFile& file = paged_.pictures[paged_.pages[0].picture];
     result.ending = EndingOf(file.bytes);
     if (!result.ending.empty()) {
-      result.picture = file.bytes;
+      result.picture = std::move(file.bytes);
       return result;
     }
     result.as_it_was = false;
@@ -166,10 +172,10 @@ class PageJoiner {
     return result;
   }
 
-  OneTexture Kept() const {
+  OneTexture Kept() {
     OneTexture result;
-    result.uvs = paged_.mesh.uvs;
-    result.uv_faces = paged_.mesh.uv_faces;
+    result.uvs = std::move(paged_.mesh.uvs);
+    result.uv_faces = std::move(paged_.mesh.uv_faces);
     result.as_it_was = true;
     return WithPicture(std::move(result));
   }
@@ -200,7 +206,7 @@ class PageJoiner {
     return corners;
   }
 
-  OneTexture Shifted() const {
+  OneTexture Shifted() {
     OneTexture result;
     PlaceCorners([this](Eigen::Index f) { return ShiftedCorners(f); }, &result);
     return WithPicture(std::move(result));
@@ -431,7 +437,7 @@ class PageJoiner {
     return {UvAt(left, top), UvAt(left + kBlock - 3, top), UvAt(left, top + kBlock - 3)};
   }
 
-  const PagedMesh& paged_;
+  PagedMesh& paged_;
   const std::string& who_;
   std::vector<UvRange> ranges_;                           // of the pages
   std::vector<Eigen::Vector2d> shifts_;                 // of the faces
@@ -445,7 +451,7 @@ class PageJoiner {
 
 }  // namespace
 
-OneTexture JoinPages(const PagedMesh& paged, const std::string& who) {
+OneTexture JoinPages(PagedMesh&& paged, const std::string& who) {
   return PageJoiner(paged, who).Join();
 }
 

@@ -57,7 +57,8 @@ struct OneTexture {
 /// copied, not resampled, as long as all fit into 16384 x 16384; else all pages shrink, and `why`
 /// says so.
 /// @pre there is a page
-/// @param who  the mesh's name, for messages
-OneTexture JoinPages(const PagedMesh& paged, const std::string& who);
+/// @param paged  its pictures and coordinates are moved out where they stay as they are
+/// @param who    the mesh's name, for messages
+OneTexture JoinPages(PagedMesh&& paged, const std::string& who);
 
 }  // namespace keypose

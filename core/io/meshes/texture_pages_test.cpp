@@ -48,7 +48,7 @@ TEST(TexturePages, EachTexelOfEachPageIsFoundAgain) {
   const std::vector<Image8> pictures = {Numbered(37, 20, 1), Numbered(64, 64, 2),
                                         Numbered(5, 100, 3)};
   const PagedMesh paged = Squares(pictures);
-  const OneTexture one = JoinPages(paged, "mesh");
+  const OneTexture one = JoinPages(PagedMesh(paged), "mesh");
   EXPECT_EQ(one.why, "");
   EXPECT_FALSE(one.as_it_was);
   const Image8 texture = DecodePicture(one.picture, "joined");
@@ -74,7 +74,7 @@ TEST(TexturePages, EachTexelOfEachPageIsFoundAgain) {
 
 TEST(TexturePages, OnePageInTheUnitSquareStaysAsItIs) {
   const PagedMesh paged = Squares({Numbered(8, 8, 1)});
-  const OneTexture one = JoinPages(paged, "mesh");
+  const OneTexture one = JoinPages(PagedMesh(paged), "mesh");
   EXPECT_TRUE(one.as_it_was);
   EXPECT_EQ(one.picture, paged.pictures[0].bytes);
   EXPECT_EQ(one.ending, ".png");
@@ -84,13 +84,13 @@ TEST(TexturePages, OnePageInTheUnitSquareStaysAsItIs) {
 
 TEST(TexturePages, TheSameBitsEachTime) {
   const PagedMesh paged = Squares({Numbered(30, 30, 1), Numbered(30, 30, 2)});
-  EXPECT_EQ(JoinPages(paged, "mesh").picture, JoinPages(paged, "mesh").picture);
+  EXPECT_EQ(JoinPages(PagedMesh(paged), "mesh").picture, JoinPages(PagedMesh(paged), "mesh").picture);
 }
 
 TEST(TexturePages, WhatRepeatsTooOftenIsSaid) {
   PagedMesh paged = Squares({Numbered(100, 100, 1)});
   paged.mesh.uvs *= 10000;
-  const OneTexture one = JoinPages(paged, "fox.obj");
+  const OneTexture one = JoinPages(std::move(paged), "fox.obj");
   EXPECT_EQ(one.picture, "");
   EXPECT_THAT(one.why, ::testing::AllOf(HasSubstr("fox.obj"), HasSubstr("do not fit")));
 }
@@ -98,7 +98,7 @@ TEST(TexturePages, WhatRepeatsTooOftenIsSaid) {
 TEST(TexturePages, WhatFitsOnlyAtASmallerScaleShrinksAndIsSaid) {
   PagedMesh paged = Squares({Image8(10, 10, 3, 90)});
   paged.mesh.uvs.col(0) *= 3000;
-  const OneTexture one = JoinPages(paged, "fox.obj");
+  const OneTexture one = JoinPages(std::move(paged), "fox.obj");
   EXPECT_THAT(one.why, HasSubstr("50 % of their size"));
   const Image8 texture = DecodePicture(one.picture, "joined");
   EXPECT_EQ(texture.width, 15000 + 8);

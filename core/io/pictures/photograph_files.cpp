@@ -26,9 +26,9 @@ constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp"
                                                         ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
                                                         ".jp2",  ".tga",  ".exr", ".hdr"};
 
-constexpr std::array<const char*, 13> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
+constexpr std::array<const char*, 14> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
                                                  ".gltf", ".fbx",  ".dae", ".usd", ".usda",
-                                                 ".usdc", ".usdz", ".abc"};
+                                                 ".usdc", ".usdz", ".abc", ".zip"};
 
 }  // namespace
 
