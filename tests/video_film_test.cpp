@@ -4,10 +4,12 @@
 
 #include "composite/film/film_files.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "views/decode/testing/test_film.h"
 #include "views/film/mp4.h"
 #include "views/shot/shot.h"
 
@@ -152,6 +154,34 @@ TEST_F(Video, DecodingStopsWhenItIsAskedTo) {
   FilmFiles again(film_);
   Stopping on_the_way(4);
   EXPECT_THROW(again.Decode({kFrames - 1}, &on_the_way), Cancelled) << "between wanted frames";
+}
+
+TEST_F(Video, AlphaStaysAndWhatIsLeftOutTakesTime) {
+  TestFilmKind kind;
+  kind.codec = "qtrle", kind.pixels = AV_PIX_FMT_ARGB, kind.unit = kind.rate = 10;
+  TestFilm writer(folder_ / "cut_out.mov", kind);
+  for (const int time : {0, 1, 2, 3, 5, 6, 9})
+    writer.Add(time, [&](AVFrame& frame) {
+      for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x)
+          for (int c = 0; c < 4; ++c)  // alpha, red, green, blue
+            frame.data[0][y * frame.linesize[0] + 4 * x + c] =
+                static_cast<std::uint8_t>(c == 0 ? 2 * x + time % 2 : 20 * time + c);
+    });
+  writer.Finish();
+  FilmFiles film(folder_ / "cut_out.mov");
+  EXPECT_NEAR(film.fps(), 10, 1e-9);
+  film.DecodeAll();
+  std::vector<int> frames;
+  for (const FilmPicture& picture : film.pictures()) {
+    frames.push_back(picture.frame);
+    const ImageF color = ReadLevels(picture.path);
+    const Image8 alpha = ReadAlpha(picture.path);
+    for (int x = 0; x < kind.width; ++x)
+      ASSERT_EQ(*alpha.at(x, 7), 2 * x + picture.frame % 2) << picture.frame;
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(color.at(90, 7)[c], 20 * picture.frame + c + 1);
+  }
+  EXPECT_EQ(frames, (std::vector<int>{0, 1, 2, 3, 5, 6, 9}));
 }
 
 TEST_F(Video, FoldersStayWhatTheyAre) {

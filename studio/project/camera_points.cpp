@@ -54,7 +54,12 @@ struct Still {
   FrameSource film;
 };
 
-FrameSource OnePicture(const fs::path& picture) { return {{picture}, {}, 1}; }
+FrameSource OnePicture(const fs::path& picture) {
+  FrameSource film;
+  film.pictures = {picture};
+  film.frames = 1;
+  return film;
+}
 
 /// The picture that points.json names, where it lies in the project.
 void AddNamedPicture(const fs::path& project, const ClickedPicture& camera, Still* still) {

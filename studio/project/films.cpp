@@ -55,6 +55,18 @@ std::vector<ShotCamera> WithoutLinks(std::vector<ShotCamera> cameras, const fs::
   return cameras;
 }
 
+/// The picture of a film that shows a frame; another one when other films lie beside it.
+int PictureOf(const FrameSource& film, int frame) {
+  return film.order.empty() ? frame : film.order[static_cast<std::size_t>(frame)];
+}
+
+/// All pictures in their order.
+FrameSource Unjoined(FrameSource film) {
+  film.order.clear();
+  if (film.index) film.frames = film.index->frames();
+  return film;
+}
+
 /// Films that were opened, and decoders that go on from the frame that was asked for last.
 class Shelf {
  public:
@@ -72,7 +84,8 @@ class Shelf {
     const std::lock_guard<std::mutex> lock(decoding_);
     if (readers_.size() >= kMostReaders) readers_.clear();
     const std::string stamp = StampOf(film.video);
-    return readers_.try_emplace(stamp, film).first->second.Read(frame, channels);
+    FrameReader& reader = readers_.try_emplace(stamp, Unjoined(film)).first->second;
+    return reader.Read(PictureOf(film, frame), channels);
   }
 
  private:
@@ -186,13 +199,14 @@ FrameSource MasksOf(Snapshot& snapshot, const std::string& shot, const std::stri
 fs::path FramePicture(const fs::path& folder, const FrameSource& film, int frame, int width) {
   const fs::path& file = FileOf(film, frame);
   if (film.video.empty()) return PictureFile(folder, file, width);
-  return KeptPicture(
-      folder, file, fmt::format("frame {} {}", frame, width), ".jpg", [&](const fs::path& to) {
-        Image8 picture = TheShelf().Read(film, frame, 3);
-        if (width > 0 && width < picture.width)
-          picture = Resized(picture, width, std::max(1, picture.height * width / picture.width));
-        WriteImage(to, picture, width > 0 ? 82 : 92);
-      });
+  return KeptPicture(folder, file, fmt::format("frame {} {}", PictureOf(film, frame), width),
+                     ".jpg", [&](const fs::path& to) {
+                       Image8 picture = TheShelf().Read(film, frame, 3);
+                       if (width > 0 && width < picture.width)
+                         picture = Resized(picture, width,
+                                           std::max(1, picture.height * width / picture.width));
+                       WriteImage(to, picture, width > 0 ? 82 : 92);
+                     });
 }
 
 fs::path FrameMask(const fs::path& folder, const FrameSource& masks, int frame) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 
 #include "core/io/pictures/movie_header.h"
 #include "core/io/text/files.h"
@@ -29,7 +29,8 @@ void StopIfAsked(const Progress* progress) {
 /// Times of pictures in the stream's unit; not sorted.
 struct Stamps {
   std::vector<std::int64_t> all;
-  bool sure = true;        ///< each is that of one picture that is shown
+  std::vector<std::int64_t> stored;  ///< when packets are decoded; may hold AV_NOPTS_VALUE
+  bool sure = true;                  ///< each is that of one picture that is shown
   std::int64_t delay = 0;  ///< of the first picture, because its encoder stores others before it
 };
 
@@ -56,6 +57,7 @@ Stamps StampsOfPackets(FilmFile& film, const Progress* progress) {
     if ((packet->flags & AV_PKT_FLAG_DISCARD) != 0) continue;
     if (packet->pts == AV_NOPTS_VALUE) stamps.sure = false;
     stamps.all.push_back(packet->pts);
+    stamps.stored.push_back(packet->dts);
   }
   const int entries = avformat_index_get_entries_count(&film.stream());
   if (IsMovieFormat(film) && packets < entries)
@@ -95,18 +97,32 @@ double HeaderRate(const AVStream& stream) {
   return 0;
 }
 
+/// Of a container that says only when pictures are decoded, as AVI does: one is shown when the next
+/// is decoded.
+bool StoreTheirOrder(const Stamps& stamps) {
+  const std::vector<std::int64_t>& stored = stamps.stored;
+  return stored.size() == stamps.all.size() && stored.front() != AV_NOPTS_VALUE &&
+         std::adjacent_find(stored.begin(), stored.end(), std::greater_equal<>()) == stored.end();
+}
+
+void Count(int pictures, double rate, FilmIndex* index) {
+  for (int i = 0; i < pictures; ++i) index->times_s.push_back(i / rate);
+  index->rate.per_second = rate;
+  index->notes.push_back(fmt::format(
+      "has no times; its pictures are taken for {:.4g} a second, as its header says", rate));
+}
+
 void TakeTimes(const FilmFile& film, Stamps stamps, FilmIndex* index) {
   const double header = HeaderRate(film.stream());
-  if (!stamps.sure) {
-    const double rate = header > 0 ? header : kUsualRate;
-    for (int i = 0; i < SizeOf(stamps.all); ++i) index->times_s.push_back(i / rate);
-    index->rate.per_second = rate;
-    index->notes.push_back(fmt::format(
-        "has no times; its pictures are taken for {:.4g} a second, as its header says", rate));
+  const double unit = av_q2d(film.stream().time_base);
+  if (!stamps.sure && StoreTheirOrder(stamps)) {
+    for (const std::int64_t stamp : stamps.stored)
+      index->times_s.push_back(static_cast<double>(stamp - stamps.stored.front()) * unit);
+    index->rate = RateOf(index->times_s, header);
     return;
   }
+  if (!stamps.sure) return Count(SizeOf(stamps.all), header > 0 ? header : kUsualRate, index);
   const std::int64_t zero = ZeroOf(film) + stamps.delay;
-  const double unit = av_q2d(film.stream().time_base);
   for (const std::int64_t stamp : stamps.all)
     index->times_s.push_back(static_cast<double>(stamp - zero) * unit);
   index->stamps = std::move(stamps.all);
@@ -166,7 +182,11 @@ FilmIndex ReadFilmIndex(const fs::path& path, const Progress* progress) {
   index.codec = avcodec_get_name(film.stream().codecpar->codec_id);
   Stamps stamps = StampsOfPackets(film, progress);
   TakeFirstFrame(path, &stamps, &index);
-  if (!stamps.sure) stamps = StampsOfFrames(path, progress);
+  if (!stamps.sure) {
+    const std::vector<std::int64_t> stored = std::move(stamps.stored);
+    stamps = StampsOfFrames(path, progress);
+    stamps.stored = stored;
+  }
   if (stamps.all.empty()) film.Fail("has no pictures; copy or export it again");
   TakeTimes(film, std::move(stamps), &index);
   return index;

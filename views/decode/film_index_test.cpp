@@ -71,6 +71,16 @@ TEST_F(Films, AnAviIsCounted) {
   EXPECT_EQ(index.rate.per_second, 25);
 }
 
+TEST_F(Films, OfAnAviThatStoresPicturesInAnotherOrderToo) {
+  if (!TestFilm::CanWrite("libx264")) GTEST_SKIP() << "libavcodec has no x264 here";
+  TestFilmKind kind = H264();
+  kind.unit = 30;
+  const FilmIndex index = Index("a.avi", kind, EvenTimes(40, 1));
+  ASSERT_EQ(index.frames(), 40);
+  EXPECT_EQ(index.rate.per_second, 30);
+  EXPECT_TRUE(index.rate.constant);
+}
+
 TEST_F(Films, PicturesThatAreMissingTakeTime) {
   std::vector<std::int64_t> times = EvenTimes(60, kStep);
   for (const int lost : {40, 30, 29, 28, 27, 12, 10, 8}) times.erase(times.begin() + lost);
