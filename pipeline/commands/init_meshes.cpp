@@ -86,9 +86,11 @@ fs::path ParseTexture(const std::string& text) {
 
 void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
 
+/// @param look_given  its texture comes from elsewhere: it keeps its coordinates
 /// @throws InputError  the mesh cannot be read
-void FindColors(GivenMesh* mesh, bool same_faces) {
-  mesh->scan = ReadScan(mesh->file, !same_faces);
+void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
+  mesh->scan =
+      look_given ? ReadScanWithoutLook(mesh->file, !same_faces) : ReadScan(mesh->file, !same_faces);
   for (const std::string& warning : mesh->scan.warnings) Warn(warning);
   mesh->texture = mesh->scan.texture_file;
   mesh->colored = mesh->textured() || mesh->scan.mesh.colors.rows() > 0;
@@ -181,7 +183,8 @@ ExitCode InitMeshes(const InitOptions& options) {
   meshes.keep = !options.texture.empty();
   const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
   RequireNoProject(folder);
-  for (GivenMesh& mesh : given) FindColors(&mesh, meshes.same_faces);
+  for (GivenMesh& mesh : given)
+    FindColors(&mesh, meshes.same_faces, meshes.keep && mesh.name == source->name);
   if (meshes.keep) {
     source->texture = texture;
     source->colored = true;

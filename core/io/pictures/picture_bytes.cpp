@@ -116,8 +116,7 @@ Image8 DecodeWebp(std::string_view bytes, const std::string& name) {
   if (features.has_animation) Refuse(name, "it is an animated WebP");
   RequireSize(name, features.width, features.height);
   Image8 image(features.width, features.height, 3);
-  if (!WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(),
-                         3 * image.width))
+  if (!WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(), 3 * image.width))
     Refuse(name, "the WebP is truncated or damaged");
   return image;
 }
