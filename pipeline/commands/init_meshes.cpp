@@ -155,9 +155,15 @@ void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path
   }
   fmt::print("the mesh gets new faces and a new layout, into which all colours are carried\n");
   if (!source.textured()) return;
-  const fs::path inside = folder / "meshes" / (source.name + "_texture" + source.TextureEnding()),
+  const fs::path written = folder / "meshes" / source.name,
+                 inside = written.string() + "_texture" + source.TextureEnding(),
                  texture = source.texture.empty() ? inside : source.texture;
-  fmt::print("  to keep those of '{}': init --texture {}\n", source.name,
+  // A layout that was made here belongs to the mesh that was written with it.
+  const std::string mesh =
+      source.scan.changed
+          ? fmt::format("--pose {} ", ShellWord(source.name + "=" + written.string() + ".obj"))
+          : "";
+  fmt::print("  to keep those of '{}': init {}--texture {}\n", source.name, mesh,
              ShellWord(texture.string()));
 }
 
