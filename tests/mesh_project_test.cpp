@@ -193,7 +193,8 @@ TEST_F(ScannedMeshes, ATextureThatIsNotThereIsSaid) {
   WriteFile(folder_ / "wave.png", "a TGA has no mark at its start");
   const RunResult other = Init({});
   ASSERT_EQ(other.exit_code, kOk) << other.output;
-  EXPECT_THAT(other.output, HasSubstr("the picture wave.png cannot be read: it is no PNG, JPEG or WebP"));
+  EXPECT_THAT(other.output,
+              HasSubstr("the picture wave.png cannot be read: it is no PNG, JPEG or WebP"));
 }
 
 TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {

@@ -86,9 +86,11 @@ fs::path ParseTexture(const std::string& text) {
 
 void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
 
+/// @param look_given  its texture comes from elsewhere: it keeps its coordinates
 /// @throws InputError  the mesh cannot be read
-void FindColors(GivenMesh* mesh, bool same_faces) {
-  mesh->scan = ReadScan(mesh->file, !same_faces);
+void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
+  mesh->scan =
+      look_given ? ReadScanWithoutLook(mesh->file, !same_faces) : ReadScan(mesh->file, !same_faces);
   for (const std::string& warning : mesh->scan.warnings) Warn(warning);
   mesh->texture = mesh->scan.texture_file;
   mesh->colored = mesh->textured() || mesh->scan.mesh.colors.rows() > 0;
@@ -153,9 +155,15 @@ void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path
   }
   fmt::print("the mesh gets new faces and a new layout, into which all colours are carried\n");
   if (!source.textured()) return;
-  const fs::path inside = folder / "meshes" / (source.name + "_texture" + source.TextureEnding()),
+  const fs::path written = folder / "meshes" / source.name,
+                 inside = written.string() + "_texture" + source.TextureEnding(),
                  texture = source.texture.empty() ? inside : source.texture;
-  fmt::print("  to keep those of '{}': init --texture {}\n", source.name,
+  // A layout that was made here belongs to the mesh that was written with it.
+  const std::string mesh =
+      source.scan.changed
+          ? fmt::format("--pose {} ", ShellWord(source.name + "=" + written.string() + ".obj"))
+          : "";
+  fmt::print("  to keep those of '{}': init {}--texture {}\n", source.name, mesh,
              ShellWord(texture.string()));
 }
 
@@ -181,7 +189,8 @@ ExitCode InitMeshes(const InitOptions& options) {
   meshes.keep = !options.texture.empty();
   const fs::path texture = meshes.keep ? ParseTexture(options.texture) : fs::path();
   RequireNoProject(folder);
-  for (GivenMesh& mesh : given) FindColors(&mesh, meshes.same_faces);
+  for (GivenMesh& mesh : given)
+    FindColors(&mesh, meshes.same_faces, meshes.keep && mesh.name == source->name);
   if (meshes.keep) {
     source->texture = texture;
     source->colored = true;

@@ -20,7 +20,8 @@ class Beside : public ::testing::Test, public TestingFolder {
 
 TEST_F(Beside, NamesAsWindowsWritesThemAreFound) {
   Put("in/Maps/Fur 1.PNG");
-  for (const char* name : {"Maps/Fur 1.PNG", "./Maps/Fur 1.PNG", "maps\\fur 1.png", ".\\MAPS\\Fur 1.png"})
+  for (const char* name :
+       {"Maps/Fur 1.PNG", "./Maps/Fur 1.PNG", "maps\\fur 1.png", ".\\MAPS\\Fur 1.png"})
     EXPECT_EQ(Of(name), folder_ / "in/Maps/Fur 1.PNG") << name;
 }
 

@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kHalfALevel = 0.5 / 255;
 constexpr int kMostPlaced = 100000;  // nodes; one that contains itself would have no end
 constexpr int kDeepest = 1000;
 constexpr std::size_t kMostPoints = 50'000'000;
@@ -223,16 +224,14 @@ class SceneReader {
 
   /// @return whether the part is turned inside out by its place
   bool AddPoints(const Part& part, const Stand& stand, const GltfRows& points) {
-    const bool skinned =
-        !stand.joints.empty() && part.primitive.attributes.contains("JOINTS_0");
+    const bool skinned = !stand.joints.empty() && part.primitive.attributes.contains("JOINTS_0");
     double orientation = 0;
     std::vector<Eigen::Affine3d> bends;
     Reserve(&points_, points.rows());
     if (skinned) bends = BendsOf(part, stand, points.rows());
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       const Eigen::Affine3d& place = skinned ? bends[i] : stand.place;
-      const Eigen::Vector3d p =
-          place * Eigen::Vector3d(points.row(i).head<3>()) + file_.center;
+      const Eigen::Vector3d p = place * Eigen::Vector3d(points.row(i).head<3>()) + file_.center;
       if (!p.allFinite()) file_.Refuse("it has a vertex that is not finite");
       points_.emplace_back(p.x(), -p.z(), p.y());  // y up becomes z up
       if (skinned) orientation += place.linear().determinant();
@@ -254,8 +253,8 @@ class SceneReader {
         for (int k = 0; k < 4; ++k)
           if (weights(i, k) != 0)
             sums[static_cast<std::size_t>(i)] +=
-                weights(i, k) * file_.At(stand.joints, static_cast<int>(joints(i, k)), "joint")
-                                    .matrix();
+                weights(i, k) *
+                file_.At(stand.joints, static_cast<int>(joints(i, k)), "joint").matrix();
     }
     std::vector<Eigen::Affine3d> bends(sums.size(), stand.joints[0]);
     for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -275,6 +274,7 @@ class SceneReader {
     if (textured) {
       page.factor = look.factor;
       if (own.rows() > 0) TintPage(own, &page);
+      if (page.factor.isOnes(kHalfALevel)) page.factor.setOnes();  // rounded integers
       look.page = paged_.PageOf(page);
     }
     AddColorsOf(own, look.factor, static_cast<std::size_t>(count));
@@ -289,21 +289,20 @@ class SceneReader {
     for (std::size_t i = 0; i < count; ++i) {
       Eigen::Vector3d color = factor;
       if (own.rows() > 0)
-        color.array() *=
-            own.row(static_cast<Eigen::Index>(i)).head<3>().transpose().array();
+        color.array() *= own.row(static_cast<Eigen::Index>(i)).head<3>().transpose().array();
       colors_.push_back(color);
     }
   }
 
   void TintPage(const GltfRows& own, TexturePage* page) {
-    constexpr double kALevel = 1.0 / 255;
     const Eigen::RowVector3d least = own.leftCols<3>().colwise().minCoeff(),
                              most = own.leftCols<3>().colwise().maxCoeff();
-    if ((most - least).maxCoeff() <= kALevel)
+    if ((most - least).maxCoeff() <= 2 * kHalfALevel)
       page->factor.array() *= most.transpose().array();
     else
-      Warn("its vertices have colours (COLOR_0) that tint its texture, which were left out: bake "
-           "them into the texture first");
+      Warn(
+          "its vertices have colours (COLOR_0) that tint its texture, which were left out: bake "
+          "them into the texture first");
   }
 
   Look LookOf(const GltfPrimitive& primitive) const {
@@ -355,10 +354,10 @@ class SceneReader {
     const std::string cure = "which is not read, and is left out: export it with PNG or JPEG";
     if (!extension.empty())
       return Warn(fmt::format("its texture is of the extension {}, {}", extension, cure));
-    const std::string kind =
-        OtherKindOf(std::string_view(paged_.pictures[picture_of_image_[index]].bytes).substr(0, 64));
-    Warn(fmt::format("its texture is {}, {}",
-                     kind.empty() ? "neither PNG, JPEG nor WebP" : kind, cure));
+    const std::string kind = OtherKindOf(
+        std::string_view(paged_.pictures[picture_of_image_[index]].bytes).substr(0, 64));
+    Warn(fmt::format("its texture is {}, {}", kind.empty() ? "neither PNG, JPEG nor WebP" : kind,
+                     cure));
   }
 
   int PictureIndex(int image_index) {
@@ -373,10 +372,9 @@ class SceneReader {
   }
 
   void AddUvs(const Part& part, const Stand& stand, const Look& look, Eigen::Index count) {
-    const GltfRows uvs = look.page < 0 ? GltfRows()
-                                       : Shaped(part, stand,
-                                                fmt::format("TEXCOORD_{}", look.info.uv_set), 2,
-                                                count);
+    const GltfRows uvs =
+        look.page < 0 ? GltfRows()
+                      : Shaped(part, stand, fmt::format("TEXCOORD_{}", look.info.uv_set), 2, count);
     Reserve(&uvs_, count);
     if (uvs.rows() == 0) uvs_.resize(uvs_.size() + static_cast<std::size_t>(count), {0, 0});
     for (Eigen::Index i = 0; i < uvs.rows(); ++i) {
@@ -407,8 +405,7 @@ class SceneReader {
     for (Eigen::Index i = 0; i + 2 < corners.rows(); i += step) {
       const bool odd = mode == kStrip && i % 2 == 1;
       const Eigen::Index start = mode == kFan ? 0 : i;
-      Eigen::Vector3i face(static_cast<int>(corners(start, 0)),
-                           static_cast<int>(corners(i + 1, 0)),
+      Eigen::Vector3i face(static_cast<int>(corners(start, 0)), static_cast<int>(corners(i + 1, 0)),
                            static_cast<int>(corners(i + 2, 0)));
       if (odd != mirrored) std::swap(face[1], face[2]);
       if (face[0] == face[1] || face[1] == face[2] || face[0] == face[2]) continue;

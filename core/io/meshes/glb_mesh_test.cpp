@@ -183,7 +183,8 @@ TEST_F(GlbMeshTest, APictureOfAnotherKindIsSaid) {
   SetPicture("\xabKTX 20\xbb and so on", &model);
   const Scan read = Read(model);
   EXPECT_EQ(read.texture, "");
-  EXPECT_THAT(read.warnings, ::testing::ElementsAre(HasSubstr("is a KTX picture (Basis Universal)")));
+  EXPECT_THAT(read.warnings,
+              ::testing::ElementsAre(HasSubstr("is a KTX picture (Basis Universal)")));
 }
 
 TEST_F(GlbMeshTest, DamagedFilesAreRefused) {

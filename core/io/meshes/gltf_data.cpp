@@ -36,25 +36,42 @@ void Convert(std::string_view bytes, std::size_t stride, bool normalized, GltfRo
 
 std::size_t BytesOf(int component) {
   switch (component) {
-    case 5120: case 5121: return 1;
-    case 5122: case 5123: return 2;
-    case 5124: case 5125: case 5126: return 4;
-    case 5130: return 8;
-    default: return 0;
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5124:
+    case 5125:
+    case 5126:
+      return 4;
+    case 5130:
+      return 8;
+    default:
+      return 0;
   }
 }
 
 void ConvertAs(int component, std::string_view bytes, std::size_t stride, bool normalized,
                GltfRows* rows) {
   switch (component) {
-    case 5120: return Convert<std::int8_t>(bytes, stride, normalized, rows);
-    case 5121: return Convert<std::uint8_t>(bytes, stride, normalized, rows);
-    case 5122: return Convert<std::int16_t>(bytes, stride, normalized, rows);
-    case 5123: return Convert<std::uint16_t>(bytes, stride, normalized, rows);
-    case 5124: return Convert<std::int32_t>(bytes, stride, normalized, rows);
-    case 5125: return Convert<std::uint32_t>(bytes, stride, normalized, rows);
-    case 5130: return Convert<double>(bytes, stride, normalized, rows);
-    default: return Convert<float>(bytes, stride, normalized, rows);
+    case 5120:
+      return Convert<std::int8_t>(bytes, stride, normalized, rows);
+    case 5121:
+      return Convert<std::uint8_t>(bytes, stride, normalized, rows);
+    case 5122:
+      return Convert<std::int16_t>(bytes, stride, normalized, rows);
+    case 5123:
+      return Convert<std::uint16_t>(bytes, stride, normalized, rows);
+    case 5124:
+      return Convert<std::int32_t>(bytes, stride, normalized, rows);
+    case 5125:
+      return Convert<std::uint32_t>(bytes, stride, normalized, rows);
+    case 5130:
+      return Convert<double>(bytes, stride, normalized, rows);
+    default:
+      return Convert<float>(bytes, stride, normalized, rows);
   }
 }
 

@@ -14,17 +14,20 @@ namespace {
 /// What white is in integers of this type; 1 of others.
 double LargestOf(draco::DataType type) {
   switch (type) {
-    case draco::DT_INT8: return std::numeric_limits<std::int8_t>::max();
-    case draco::DT_UINT8: return std::numeric_limits<std::uint8_t>::max();
-    case draco::DT_INT16: return std::numeric_limits<std::int16_t>::max();
-    case draco::DT_UINT16: return std::numeric_limits<std::uint16_t>::max();
-    default: return 1;
+    case draco::DT_INT8:
+      return std::numeric_limits<std::int8_t>::max();
+    case draco::DT_UINT8:
+      return std::numeric_limits<std::uint8_t>::max();
+    case draco::DT_INT16:
+      return std::numeric_limits<std::int16_t>::max();
+    case draco::DT_UINT16:
+      return std::numeric_limits<std::uint16_t>::max();
+    default:
+      return 1;
   }
 }
 
-bool IsReal(draco::DataType type) {
-  return type == draco::DT_FLOAT32 || type == draco::DT_FLOAT64;
-}
+bool IsReal(draco::DataType type) { return type == draco::DT_FLOAT32 || type == draco::DT_FLOAT64; }
 
 /// Puts one vertex's numbers into a row. @return whether the library could convert them
 template <class T>

@@ -173,8 +173,8 @@ class GltfFeatures : public ::testing::Test, public TestingFolder {
     const Image8 texture = DecodePicture(scan.texture, "texture");
     Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
     for (int k = 0; k < 3; ++k)
-      uv += (k == corner ? 1 - 2 * inward : inward) *
-            scan.mesh.uvs.row(scan.mesh.uv_faces(face, k));
+      uv +=
+          (k == corner ? 1 - 2 * inward : inward) * scan.mesh.uvs.row(scan.mesh.uv_faces(face, k));
     const int x = std::min(texture.width - 1, static_cast<int>(uv[0] * texture.width)),
               y = std::min(texture.height - 1, static_cast<int>((1 - uv[1]) * texture.height));
     return {texture.at(x, y)[0], texture.at(x, y)[1], texture.at(x, y)[2]};
@@ -279,14 +279,14 @@ Maker Skinned() {
   maker.root["scenes"][0]["nodes"] = {0, 1};
   maker.part()["attributes"]["JOINTS_0"] =
       maker.Accessor({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", kUnsignedByte);
-  maker.part()["attributes"]["WEIGHTS_0"] = maker.Accessor(
-      {255, 0, 0, 0, 0, 255, 0, 0, 51, 204, 0, 0}, "VEC4", kUnsignedByte, true);
+  maker.part()["attributes"]["WEIGHTS_0"] =
+      maker.Accessor({255, 0, 0, 0, 0, 255, 0, 0, 51, 204, 0, 0}, "VEC4", kUnsignedByte, true);
   Numbers binds(32, 0);
   for (int j = 0; j < 2; ++j)
     for (int d = 0; d < 4; ++d) binds[static_cast<std::size_t>(16 * j + 5 * d)] = 1;
   binds[16 + 14] = 3;  // moves z before the second joint
-  maker.root["skins"] = {{{"joints", {1, 2}},
-                          {"inverseBindMatrices", maker.Accessor(binds, "MAT4")}}};
+  maker.root["skins"] = {
+      {{"joints", {1, 2}}, {"inverseBindMatrices", maker.Accessor(binds, "MAT4")}}};
   return maker;
 }
 
@@ -351,8 +351,8 @@ TEST_F(GltfFeatures, InstancesHiddenNodesAndFarOrigins) {
   EXPECT_EQ(Read(hidden).mesh.face_count(), 1);
   Maker far;
   far.root["extensions"]["CESIUM_RTC"]["center"] = {500000.125, 10, 4600000.5};
-  ExpectNear(Corners(Read(far)), {500000.125, 10, 4600000.5, 500002.125, 10, 4600000.5, 500000.125,
-                                  14, 4600000.5});
+  ExpectNear(Corners(Read(far)),
+             {500000.125, 10, 4600000.5, 500002.125, 10, 4600000.5, 500000.125, 14, 4600000.5});
 }
 
 TEST_F(GltfFeatures, TexturesAreMovedTurnedAndScaledAndTakeOtherCoordinates) {
@@ -384,7 +384,8 @@ TEST_F(GltfFeatures, RepeatsMirrorsAndClampsAreBaked) {
     maker.part()["attributes"]["TEXCOORD_0"] =
         maker.Accessor({u, v, u + 1 + step, v, u, v + step}, "VEC2");
     if (wrap) {
-      maker.root["samplers"] = Json::array({{{"wrapS", std::stoi(wrap)}, {"wrapT", std::stoi(wrap)}}});
+      maker.root["samplers"] =
+          Json::array({{{"wrapS", std::stoi(wrap)}, {"wrapT", std::stoi(wrap)}}});
       maker.root["textures"][0]["sampler"] = 0;
     }
     return ColorAt(Read(maker), 0);
@@ -437,8 +438,8 @@ TEST_F(GltfFeatures, FactorsColorsAndKindsOfMaterials) {
 }
 
 TEST_F(GltfFeatures, ColorsOfVerticesWithoutATexture) {
-  for (const auto& [component, white] : {std::pair{kUnsignedByte, 255.0},
-                                         {kUnsignedShort, 65535.0}, {kFloat, 1.0}})
+  for (const auto& [component, white] :
+       {std::pair{kUnsignedByte, 255.0}, {kUnsignedShort, 65535.0}, {kFloat, 1.0}})
     for (const int columns : {3, 4}) {
       Numbers colors;
       for (int v = 0; v < 3; ++v)
@@ -568,10 +569,10 @@ TEST_F(GltfFeatures, MeshoptModesAndFilters) {
     pack(&maker, 1, bytes, 2, mode, "NONE");
     Numbers read = Corners(Read(maker));
     std::rotate(read.begin(), read.begin() + 3, read.end());  // a triangle may begin anywhere
-    EXPECT_THAT((std::vector<Numbers>{{0, 4, 0, 0, 0, 0, 2, 0, 0},
-                                      {0, 0, 0, 2, 0, 0, 0, 4, 0},
-                                      {2, 0, 0, 0, 4, 0, 0, 0, 0}}),
-                ::testing::Contains(read));
+    EXPECT_THAT(
+        (std::vector<Numbers>{
+            {0, 4, 0, 0, 0, 0, 2, 0, 0}, {0, 0, 0, 2, 0, 0, 0, 4, 0}, {2, 0, 0, 0, 4, 0, 0, 0, 0}}),
+        ::testing::Contains(read));
   }
   Maker damaged;
   pack(&damaged, 0, "\xa1 of a later version, or damaged", 12, "ATTRIBUTES", "NONE");
@@ -581,7 +582,8 @@ TEST_F(GltfFeatures, MeshoptModesAndFilters) {
 TEST_F(GltfFeatures, Draco) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(1);
-  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int position =
+      builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
   const std::array<std::array<float, 3>, 3> p = {{{0, 0, 0}, {2, 0, 0}, {0, 4, 0}}};
   builder.SetAttributeValuesForFace(position, draco::FaceIndex(0), p[0].data(), p[1].data(),
                                     p[2].data());
@@ -592,12 +594,12 @@ TEST_F(GltfFeatures, Draco) {
   ASSERT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
   Maker maker;
   maker.root["accessors"][0].erase("bufferView");
-  maker.root["accessors"].push_back({{"componentType", kUnsignedShort}, {"count", 3}, {"type", "SCALAR"}});
+  maker.root["accessors"].push_back(
+      {{"componentType", kUnsignedShort}, {"count", 3}, {"type", "SCALAR"}});
   maker.part()["indices"] = 1;
   const int view = maker.View(std::string(buffer.data(), buffer.size()));
   maker.part()["extensions"]["KHR_draco_mesh_compression"] = {
-      {"bufferView", view},
-      {"attributes", {{"POSITION", mesh->attribute(position)->unique_id()}}}};
+      {"bufferView", view}, {"attributes", {{"POSITION", mesh->attribute(position)->unique_id()}}}};
   maker.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   const Scan scan = Read(maker);
   ASSERT_EQ(scan.mesh.face_count(), 1);
@@ -610,13 +612,27 @@ TEST_F(GltfFeatures, Draco) {
 
 /// The extensions in Khronos's registry of 2026 that can be required, and one that nobody knows.
 TEST_F(GltfFeatures, ARequiredExtensionIsReadOrNamed) {
-  for (const char* extension :
-       {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
-        "KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_unlit",
-        "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp", "KHR_texture_basisu",
-        "MSFT_texture_dds", "EXT_texture_avif", "EXT_mesh_gpu_instancing", "KHR_node_visibility",
-        "CESIUM_RTC", "KHR_materials_clearcoat", "KHR_materials_ior", "KHR_lights_punctual",
-        "KHR_animation_pointer", "KHR_materials_variants", "EXT_structural_metadata", "MSFT_lod"}) {
+  for (const char* extension : {"KHR_draco_mesh_compression",
+                                "EXT_meshopt_compression",
+                                "KHR_meshopt_compression",
+                                "KHR_mesh_quantization",
+                                "KHR_texture_transform",
+                                "KHR_materials_unlit",
+                                "KHR_materials_pbrSpecularGlossiness",
+                                "EXT_texture_webp",
+                                "KHR_texture_basisu",
+                                "MSFT_texture_dds",
+                                "EXT_texture_avif",
+                                "EXT_mesh_gpu_instancing",
+                                "KHR_node_visibility",
+                                "CESIUM_RTC",
+                                "KHR_materials_clearcoat",
+                                "KHR_materials_ior",
+                                "KHR_lights_punctual",
+                                "KHR_animation_pointer",
+                                "KHR_materials_variants",
+                                "EXT_structural_metadata",
+                                "MSFT_lod"}) {
     Maker maker;
     maker.root["extensionsRequired"] = {extension};
     ExpectNear(Corners(Read(maker)), kPoints);

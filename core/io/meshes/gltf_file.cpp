@@ -85,8 +85,8 @@ class GltfParser {
     }
     if (bytes_.size() < 20) file_.Refuse("it is no whole binary glTF");
     if (Word(bytes_, 4) != 2)
-      file_.Refuse(fmt::format("it is a binary glTF of version {}, and 2 is read",
-                               Word(bytes_, 4)));
+      file_.Refuse(
+          fmt::format("it is a binary glTF of version {}, and 2 is read", Word(bytes_, 4)));
     if (Word(bytes_, 8) > bytes_.size())
       file_.Refuse(fmt::format("it has {} of {} bytes: it is no whole binary glTF", bytes_.size(),
                                Word(bytes_, 8)));
@@ -198,12 +198,11 @@ class GltfParser {
 
   void RequireVersion(const Json& root) const {
     const auto asset = root.find("asset");
-    const std::string version =
-        asset == root.end() ? "" : asset->value("version", std::string());
+    const std::string version = asset == root.end() ? "" : asset->value("version", std::string());
     if (!version.starts_with("2."))
-      file_.Refuse(version.empty() ? "it is no glTF (it names no version)"
-                                   : fmt::format("it is glTF {}, and 2.0 is read",
-                                                 WithoutOddBytes(version)));
+      file_.Refuse(version.empty()
+                       ? "it is no glTF (it names no version)"
+                       : fmt::format("it is glTF {}, and 2.0 is read", WithoutOddBytes(version)));
   }
 
   void RequireExtensions(const Json& root) {
@@ -211,8 +210,8 @@ class GltfParser {
       const std::string name = entry.get<std::string>();
       file_.required.insert(name);
       if (!KnownExtensions().contains(name) && !IsTextureExtension(name))
-        file_.Refuse(fmt::format("it needs the extension {}, which is not read",
-                                 WithoutOddBytes(name)));
+        file_.Refuse(
+            fmt::format("it needs the extension {}, which is not read", WithoutOddBytes(name)));
     }
   }
 
@@ -288,18 +287,25 @@ class GltfParser {
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
       const Json& packed = ExtensionOf(json, name);
       if (!packed.is_object()) continue;
-      view.packed = GltfPacked{IndexAt(packed, "buffer"),      SizeAt(packed, "byteOffset"),
-                               SizeAt(packed, "byteLength"),   SizeAt(packed, "byteStride"),
-                               SizeAt(packed, "count"),        packed.value("mode", std::string()),
+      view.packed = GltfPacked{IndexAt(packed, "buffer"),
+                               SizeAt(packed, "byteOffset"),
+                               SizeAt(packed, "byteLength"),
+                               SizeAt(packed, "byteStride"),
+                               SizeAt(packed, "count"),
+                               packed.value("mode", std::string()),
                                packed.value("filter", std::string("NONE"))};
     }
     file_.views.push_back(view);
   }
 
   static int ColumnsOf(const std::string& type) {
-    constexpr std::array<std::pair<const char*, int>, 7> kTypes = {
-        {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9},
-         {"MAT4", 16}}};
+    constexpr std::array<std::pair<const char*, int>, 7> kTypes = {{{"SCALAR", 1},
+                                                                    {"VEC2", 2},
+                                                                    {"VEC3", 3},
+                                                                    {"VEC4", 4},
+                                                                    {"MAT2", 4},
+                                                                    {"MAT3", 9},
+                                                                    {"MAT4", 16}}};
     for (const auto& [name, columns] : kTypes)
       if (type == name) return columns;
     return 0;
@@ -316,12 +322,10 @@ class GltfParser {
     if (Has(json, "sparse")) {
       const Json &sparse = json.at("sparse"), &indices = sparse.at("indices"),
                  &values = sparse.at("values");
-      accessor.sparse = GltfSparse{SizeAt(sparse, "count"),
-                                   IndexAt(indices, "bufferView"),
-                                   IndexAt(indices, "componentType"),
-                                   IndexAt(values, "bufferView"),
-                                   SizeAt(indices, "byteOffset"),
-                                   SizeAt(values, "byteOffset")};
+      accessor.sparse =
+          GltfSparse{SizeAt(sparse, "count"),           IndexAt(indices, "bufferView"),
+                     IndexAt(indices, "componentType"), IndexAt(values, "bufferView"),
+                     SizeAt(indices, "byteOffset"),     SizeAt(values, "byteOffset")};
     }
     file_.accessors.push_back(accessor);
   }
@@ -436,11 +440,10 @@ class GltfParser {
   void TakeTexture(const Json& json) {
     GltfTexture texture;
     texture.image = IndexAt(json, "source");
-    for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds",
-                             "EXT_texture_avif"}) {
+    for (const char* name :
+         {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"}) {
       const Json& extension = ExtensionOf(json, name);
-      if (extension.is_object())
-        texture.images_of_extensions[name] = IndexAt(extension, "source");
+      if (extension.is_object()) texture.images_of_extensions[name] = IndexAt(extension, "source");
     }
     const int sampler = IndexAt(json, "sampler");
     if (sampler >= 0) {
@@ -471,9 +474,9 @@ class GltfParser {
       if (shown >= SizeOf(scenes)) file_.Refuse("it is damaged (a scene that does not exist)");
       file_.roots = IndicesAt(scenes[static_cast<std::size_t>(shown)], "nodes");
       if (scenes.size() > 1 && !Has(root, "scene"))
-        file_.warnings.push_back(fmt::format(
-            "{} has {} scenes and does not say which is shown: the first was taken", file_.name(),
-            scenes.size()));
+        file_.warnings.push_back(
+            fmt::format("{} has {} scenes and does not say which is shown: the first was taken",
+                        file_.name(), scenes.size()));
       return;
     }
     std::vector<char> child(file_.nodes.size(), 0);

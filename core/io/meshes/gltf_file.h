@@ -125,9 +125,9 @@ class GltfFile {
   std::vector<GltfMaterial> materials;
   std::vector<GltfTexture> textures;
   std::vector<GltfImage> images;
-  std::vector<int> roots;         ///< nodes of the scene that is shown
+  std::vector<int> roots;                            ///< nodes of the scene that is shown
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< CESIUM_RTC: where the scene's origin lies
-  std::set<std::string> required;  ///< extensions that the file needs
+  std::set<std::string> required;                    ///< extensions that the file needs
   std::vector<std::string> warnings;
 
   const std::string& name() const { return name_; }

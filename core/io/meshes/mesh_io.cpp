@@ -224,11 +224,16 @@ Mesh ReadGltfMesh(const fs::path& path) {
 
 Mesh ReadMesh(const fs::path& path) {
   switch (MeshKindOf(path)) {
-    case MeshKind::kPly: return ReadPlyMesh(path);
-    case MeshKind::kObj: return ReadObj(path).mesh;
-    case MeshKind::kOff: return ReadOffMesh(path);
-    case MeshKind::kStl: return ReadStlMesh(path);
-    case MeshKind::kGltf: return ReadGltfMesh(path);
+    case MeshKind::kPly:
+      return ReadPlyMesh(path);
+    case MeshKind::kObj:
+      return ReadObj(path).mesh;
+    case MeshKind::kOff:
+      return ReadOffMesh(path);
+    case MeshKind::kStl:
+      return ReadStlMesh(path);
+    case MeshKind::kGltf:
+      return ReadGltfMesh(path);
     case MeshKind::kZip:
       throw InputError(path.string() +
                        " is a ZIP file (as .usdz and .3mf are): unpack it, or begin a project with "

@@ -20,7 +20,8 @@ MeshKind MeshKindOf(const std::filesystem::path& path);
 /// vertex normals (PLY), vertex colours and texture coordinates (OBJ `vt`, where faces without any
 /// get (0, 0); of PLY see ply_mesh.h, of glTF glb_mesh.h). Materials and textures: scan_file.h.
 /// @throws DiskError   cannot be opened
-/// @throws InputError  not one of the formats, or a ZIP file; truncated, an index out of range; says
+/// @throws InputError  not one of the formats, or a ZIP file; truncated, an index out of range;
+/// says
 ///                     where
 Mesh ReadMesh(const std::filesystem::path& path);
 
@@ -28,8 +29,8 @@ Mesh ReadMesh(const std::filesystem::path& path);
 /// @throws UsageError  it is neither .ply nor .obj
 void RequireMeshName(const std::filesystem::path& path);
 
-/// Writes .ply (binary little endian) or .obj. Both keep all bits of a double. If `material_texture`
-/// is given, an OBJ with UVs gets an .mtl file that names it.
+/// Writes .ply (binary little endian) or .obj. Both keep all bits of a double. If
+/// `material_texture` is given, an OBJ with UVs gets an .mtl file that names it.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh,
                const std::string& material_texture = "");

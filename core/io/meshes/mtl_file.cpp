@@ -52,8 +52,8 @@ std::vector<double> TakeNumbers(std::string_view* text, std::size_t most) {
 /// Numbers that an option may have at most, or -1: it has one word.
 const std::map<std::string, int>& Options() {
   static const std::map<std::string, int> options = {
-      {"-s", 3},       {"-o", 3},      {"-t", 3},      {"-mm", 2},     {"-bm", 1},
-      {"-boost", 1},   {"-texres", 2}, {"-clamp", -1}, {"-cc", -1},    {"-blendu", -1},
+      {"-s", 3},       {"-o", 3},      {"-t", 3},        {"-mm", 2},         {"-bm", 1},
+      {"-boost", 1},   {"-texres", 2}, {"-clamp", -1},   {"-cc", -1},        {"-blendu", -1},
       {"-blendv", -1}, {"-type", -1},  {"-imfchan", -1}, {"-colorspace", -1}};
   return options;
 }

@@ -11,11 +11,11 @@ namespace keypose {
 
 /// A texture with the options that stand before its name.
 struct MtlMap {
-  std::string file;                                    ///< as it is written; empty: none
-  Eigen::Vector2d scale = Eigen::Vector2d::Ones();     ///< -s; u v become scale u v + offset
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();    ///< -o
-  bool clamped = false;                                ///< -clamp on
-  std::vector<std::string> left_out;  ///< options that change its colours: -mm, -t
+  std::string file;                                  ///< as it is written; empty: none
+  Eigen::Vector2d scale = Eigen::Vector2d::Ones();   ///< -s; u v become scale u v + offset
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  ///< -o
+  bool clamped = false;                              ///< -clamp on
+  std::vector<std::string> left_out;                 ///< options that change its colours: -mm, -t
 };
 
 struct MtlMaterial {

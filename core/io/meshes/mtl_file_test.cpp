@@ -30,8 +30,8 @@ TEST(MtlFile, TheDiffuseTextureComesBeforeTheOthers) {
   EXPECT_EQ(map_of("map_Ke e.png\nmap_Ka a.png\n"), "a.png");
   EXPECT_EQ(map_of("MAP_KD d.png\n"), "d.png");
   EXPECT_EQ(map_of("map_Ke e.png\n"), "e.png");
-  for (const char* other : {"map_Ks", "map_Ns", "map_d", "map_Bump", "bump", "disp", "decal", "refl",
-                            "map_Pr", "map_Pm", "norm", "map_aat"})
+  for (const char* other : {"map_Ks", "map_Ns", "map_d", "map_Bump", "bump", "disp", "decal",
+                            "refl", "map_Pr", "map_Pm", "norm", "map_aat"})
     EXPECT_EQ(map_of(std::string(other) + " other.png\n"), "") << other;
 }
 

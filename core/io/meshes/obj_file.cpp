@@ -12,8 +12,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/io/meshes/some_colors.h"
 #include "core/io/meshes/polygon_fan.h"
+#include "core/io/meshes/some_colors.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -159,9 +159,10 @@ class ObjReader {
     }
     if (count < 3) FailVertex();
     if (count == 5 || count == 8)
-      Fail(fmt::format("has {} numbers; a vertex has 3, with a weight 4, with a colour 6, with both "
-                       "7",
-                       count));
+      Fail(
+          fmt::format("has {} numbers; a vertex has 3, with a weight 4, with a colour 6, with both "
+                      "7",
+                      count));
     points_.insert(points_.end(), numbers.begin(), numbers.begin() + 3);
     if (count < 6) return;
     colored_.push_back(points_.size() / 3 - 1);
@@ -172,10 +173,11 @@ class ObjReader {
 
   [[noreturn]] void FailVertex() const {
     const bool comma = line_.find(',') != line_.npos;
-    Fail(comma ? "is not a vertex with three finite numbers: it has commas; export it with points "
-                 "as decimal marks"
-               : "is not a vertex with three finite numbers (NaN or infinity?); repair the file and "
-                 "export it again");
+    Fail(comma
+             ? "is not a vertex with three finite numbers: it has commas; export it with points "
+               "as decimal marks"
+             : "is not a vertex with three finite numbers (NaN or infinity?); repair the file and "
+               "export it again");
   }
 
   void TakeUv(ObjWords* words) {
@@ -184,7 +186,8 @@ class ObjReader {
       const std::string_view word = words->Next();
       if (k > 0 && word.empty()) break;  // of a texture of one dimension
       if (!TakeNumber(word, &uv[k]))
-        Fail("is not a texture coordinate with finite numbers; repair the file and export it again");
+        Fail(
+            "is not a texture coordinate with finite numbers; repair the file and export it again");
     }
     uvs_.insert(uvs_.end(), uv.begin(), uv.end());
   }
@@ -288,8 +291,7 @@ class ObjReader {
 
   void TakeColors() {
     Mesh& mesh = file_.mesh;
-    if (colored_.empty() && !polypaint_.empty() &&
-        std::ssize(polypaint_) == mesh.points.rows()) {
+    if (colored_.empty() && !polypaint_.empty() && std::ssize(polypaint_) == mesh.points.rows()) {
       mesh.colors.resize(mesh.points.rows(), 3);
       for (std::size_t v = 0; v < polypaint_.size(); ++v)
         for (int c = 0; c < 3; ++c)
@@ -327,12 +329,12 @@ class ObjReader {
   std::string_view line_;
   std::size_t line_number_ = 0;
   int material_ = -1;
-  std::vector<double> points_, uvs_;            // 3 and 2 a vertex
-  std::vector<std::size_t> colored_;            // vertices with colours
-  std::vector<std::array<double, 4>> extra_;    // what follows their positions; NaN: three numbers
+  std::vector<double> points_, uvs_;          // 3 and 2 a vertex
+  std::vector<std::size_t> colored_;          // vertices with colours
+  std::vector<std::array<double, 4>> extra_;  // what follows their positions; NaN: three numbers
   std::vector<std::array<std::uint8_t, 3>> polypaint_;
-  std::vector<int> corners_, uv_corners_;       // of all faces, concatenated
-  std::vector<std::size_t> sizes_;              // corners of each face
+  std::vector<int> corners_, uv_corners_;  // of all faces, concatenated
+  std::vector<std::size_t> sizes_;         // corners of each face
 };
 
 }  // namespace

@@ -67,9 +67,8 @@ TEST_F(ObjFileTest, NumbersKeepTheirDigits) {
 
 TEST_F(ObjFileTest, WeightsAndColorsBehindPositions) {
   const auto colors = [&](const std::string& tail) {
-    const Mesh mesh = Read("v 0 0 0 " + tail + "\nv 1 0 0 " + tail + "\nv 0 1 0 " + tail +
-                           "\nf 1 2 3\n")
-                          .mesh;
+    const Mesh mesh =
+        Read("v 0 0 0 " + tail + "\nv 1 0 0 " + tail + "\nv 0 1 0 " + tail + "\nf 1 2 3\n").mesh;
     EXPECT_EQ(mesh.points.row(1), Eigen::RowVector3d(1, 0, 0));
     return mesh.colors.rows() == 0 ? Eigen::RowVector3i(-1, -1, -1)
                                    : Eigen::RowVector3i(mesh.colors.row(1).cast<int>());
@@ -108,12 +107,39 @@ TEST_F(ObjFileTest, MaterialsAndLibraries) {
 }
 
 TEST_F(ObjFileTest, WhatTellsNothingOfTheSurfaceIsSkipped) {
-  for (const char* line :
-       {"vn 0 0 1", "vp 0.1", "p 1", "l 1 2", "curv 0 1 1 2", "curv2 1 2", "cstype bezier", "deg 3",
-        "bmat u 1 0", "step 1", "parm u 0 1", "trim 0 1 1", "hole 0 1 1", "scrv 0 1 1", "sp 1",
-        "end", "con 1 0 1 1 2 0 1 1", "g head", "s off", "mg 1 2", "o fox", "bevel on",
-        "c_interp on", "d_interp on", "lod 5", "shadow_obj a.obj", "trace_obj a.obj", "ctech cparm 1",
-        "stech cparma 1 1", "usemap off", "maplib a.map", "# v 9 9 9", "vendor thing"})
+  for (const char* line : {"vn 0 0 1",
+                           "vp 0.1",
+                           "p 1",
+                           "l 1 2",
+                           "curv 0 1 1 2",
+                           "curv2 1 2",
+                           "cstype bezier",
+                           "deg 3",
+                           "bmat u 1 0",
+                           "step 1",
+                           "parm u 0 1",
+                           "trim 0 1 1",
+                           "hole 0 1 1",
+                           "scrv 0 1 1",
+                           "sp 1",
+                           "end",
+                           "con 1 0 1 1 2 0 1 1",
+                           "g head",
+                           "s off",
+                           "mg 1 2",
+                           "o fox",
+                           "bevel on",
+                           "c_interp on",
+                           "d_interp on",
+                           "lod 5",
+                           "shadow_obj a.obj",
+                           "trace_obj a.obj",
+                           "ctech cparm 1",
+                           "stech cparma 1 1",
+                           "usemap off",
+                           "maplib a.map",
+                           "# v 9 9 9",
+                           "vendor thing"})
     EXPECT_EQ(Read(kSquare + line + "\nf 1 2 3\n").mesh.face_count(), 1) << line;
   EXPECT_TRUE(Read(kSquare + "usemap skin\nf 1 2 3\n").has_texture_maps);
 }

@@ -26,8 +26,8 @@ struct NamedMaterial {
   fs::path library;
 };
 
-/// The names in an `mtllib` line, where the whole is not one: each ends with .mtl, or stands between
-/// spaces.
+/// The names in an `mtllib` line, where the whole is not one: each ends with .mtl, or stands
+/// between spaces.
 std::vector<std::string> LibraryNames(const std::string& line) {
   std::istringstream in(line);
   std::vector<std::string> names;
@@ -118,12 +118,14 @@ class ObjLookReader {
       page_of_material_.push_back(textured && has_uvs ? PageOf(*material) : -1);
     }
     if (named && !has_uvs)
-      Warn("its material names a texture, but it has no texture coordinates (vt): export it with "
-           "them");
+      Warn(
+          "its material names a texture, but it has no texture coordinates (vt): export it with "
+          "them");
     if (!missing_.empty() && (!named || NamesUnknownMaterial()))
-      Warn(fmt::format("it names its materials in {}, which is not there: put it beside the mesh, "
-                       "with the texture",
-                       PrintableName(missing_[0])));
+      Warn(
+          fmt::format("it names its materials in {}, which is not there: put it beside the mesh, "
+                      "with the texture",
+                      PrintableName(missing_[0])));
     else if (NamesUnknownMaterial() && !materials_.empty())
       Warn("some of its faces are of a material that its MTL does not have");
   }
@@ -251,8 +253,8 @@ class ObjLookReader {
     mesh.colors.resize(mesh.points.rows(), 3);
     for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
       for (int c = 0; c < 3; ++c)
-        mesh.colors(v, c) = static_cast<std::uint8_t>(std::lround(
-            255 * std::clamp(sum(v, c) / std::max(1.0, count[v]), 0.0, 1.0)));
+        mesh.colors(v, c) = static_cast<std::uint8_t>(
+            std::lround(255 * std::clamp(sum(v, c) / std::max(1.0, count[v]), 0.0, 1.0)));
     look_.moved = true;
   }
 
@@ -260,7 +262,7 @@ class ObjLookReader {
   ObjFile obj_;
   ObjLook look_;
   std::vector<NamedMaterial> materials_;
-  std::vector<std::string> missing_;     // libraries
+  std::vector<std::string> missing_;          // libraries
   std::vector<const NamedMaterial*> chosen_;  // of obj_.materials
   std::vector<int> page_of_material_;
 };

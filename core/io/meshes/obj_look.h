@@ -13,7 +13,7 @@ namespace keypose {
 struct ObjLook {
   PagedMesh paged;  ///< without pages: colours of vertices, where there are any
   std::vector<std::filesystem::path> files;  ///< of paged.pictures
-  bool moved = false;  ///< coordinates or colours are not those of the file
+  bool moved = false;                        ///< coordinates or colours are not those of the file
   std::vector<std::string> warnings;
 };
 

@@ -43,14 +43,22 @@ struct PlyRows {
 };
 
 constexpr std::array<std::pair<const char*, PlyType>, 16> kPlyTypes = {
-    {{"char", PlyType::kInt8},      {"int8", PlyType::kInt8},
-     {"uchar", PlyType::kUint8},    {"uint8", PlyType::kUint8},
-     {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
-     {"ushort", PlyType::kUint16},  {"uint16", PlyType::kUint16},
-     {"int", PlyType::kInt32},      {"int32", PlyType::kInt32},
-     {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
-     {"float", PlyType::kFloat32},  {"float32", PlyType::kFloat32},
-     {"double", PlyType::kFloat64}, {"float64", PlyType::kFloat64}}};
+    {{"char", PlyType::kInt8},
+     {"int8", PlyType::kInt8},
+     {"uchar", PlyType::kUint8},
+     {"uint8", PlyType::kUint8},
+     {"short", PlyType::kInt16},
+     {"int16", PlyType::kInt16},
+     {"ushort", PlyType::kUint16},
+     {"uint16", PlyType::kUint16},
+     {"int", PlyType::kInt32},
+     {"int32", PlyType::kInt32},
+     {"uint", PlyType::kUint32},
+     {"uint32", PlyType::kUint32},
+     {"float", PlyType::kFloat32},
+     {"float32", PlyType::kFloat32},
+     {"double", PlyType::kFloat64},
+     {"float64", PlyType::kFloat64}}};
 
 std::size_t BytesOf(PlyType type) {
   constexpr std::array<std::size_t, 8> kBytes = {1, 1, 2, 2, 4, 4, 4, 8};
@@ -69,14 +77,22 @@ double As(const char* at, bool swapped) {
 
 double BinaryNumber(const char* at, PlyType type, bool swapped) {
   switch (type) {
-    case PlyType::kInt8: return As<std::int8_t>(at, swapped);
-    case PlyType::kUint8: return As<std::uint8_t>(at, swapped);
-    case PlyType::kInt16: return As<std::int16_t>(at, swapped);
-    case PlyType::kUint16: return As<std::uint16_t>(at, swapped);
-    case PlyType::kInt32: return As<std::int32_t>(at, swapped);
-    case PlyType::kUint32: return As<std::uint32_t>(at, swapped);
-    case PlyType::kFloat32: return As<float>(at, swapped);
-    case PlyType::kFloat64: return As<double>(at, swapped);
+    case PlyType::kInt8:
+      return As<std::int8_t>(at, swapped);
+    case PlyType::kUint8:
+      return As<std::uint8_t>(at, swapped);
+    case PlyType::kInt16:
+      return As<std::int16_t>(at, swapped);
+    case PlyType::kUint16:
+      return As<std::uint16_t>(at, swapped);
+    case PlyType::kInt32:
+      return As<std::int32_t>(at, swapped);
+    case PlyType::kUint32:
+      return As<std::uint32_t>(at, swapped);
+    case PlyType::kFloat32:
+      return As<float>(at, swapped);
+    case PlyType::kFloat64:
+      return As<double>(at, swapped);
   }
   return 0;
 }
@@ -167,11 +183,11 @@ class PlyReader {
     PlyRows element{words[1], 0, {}};
     const auto [end, error] =
         std::from_chars(count.data(), count.data() + count.size(), element.count);
-    if (error != std::errc() || end != count.data() + count.size() ||
-        element.count > text_.size())
-      Fail(fmt::format("line {} claims {} of '{}', more than the file's {} bytes can hold; it is "
-                       "truncated or damaged",
-                       line_, count, element.name, text_.size()));
+    if (error != std::errc() || end != count.data() + count.size() || element.count > text_.size())
+      Fail(
+          fmt::format("line {} claims {} of '{}', more than the file's {} bytes can hold; it is "
+                      "truncated or damaged",
+                      line_, count, element.name, text_.size()));
     for (const PlyRows& other : elements_)
       if (other.name == element.name)
         FailAtLine(fmt::format("there are two elements '{}'", element.name));
@@ -226,9 +242,10 @@ class PlyReader {
       const std::size_t least = format_ == PlyFormat::kAscii ? 1 : BytesOf(property.type);
       if (!(length >= 0) || length != std::floor(length) ||
           length > static_cast<double>((text_.size() - at_) / least + 1))
-        Fail(fmt::format("the list '{}' of '{}' {} claims {} values, which the file cannot hold; it "
-                         "is truncated or damaged",
-                         property.name, element->name, row, length));
+        Fail(
+            fmt::format("the list '{}' of '{}' {} claims {} values, which the file cannot hold; it "
+                        "is truncated or damaged",
+                        property.name, element->name, row, length));
       for (auto k = static_cast<std::size_t>(length); k > 0; --k)
         property.list->values.push_back(Number(property.type, *element, row));
       property.list->offsets.push_back(property.list->values.size());
@@ -236,15 +253,16 @@ class PlyReader {
   }
 
   [[noreturn]] void FailTruncated(const PlyRows& element, std::size_t row) const {
-    Fail(fmt::format("it ends at '{}' {} of {}; it is truncated", element.name, row,
-                     element.count));
+    Fail(
+        fmt::format("it ends at '{}' {} of {}; it is truncated", element.name, row, element.count));
   }
 
   double Number(PlyType type, const PlyRows& element, std::size_t row) {
     if (format_ == PlyFormat::kAscii) return AsciiNumber(element, row);
     const std::size_t bytes = BytesOf(type);
     if (bytes > text_.size() - at_) FailTruncated(element, row);
-    const bool swapped = (format_ == PlyFormat::kBig) == (std::endian::native == std::endian::little);
+    const bool swapped =
+        (format_ == PlyFormat::kBig) == (std::endian::native == std::endian::little);
     const double value = BinaryNumber(text_.data() + at_, type, swapped);
     at_ += bytes;
     return value;
@@ -289,9 +307,10 @@ class PlyReader {
     while (at_ < text_.size() && kEndOfText.find(text_[at_]) != kEndOfText.npos) ++at_;
     SkipSpace();
     if (at_ < text_.size())
-      FailAtLine(fmt::format("'{}' comes after all that the header names; its counts or "
-                             "properties are not those of the data",
-                             WordAt(text_.data() + at_)));
+      FailAtLine(
+          fmt::format("'{}' comes after all that the header names; its counts or "
+                      "properties are not those of the data",
+                      WordAt(text_.data() + at_)));
   }
 
   const fs::path& path_;

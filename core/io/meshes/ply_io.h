@@ -30,8 +30,8 @@ struct PlyElement {
 /// By the elements' names in small letters.
 using PlyTable = std::map<std::string, PlyElement>;
 
-/// Reads ASCII and both byte orders, any type of numbers and of list lengths, names of any case, and
-/// in ASCII values that are spread over lines as they like.
+/// Reads ASCII and both byte orders, any type of numbers and of list lengths, names of any case,
+/// and in ASCII values that are spread over lines as they like.
 /// @throws DiskError   cannot be opened
 /// @throws InputError  malformed or truncated; says the line and the reason
 PlyTable ReadPly(const std::filesystem::path& path);

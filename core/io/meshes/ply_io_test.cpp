@@ -122,9 +122,10 @@ TEST_F(HostileMesh, PlyHeadersThatAreNotReadAreNamed) {
 
 TEST_F(HostileMesh, PlyDataThatDoNotFitTheirHeaderAreNamed) {
   const auto message = [&](const std::string& rest) {
-    return MeshMessage(Put("a.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-                                    "property list char int n\nend_header\n" +
-                                        rest));
+    return MeshMessage(Put("a.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                           "property list char int n\nend_header\n" +
+                               rest));
   };
   EXPECT_THAT(message("1 0\n2"), HasSubstr("ends at 'vertex' 1 of 2; it is truncated"));
   EXPECT_THAT(message("1 0\n2 0\n3\n"), HasSubstr("line 9: '3' comes after all"));

@@ -144,9 +144,10 @@ void ReadCornerUvs(const PlyElement& face, const Polygons& polygons, const fs::p
     const std::size_t corners = offsets[f + 1] - offsets[f], from = list->offsets[f],
                       given = list->offsets[f + 1] - from;
     if (given != 0 && given != 2 * corners)
-      Fail(path, fmt::format("has {} numbers in the list texcoord of face {}, which has {} corners; "
-                             "two a corner were expected",
-                             given, f, corners));
+      Fail(path,
+           fmt::format("has {} numbers in the list texcoord of face {}, which has {} corners; "
+                       "two a corner were expected",
+                       given, f, corners));
     for (std::size_t c = 0; c < corners; ++c) {
       const double u = given == 0 ? 0 : list->values[from + 2 * c],
                    v = given == 0 ? 0 : list->values[from + 2 * c + 1];
@@ -167,12 +168,13 @@ void ReadCornerUvs(const PlyElement& face, const Polygons& polygons, const fs::p
 /// Texture coordinates of the vertices, which are doubled at seams then: Blender writes `s t`,
 /// MeshLab `texture_u texture_v`.
 void ReadVertexUvs(const PlyElement& vertex, const fs::path& path, Mesh& mesh) {
-  constexpr std::array<std::pair<const char*, const char*>, 6> kNames = {{{"s", "t"},
-                                                                         {"u", "v"},
-                                                                         {"texture_u", "texture_v"},
-                                                                         {"texture_s", "texture_t"},
-                                                                         {"s0", "t0"},
-                                                                         {"u0", "v0"}}};
+  constexpr std::array<std::pair<const char*, const char*>, 6> kNames = {
+      {{"s", "t"},
+       {"u", "v"},
+       {"texture_u", "texture_v"},
+       {"texture_s", "texture_t"},
+       {"s0", "t0"},
+       {"u0", "v0"}}};
   for (const auto& [u, v] : kNames) {
     if (!vertex.Has(u) || !vertex.Has(v)) continue;
     mesh.uvs.resize(mesh.points.rows(), 2);

@@ -89,12 +89,12 @@ TEST_F(MeshIo, PlyColorsAreReadByTypeAndValue) {
 }
 
 TEST_F(MeshIo, ColorsOfPlyFacesBecomeThoseOfTheirVertices) {
-  const Mesh mesh = ReadMesh(Put(
-      "m.ply",
-      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-      "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
-      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 200 0 0\n3 0 2 3 0 100 0\n"));
+  const Mesh mesh =
+      ReadMesh(Put("m.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                   "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+                   "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 200 0 0\n3 0 2 3 0 100 0\n"));
   ASSERT_EQ(mesh.colors.rows(), 4);
   EXPECT_EQ(mesh.colors.row(0).cast<int>(), Eigen::RowVector3i(100, 50, 0));
   EXPECT_EQ(mesh.colors.row(1).cast<int>(), Eigen::RowVector3i(200, 0, 0));
@@ -146,8 +146,8 @@ TEST_F(HostileMesh, PlyKindsThatHoldNoPolygonsAreNamed) {
 }
 
 TEST_F(MeshIo, TextureCoordinatesOfPlyVerticesByOtherNames) {
-  for (const auto& [u, v] : {std::pair{"u", "v"}, {"S", "T"}, {"texture_s", "texture_t"},
-                             {"s0", "t0"}, {"u0", "v0"}})
+  for (const auto& [u, v] :
+       {std::pair{"u", "v"}, {"S", "T"}, {"texture_s", "texture_t"}, {"s0", "t0"}, {"u0", "v0"}})
     ExpectUvsAreThePlaces(ReadMesh(
         Put("m.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
                                  "property float y\nproperty float z\nproperty float ") +

@@ -127,13 +127,23 @@ Scan FromPly(const fs::path& path) {
   return scan;
 }
 
-Scan FromZip(const fs::path& path, bool join_seams) {
+template <class Read>
+Scan FromZip(const fs::path& path, const Read& read) {
   const ZippedScan unpacked(path);
   if (MeshKindOf(unpacked.mesh()) == MeshKind::kZip)
     throw InputError(fmt::format("{} holds a ZIP file: unpack it", PrintableName(path)));
-  Scan scan = ReadScan(unpacked.mesh(), join_seams);
+  Scan scan = read(unpacked.mesh());
   scan.changed = true;
   scan.texture_file.clear();
+  return scan;
+}
+
+Scan WithoutLookFromGltf(const fs::path& path, bool join_seams) {
+  GlbMesh read = ReadGlb(path, join_seams);
+  Scan scan;
+  scan.mesh = std::move(read.paged.mesh);
+  scan.changed = true;
+  scan.warnings = std::move(read.warnings);
   return scan;
 }
 
@@ -141,12 +151,28 @@ Scan FromZip(const fs::path& path, bool join_seams) {
 
 Scan ReadScan(const fs::path& path, bool join_seams) {
   switch (MeshKindOf(path)) {
-    case MeshKind::kGltf: return FromGltf(path, join_seams);
-    case MeshKind::kObj: return FromObj(path);
-    case MeshKind::kPly: return FromPly(path);
-    case MeshKind::kZip: return FromZip(path, join_seams);
-    default: break;
+    case MeshKind::kGltf:
+      return FromGltf(path, join_seams);
+    case MeshKind::kObj:
+      return FromObj(path);
+    case MeshKind::kPly:
+      return FromPly(path);
+    case MeshKind::kZip:
+      return FromZip(path, [&](const fs::path& mesh) { return ReadScan(mesh, join_seams); });
+    default:
+      break;
   }
+  Scan scan;
+  scan.mesh = ReadMesh(path);
+  return scan;
+}
+
+Scan ReadScanWithoutLook(const fs::path& path, bool join_seams) {
+  const MeshKind kind = MeshKindOf(path);
+  if (kind == MeshKind::kGltf) return WithoutLookFromGltf(path, join_seams);
+  if (kind == MeshKind::kZip)
+    return FromZip(path,
+                   [&](const fs::path& mesh) { return ReadScanWithoutLook(mesh, join_seams); });
   Scan scan;
   scan.mesh = ReadMesh(path);
   return scan;

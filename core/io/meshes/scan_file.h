@@ -23,12 +23,17 @@ struct Scan {
 
 /// Reads PLY, OBJ, OFF, STL and glTF by content, with the textures that they name:
 /// glTF as in glb_mesh.h; OBJ by `mtllib`, `usemtl` and `map_Kd` with its options; PLY by
-/// `comment TextureFile` and `texnumber`, as MeshLab writes them. Files must lie in the mesh's folder
-/// or below: of a path that leads elsewhere, the file of that name beside the mesh is taken. Several
-/// textures become one. Where there is none, materials' colours become those of the vertices. Of a
-/// ZIP file the mesh in it is read (zipped_scan.h).
+/// `comment TextureFile` and `texnumber`, as MeshLab writes them. Files must lie in the mesh's
+/// folder or below: of a path that leads elsewhere, the file of that name beside the mesh is taken.
+/// Several textures become one. Where there is none, materials' colours become those of the
+/// vertices. Of a ZIP file the mesh in it is read (zipped_scan.h).
 /// @param join_seams  as ReadGlb
 /// @throws DiskError, InputError  as ReadMesh
 Scan ReadScan(const std::filesystem::path& path, bool join_seams = true);
+
+/// The same mesh for a texture that is given apart: with the coordinates that its file has, and
+/// without a texture.
+/// @throws DiskError, InputError  as ReadMesh
+Scan ReadScanWithoutLook(const std::filesystem::path& path, bool join_seams = true);
 
 }  // namespace keypose

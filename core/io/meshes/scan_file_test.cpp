@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -21,8 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// A unit square of two triangles whose texture coordinates are its places.
-const std::string kSquare =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const std::string kFirst = "f 1/1 2/2 3/3\n", kSecond = "f 1/1 3/3 4/4\n";
 
 std::string Png(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
@@ -54,8 +54,8 @@ class ScanFileTest : public ::testing::Test, public TestingFolder {
 };
 
 TEST_F(ScanFileTest, AnObjsMaterialNamesItsTexture) {
-  Put("fox.obj", "mtllib fox scan.mtl\r\n" + kSquare + "usemtl fur\r\n" + kFirst +
-                     "usemtl unused\n");
+  Put("fox.obj",
+      "mtllib fox scan.mtl\r\n" + kSquare + "usemtl fur\r\n" + kFirst + "usemtl unused\n");
   Put("fox scan.mtl",
       "newmtl unused\nmap_Kd eyes.png\n\nnewmtl fur\nKd 1 1 1\nmap_Kd maps\\fur 1.jpg\r\n");
   EXPECT_EQ(Of("fox.obj").texture, "");
@@ -122,6 +122,20 @@ TEST_F(ScanFileTest, SeveralTexturesBecomeOneAndColorsJoinThem) {
   EXPECT_EQ(ColorOf(scan, 2), Eigen::RowVector3i(0, 255, 51));
 }
 
+TEST_F(ScanFileTest, ForATextureThatIsGivenApartTheCoordinatesStay) {
+  Put("a.obj", "mtllib a.mtl\n" + kSquare + "usemtl a\n" + kFirst + "usemtl b\n" + kSecond);
+  Put("a.mtl", "newmtl a\nmap_Kd -s 2 2 1 a.png\nnewmtl b\nmap_Kd b.png\n");
+  Put("a.png", Png(10, 20, 30));
+  Put("b.png", Png(200, 100, 50));
+  const Scan scan = ReadScanWithoutLook(folder_ / "a.obj");
+  EXPECT_FALSE(scan.changed);
+  EXPECT_EQ(scan.texture, "");
+  for (int f = 0; f < 2; ++f)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(scan.mesh.uvs.row(scan.mesh.uv_faces(f, k)),
+                scan.mesh.points.row(scan.mesh.faces(f, k)).head(2));
+}
+
 TEST_F(ScanFileTest, MaterialsWithoutTexturesColorTheVertices) {
   Put("a.obj", "mtllib a.mtl\n" + kSquare + "usemtl a\nf 1 2 3\n");
   Put("a.mtl", "newmtl a\nKd 1 0.2 0\n");
@@ -135,14 +149,16 @@ TEST_F(ScanFileTest, MaterialsWithoutTexturesColorTheVertices) {
 
 TEST_F(ScanFileTest, WhatIsMissingIsSaid) {
   Put("a.obj", "mtllib a.mtl\n" + kSquare + "usemtl fur\n" + kFirst);
-  EXPECT_THAT(Of("a.obj").warnings, ElementsAre(HasSubstr("materials in a.mtl, which is not there")));
+  EXPECT_THAT(Of("a.obj").warnings,
+              ElementsAre(HasSubstr("materials in a.mtl, which is not there")));
   Put("a.mtl", "newmtl fur\nmap_Kd a.png\n");
   Put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl fur\nf 1 2 3\n");
   EXPECT_THAT(Of("a.obj").warnings, ElementsAre(HasSubstr("no texture coordinates (vt)")));
   Put("a.obj", "mtllib a.mtl\n" + kSquare + "usemtl fur\n" + kFirst + "usemtl gone\n" + kSecond);
   Put("a.mtl", "newmtl fur\nmap_Kd a.png\nnewmtl b\n");
   Put("a.png", Png(1, 2, 3));
-  EXPECT_THAT(Of("a.obj").warnings, ElementsAre(HasSubstr("a material that its MTL does not have")));
+  EXPECT_THAT(Of("a.obj").warnings,
+              ElementsAre(HasSubstr("a material that its MTL does not have")));
   Put("a.png", "BM picture");
   Put("a.obj", "mtllib a.mtl\n" + kSquare + "usemtl fur\n" + kFirst);
   EXPECT_THAT(Of("a.obj").warnings, ElementsAre(HasSubstr("it is a BMP picture")));
@@ -151,7 +167,8 @@ TEST_F(ScanFileTest, WhatIsMissingIsSaid) {
 }
 
 const std::string kPlyHead =
-    "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty "
+    "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float "
+    "x\nproperty "
     "float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\n";
 const std::string kPlyVertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
@@ -212,8 +229,7 @@ double MeanColorError(const Scan& scan) {
     for (int k = 0; k < 3; ++k) {
       p += scan.mesh.points.row(scan.mesh.faces(f, k)) / 3;
       if (!texture.empty()) uv += scan.mesh.uvs.row(scan.mesh.uv_faces(f, k)) / 3;
-      if (texture.empty())
-        color += scan.mesh.colors.row(scan.mesh.faces(f, k)).cast<double>() / 3;
+      if (texture.empty()) color += scan.mesh.colors.row(scan.mesh.faces(f, k)).cast<double>() / 3;
     }
     if (!texture.empty()) {
       const int x = std::clamp(static_cast<int>(uv[0] * texture.width), 0, texture.width - 1),
@@ -221,8 +237,7 @@ double MeanColorError(const Scan& scan) {
                                texture.height - 1);
       for (int c = 0; c < 3; ++c) color[c] = texture.at(x, y)[c];
     }
-    const Eigen::RowVector3d right =
-        (127.5 + 102 * p.normalized().array()).matrix();
+    const Eigen::RowVector3d right = (127.5 + 102 * p.normalized().array()).matrix();
     sum += (color - right).cwiseAbs().mean();
   }
   return sum / static_cast<double>(scan.mesh.faces.rows());
@@ -245,7 +260,8 @@ TEST(ScanReports, ColorsOfPublicBugReportsAreRight) {
 double VolumeOf(const Mesh& mesh) {
   double volume = 0;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    const Eigen::Vector3d a = mesh.points.row(mesh.faces(f, 0)), b = mesh.points.row(mesh.faces(f, 1)),
+    const Eigen::Vector3d a = mesh.points.row(mesh.faces(f, 0)),
+                          b = mesh.points.row(mesh.faces(f, 1)),
                           c = mesh.points.row(mesh.faces(f, 2));
     volume += a.dot(b.cross(c)) / 6;
   }
@@ -255,7 +271,9 @@ double VolumeOf(const Mesh& mesh) {
 TEST(ScanReports, ShapesOfPublicBugReportsAreRight) {
   const fs::path reports = DataFolder() / "reports";
   if (!fs::exists(reports)) GTEST_SKIP() << "there is no folder of reports";
-  const auto volume = [&](const std::string& name) { return VolumeOf(ReadScan(reports / name).mesh); };
+  const auto volume = [&](const std::string& name) {
+    return VolumeOf(ReadScan(reports / name).mesh);
+  };
   EXPECT_NEAR(volume("03_glb_morph_weights/shape_on.glb"), 8.272799, 1e-5);
   const double plain = volume("01_glb_texture_transform/plain.glb");
   EXPECT_NEAR(volume("02_glb_sparse/over_view.glb"), plain, 1e-6 * plain);

@@ -81,8 +81,7 @@ ColorsX3 ColorsOfSome(const std::vector<std::size_t>& colored,
     levels.row(static_cast<Eigen::Index>(colored[i])) = scale * colors[i].transpose();
     mean += scale / static_cast<double>(colored.size()) * colors[i].transpose();
   }
-  if (std::ssize(colored) < vertices)
-    GrowRings(NeighboursOf(faces, vertices), &ring, &levels);
+  if (std::ssize(colored) < vertices) GrowRings(NeighboursOf(faces, vertices), &ring, &levels);
   ColorsX3 result(vertices, 3);
   for (Eigen::Index v = 0; v < vertices; ++v)
     for (int c = 0; c < 3; ++c)

@@ -29,7 +29,8 @@ TEST(SomeColors, FractionsAndLevels) {
 }
 
 TEST(SomeColors, APartWithoutAnyTakesTheMeanOfAll) {
-  const ColorsX3 colors = ColorsOfSome({0, 1, 2}, {{90, 0, 0}, {0, 90, 0}, {0, 0, 90}}, Strip(1), 4);
+  const ColorsX3 colors =
+      ColorsOfSome({0, 1, 2}, {{90, 0, 0}, {0, 90, 0}, {0, 0, 90}}, Strip(1), 4);
   EXPECT_EQ(colors.row(3).cast<int>(), Eigen::RowVector3i(30, 30, 30));
   EXPECT_EQ(ColorsOfSome({}, {}, Strip(1), 3).rows(), 0);
 }

@@ -28,7 +28,7 @@ namespace {
 
 /// Programs put borders exactly at 0 and 1, and round them.
 constexpr double kPageBorder = 1e-4;
-constexpr int kPadding = 4;        ///< texels around what is used of a page
+constexpr int kPadding = 4;          ///< texels around what is used of a page
 constexpr int kLongestSide = 16384;  ///< of the texture that is made
 /// A block of a palette: a triangle's corners lie at its texels 1 and kBlock - 2.
 constexpr int kBlock = 8;
@@ -46,7 +46,9 @@ double ShiftOf(Wrap wrap, double least) {
 struct UvRange {
   Eigen::Vector2d least = Eigen::Vector2d::Constant(INFINITY);
   Eigen::Vector2d most = Eigen::Vector2d::Constant(-INFINITY);
-  bool InSquare() const { return least.minCoeff() >= -kPageBorder && most.maxCoeff() <= 1 + kPageBorder; }
+  bool InSquare() const {
+    return least.minCoeff() >= -kPageBorder && most.maxCoeff() <= 1 + kPageBorder;
+  }
 };
 
 /// A rectangle of texels of the new texture, and what of the page it shows.
@@ -74,8 +76,7 @@ std::array<std::uint8_t, 256> TimesFactor(double factor) {
 }
 
 std::uint8_t SrgbLevel(double linear) {
-  return static_cast<std::uint8_t>(
-      std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0))));
+  return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0))));
 }
 
 /// What a texture of this kind is called; "": one that a mesh cannot have.
@@ -357,8 +358,8 @@ class PageJoiner {
     const TexturePage& page = paged_.pages[p];
     const Tile& tile = tiles_[p];
     const Eigen::Vector2d size = SizeOfPage(p);
-    const Image8 image = Reduced(images_[page.picture], static_cast<int>(size.x()),
-                                 static_cast<int>(size.y()));
+    const Image8 image =
+        Reduced(images_[page.picture], static_cast<int>(size.x()), static_cast<int>(size.y()));
     std::array<std::array<std::uint8_t, 256>, 3> levels;
     for (int c = 0; c < 3; ++c) levels[c] = TimesFactor(page.factor[c]);
     for (int y = 0; y < tile.height; ++y)
@@ -439,13 +440,13 @@ class PageJoiner {
 
   PagedMesh& paged_;
   const std::string& who_;
-  std::vector<UvRange> ranges_;                           // of the pages
-  std::vector<Eigen::Vector2d> shifts_;                 // of the faces
-  std::vector<Image8> images_;                          // of the pictures
-  std::vector<std::array<std::uint8_t, 9>> palette_;    // sRGB of three corners
-  std::vector<int> block_of_face_;                      // -1: none
-  std::vector<Tile> tiles_;                             // of the pages, and of the palette
-  int width_ = 1, height_ = 1;                          // of the new texture
+  std::vector<UvRange> ranges_;                       // of the pages
+  std::vector<Eigen::Vector2d> shifts_;               // of the faces
+  std::vector<Image8> images_;                        // of the pictures
+  std::vector<std::array<std::uint8_t, 9>> palette_;  // sRGB of three corners
+  std::vector<int> block_of_face_;                    // -1: none
+  std::vector<Tile> tiles_;                           // of the pages, and of the palette
+  int width_ = 1, height_ = 1;                        // of the new texture
   double scale_ = 1;
 };
 

@@ -30,10 +30,10 @@ struct PageFile {
 
 /// A triangle mesh whose faces show pages.
 struct PagedMesh {
-  Mesh mesh;                         ///< with uvs and uv_faces where there is a page
+  Mesh mesh;  ///< with uvs and uv_faces where there is a page
   std::vector<PageFile> pictures;
-  std::vector<TexturePage> pages;    ///< each has faces
-  std::vector<int> page_of_face;     ///< F; -1: the face has the colours of its corners
+  std::vector<TexturePage> pages;  ///< each has faces
+  std::vector<int> page_of_face;   ///< F; -1: the face has the colours of its corners
   /// F, or empty where no face is of page -1: colours of the corners, in linear light
   std::vector<std::array<Eigen::Vector3d, 3>> corner_colors;
 
@@ -46,8 +46,8 @@ struct PagedMesh {
 struct OneTexture {
   UvsX2 uvs;
   FacesX3 uv_faces;
-  std::string picture;  ///< PNG, JPEG, TIFF or HEIC; empty: it cannot be made
-  std::string ending;   ///< ".png" and so on
+  std::string picture;     ///< PNG, JPEG, TIFF or HEIC; empty: it cannot be made
+  std::string ending;      ///< ".png" and so on
   bool as_it_was = false;  ///< the picture and the coordinates are those of the input
   std::string why;         ///< a sentence for a warning; empty: nothing to tell
 };

@@ -62,9 +62,8 @@ TEST(TexturePages, EachTexelOfEachPageIsFoundAgain) {
       for (int x = 0; x < image.width; ++x) {
         const double u = (x + 0.5) / image.width, v = 1 - (y + 0.5) / image.height;
         const Eigen::RowVector2d uv = a + u * (b - a) + v * (c - b);
-        const std::uint8_t* at =
-            texture.at(static_cast<int>(uv[0] * texture.width),
-                       static_cast<int>((1 - uv[1]) * texture.height));
+        const std::uint8_t* at = texture.at(static_cast<int>(uv[0] * texture.width),
+                                            static_cast<int>((1 - uv[1]) * texture.height));
         ASSERT_EQ(int{at[0]}, x);
         ASSERT_EQ(int{at[1]}, y);
         ASSERT_EQ(int{at[2]}, s + 1);
@@ -84,7 +83,8 @@ TEST(TexturePages, OnePageInTheUnitSquareStaysAsItIs) {
 
 TEST(TexturePages, TheSameBitsEachTime) {
   const PagedMesh paged = Squares({Numbered(30, 30, 1), Numbered(30, 30, 2)});
-  EXPECT_EQ(JoinPages(PagedMesh(paged), "mesh").picture, JoinPages(PagedMesh(paged), "mesh").picture);
+  EXPECT_EQ(JoinPages(PagedMesh(paged), "mesh").picture,
+            JoinPages(PagedMesh(paged), "mesh").picture);
 }
 
 TEST(TexturePages, WhatRepeatsTooOftenIsSaid) {

@@ -119,9 +119,10 @@ fs::path MeshAmong(const fs::path& folder, const std::string& who) {
             "{} holds a USD scene ({}), which is not read: export GLB or OBJ from the app, or open "
             "it in Blender and export it as OBJ",
             who, PrintableName(file)));
-  throw InputError(fmt::format("{} is a ZIP file without a mesh that is read (GLB, glTF, OBJ, PLY, "
-                               "STL, OFF)",
-                               who));
+  throw InputError(
+      fmt::format("{} is a ZIP file without a mesh that is read (GLB, glTF, OBJ, PLY, "
+                  "STL, OFF)",
+                  who));
 }
 
 }  // namespace
