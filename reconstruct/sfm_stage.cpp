@@ -238,8 +238,8 @@ const StageSpec kSpec = {
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
                {.name = "poses",
                 .kind = "path",
-                .help =
-                    "cameras that are known: a COLMAP model's folder, a transforms.json, or Metashape's XML",
+                .help = "cameras that are known: a COLMAP model's folder, a transforms.json, or "
+                        "Metashape's XML",
                 .file = "",
                 .optional = true}},
     .outputs = {{.name = "model",

@@ -42,7 +42,7 @@ RoomFolders MakeRoomFolders(const fs::path& output) {
 ExifToWrite ExifOfLens(const RoomPlan& plan, int lens) {
   ExifToWrite exif;
   exif.focal_35mm = std::round(plan.focal_35mm[lens]);  // telephones say no more
-  exif.focal_mm = plan.focal_35mm[lens] / 6.5;  // a telephone
+  exif.focal_mm = plan.focal_35mm[lens] / 6.5;          // a telephone
   exif.make = "Keypose";
   exif.model = "Synthetic telephone";
   return exif;
