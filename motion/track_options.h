@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/values/options.h"
-#include "motion/track_input.h"
+#include "motion/track_input_stage.h"
 
 namespace keypose::motion {
 

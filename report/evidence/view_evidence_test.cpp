@@ -9,7 +9,6 @@
 #include "core/values/errors.h"
 #include "report/evidence/verdict_limits.h"
 #include "report/evidence/view_evidence.h"
-#include "report/shots_stage.h"
 
 namespace keypose::report::view_evidence_test {
 
@@ -123,15 +122,6 @@ TEST(Summarize, OneBadViewOfManyMovesNothingButIsFoundFirst) {
   EXPECT_EQ(pose.outline_off, 0.001);
   EXPECT_EQ(pose.structure, 0.9);
   EXPECT_EQ(pose.worst, (std::vector<int>{4, 2, 0}));
-}
-
-TEST(Shrunk, ProjectsToTheSamePlace) {
-  const Mesh mesh = Figure();
-  const Shot shot = Photograph(mesh, 0), half = Shrunk(shot, 0.5);
-  EXPECT_EQ(half.photograph.width, 160);
-  const Eigen::Vector3d x(0.2, 0.3, 0.4);
-  EXPECT_LT((half.view.Project(x) - 0.5 * shot.view.Project(x)).norm(), 1e-9);
-  EXPECT_GT(Compared(mesh, half).iou, 0.97);
 }
 
 TEST(SideBySide, ShowsPhotographAndRenderOfOneSizeWithTheMasksOutline) {

@@ -1,4 +1,4 @@
-#include "motion/track_output.h"
+#include "motion/track_output_stage.h"
 
 #include <algorithm>
 #include <cmath>
