@@ -35,7 +35,7 @@ constexpr int kLensPictures = 60;  // of a camera
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "calibrate";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary =
       "Lenses and places of fixed cameras, from films of a calibration board or from points of "
       "known place.";

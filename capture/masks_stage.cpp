@@ -270,7 +270,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "20",
+    .version = "21",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

@@ -129,7 +129,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
-  spec.version = "9";
+  spec.version = "10";
   spec.summary =
       "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured "
       "cloud.";

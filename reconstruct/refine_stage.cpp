@@ -50,7 +50,7 @@ void Run(StageContext& stage, const RefineOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "refine";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Moves the surface along its normals to the best photometric consistency.";
   spec.title = "Fine detail";
   spec.measurements = {
