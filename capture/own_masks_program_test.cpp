@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "capture/pictures/own_masks.h"
 #include "capture/testing/capture_program.h"
@@ -10,6 +13,7 @@
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/pictures/image_turns.h"
+#include "core/testing/paths.h"
 
 namespace keypose::capture::own_masks_program_test {
 
@@ -124,6 +128,25 @@ TEST_F(OwnMasks, LabelsAreRefusedWithEachMaskNamed) {
   EXPECT_THAT(outcome.output, HasSubstr("8 files have a mask that cannot be used"));
   EXPECT_THAT(outcome.output, HasSubstr("p17.jpg.png has the levels 0, 1, 2"));
   EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(OwnMasks, OfPublicReportsAreTheSameHoweverTheyAreWritten) {
+  const fs::path folder = DataFolder() / "reports/25_mask_kinds";
+  if (!fs::exists(folder)) GTEST_SKIP() << "the data of public reports is not here";
+  const auto masks = [&](const std::string& kind) {
+    const fs::path to = root / kind;
+    const std::string command = BinFolder() + "/keypose-capture --photos " +
+                                (folder / kind).string() + " --images " + to.string() +
+                                " > /dev/null 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << kind;
+    std::vector<std::vector<std::uint8_t>> read;
+    for (int i = 0; i < 10; ++i)
+      read.push_back(ReadImage(to / ("masks/IMG_" + std::to_string(i) + ".JPG.png"), 1).data);
+    return read;
+  };
+  const auto plain = masks("plain_names");
+  EXPECT_EQ(masks("inverted"), plain);
+  EXPECT_EQ(masks("levels_0_and_1"), plain);
 }
 
 }  // namespace keypose::capture::own_masks_program_test

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/reduced_image.h"
 #include "core/testing/folder.h"
+#include "core/testing/paths.h"
 
 namespace keypose::color_profile_test {
 
@@ -75,6 +78,23 @@ TEST_F(ProfiledPicture, IsReadAsSrgbFromPngAndTiff) {
     for (int p = 0; p < 256; ++p) ExpectSrgbOfP3(&p3.data[3 * p], &read.data[3 * p]);
     EXPECT_EQ(ReadLevels(path() / name, 3).data, levels().data)
         << "filmed pictures keep their levels";
+  }
+}
+
+// The same photographs, stored as a phone does and as sRGB.
+TEST(ReportedPictures, OfDisplayP3HaveTheColoursOfSrgb) {
+  const std::filesystem::path folder = DataFolder() / "reports/24_color_profiles";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the data of public reports is not here";
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "IMG_" + std::to_string(i) + ".jpg";
+    for (const int eighths : {8, 4}) {
+      const Image8 p3 = ReadReduced(folder / "display_p3" / name, 3, eighths),
+                   srgb = ReadReduced(folder / "srgb" / name, 3, eighths);
+      ASSERT_EQ(p3.data.size(), srgb.data.size());
+      double sum = 0;
+      for (std::size_t k = 0; k < p3.data.size(); ++k) sum += std::abs(p3.data[k] - srgb.data[k]);
+      EXPECT_LT(sum / static_cast<double>(p3.data.size()), 1.5) << name << ", as two JPEGs differ";
+    }
   }
 }
 
