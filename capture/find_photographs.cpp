@@ -284,9 +284,14 @@ bool IsMaskOf(const fs::path& file, const std::string& photograph_name) {
 }
 
 fs::path FindMask(const fs::path& folder, const std::string& photograph_name) {
-  for (const fs::path& file : ImagesIn(folder))
-    if (IsMaskOf(file, photograph_name)) return file;
-  return {};
+  // A mask by the plain name belongs to no other photograph: a.jpg beside a_out.jpg.
+  const fs::path stem = fs::path(photograph_name).stem();
+  fs::path found;
+  for (const fs::path& file : ImagesIn(folder)) {
+    if (file.stem() == stem || file.stem() == photograph_name) return file;
+    if (found.empty() && IsMaskOf(file, photograph_name)) found = file;
+  }
+  return found;
 }
 
 }  // namespace keypose::capture
