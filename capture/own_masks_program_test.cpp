@@ -30,8 +30,8 @@ class OwnMasks : public CaptureProgram {
              const std::string& after = ".jpg", int orientation = 1) {
     ExifToWrite exif;
     exif.orientation = orientation;
-    WritePhotos(8, 180, 120, &exif);
     fs::create_directories(photos / "masks");
+    WritePhotos(8, 180, 120, &exif);
     for (int i = 0; i < 8; ++i)
       WriteImage(photos / "masks" / (before + "p" + std::to_string(10 + i) + after + ".png"),
                  change(TruthOf(i)));

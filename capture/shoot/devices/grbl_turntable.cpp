@@ -157,6 +157,15 @@ class GrblTurntable final : public TurntableDevice {
     return !inches_ && std::abs(turn.way) > 1 && off < kInchGrain * kInch_mm;
   }
 
+  /// After a limit switch GRBL takes nothing but a reset, and has lost its place.
+  [[noreturn]] void RecoverFromAlarm(Patience& patience) {
+    port_.Write(kSoftReset);
+    const double until = patience.Now() + times_.wake_up_s;
+    while (alarmed_ && patience.Now() < until)
+      if (!Read(until - patience.Now(), patience)) break;
+    Lost();
+  }
+
   /// Sends a line until it is acknowledged. All lines that are sent may be carried out twice.
   void Send(const std::string& line, Patience& patience) {
     for (int attempt = 0; attempt < times_.repeats; ++attempt) {
@@ -167,10 +176,11 @@ class GrblTurntable final : public TurntableDevice {
         const auto answer = Read(until - patience.Now(), patience);
         if (!answer) break;
         if (*answer == "ok") return;
-        if (answer->starts_with("error:") || answer->starts_with("ALARM:")) {
+        if (answer->starts_with("ALARM:")) RecoverFromAlarm(patience);
+        if (answer->starts_with("error:")) {
           // What is left of a damaged line is refused too; only a line that stays refused is wrong.
           if (attempt + 1 == times_.repeats) Refused(line, *answer);
-          if (answer->starts_with("ALARM:") || *answer == "error:9") port_.Write("$X\n");
+          if (*answer == "error:9") port_.Write("$X\n");
           break;
         }
       }
@@ -241,7 +251,7 @@ class GrblTurntable final : public TurntableDevice {
         offset_ = status.machine_position * kInch_mm - turn.target;
         return true;
       }
-      if (std::abs(place - last) > 1e-9) moved = patience.Now();
+      if (std::abs(place - last) > 1e-9 || status.state == "Idle") moved = patience.Now();
       if (patience.Now() - moved > times_.stall_s) {
         port_.Write("!");  // hold, then go on: starts a motor that has lost its step
         patience.Wait(times_.ask_s);

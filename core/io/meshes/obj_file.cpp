@@ -150,11 +150,21 @@ class ObjReader {
       Fail("takes a part of the mesh from elsewhere, which is not done: export it as one file");
   }
 
+  /// What programs write for a vertex that no picture coloured.
+  static bool IsNotANumber(std::string_view word) {
+    if (word.starts_with('-')) word.remove_prefix(1);
+    return word.starts_with("nan") || word.starts_with("NaN") || word.starts_with("NAN");
+  }
+
   void TakeVertex(ObjWords* words) {
     std::array<double, 8> numbers{};
     std::size_t count = 0;
+    bool uncolored = false;
     for (std::string_view word = words->Next(); !word.empty(); word = words->Next()) {
-      if (count == numbers.size() || !TakeNumber(word, &numbers[count])) FailVertex();
+      if (count == numbers.size()) FailVertex();
+      const bool number = TakeNumber(word, &numbers[count]);
+      if (!number && (count < 3 || !IsNotANumber(word))) FailVertex();
+      uncolored |= !number;
       ++count;
     }
     if (count < 3) FailVertex();
@@ -164,7 +174,7 @@ class ObjReader {
                       "7",
                       count));
     points_.insert(points_.end(), numbers.begin(), numbers.begin() + 3);
-    if (count < 6) return;
+    if (count < 6 || uncolored) return;
     colored_.push_back(points_.size() / 3 - 1);
     // Of seven, which of the first and last is no colour is known at the end.
     const bool both = count == 7;

@@ -89,6 +89,14 @@ TEST_F(ObjFileTest, VerticesWithoutAColorTakeTheirNeighbours) {
     EXPECT_EQ(mesh.colors.row(v).cast<int>(), Eigen::RowVector3i(51, 102, 153));
 }
 
+TEST_F(ObjFileTest, AColorThatIsNoNumberIsNone) {
+  const Mesh mesh = Read("v 0 0 0 1 0 0\nv 1 0 0 nan nan nan\nv 0 1 0 1 0 0\nf 1 2 3\n").mesh;
+  ASSERT_EQ(mesh.colors.rows(), 3);
+  EXPECT_EQ(int{mesh.colors(1, 0)}, 255) << "its neighbours'";
+  EXPECT_EQ(int{mesh.colors(1, 1)}, 0);
+  EXPECT_THAT(Refusal("v 0 nan 0\n"), HasSubstr("three finite numbers"));
+}
+
 TEST_F(ObjFileTest, PolypaintOfZbrush) {
   const Mesh mesh =
       Read("v 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff0000ff00ff00\n#MRGB ff0000ff\nf 1 2 3\n").mesh;
