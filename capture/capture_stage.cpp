@@ -11,6 +11,7 @@
 #include "capture/board/board_survey.h"
 #include "capture/capture_options.h"
 #include "capture/find_photographs.h"
+#include "capture/own_mask_import.h"
 #include "capture/photograph_import.h"
 #include "capture/pictures/contact_sheet.h"
 #include "capture/pictures/overlap.h"
@@ -244,8 +245,11 @@ CapturedImage EntryOf(const PhotographImport& import, std::size_t i,
 Written WriteOne(const PhotographImport& import, std::size_t i, const fs::path& folder,
                  const CaptureOptions& options) {
   const std::string& name = import.photographs[i].name;
-  const MaskedPhotograph masked = WriteMasked(
-      import, i, folder / name, folder / "masks" / (name + ".png"), options.jpeg_quality);
+  Image8 own;
+  if (!import.user_masks[i].empty()) own = LoadOwnMask(import, i);
+  const MaskedPhotograph masked =
+      WriteMasked(import, i, std::move(own), folder / name, folder / "masks" / (name + ".png"),
+                  options.jpeg_quality);
   const Image8 &image = masked.detail, &mask = masked.detail_mask, grey = Grey(image);
   Written written;
   written.image = EntryOf(import, i, masked);
@@ -413,6 +417,7 @@ void ReportSet(StageContext& stage, const PhotographImport& import,
 
 void Run(StageContext& stage, const CaptureOptions& options) {
   PhotographImport import = OpenPhotographs(stage, options);
+  FindWaysOfMasks(stage, &import);
   ReportProgress(stage.progress(), 0.05, "reading photographs");
   DecodeAll(stage, import, options);
   SegmentAll(stage, import, options);

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "capture/own_mask_import.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
@@ -207,7 +206,6 @@ PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& opti
   FindMasksAndPlates(stage, import);
   RequireMasksOfPhotographs(stage, import);
   LeaveOutMasksOfAnother(stage, &import);
-  FindWaysOfMasks(stage, &import);
   return import;
 }
 
@@ -306,13 +304,13 @@ Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::
 
 }  // namespace
 
-MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, const fs::path& to,
-                             const fs::path& mask_to, int quality) {
+MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, Image8 own,
+                             const fs::path& to, const fs::path& mask_to, int quality) {
   const int eighths = DetailEighths(import, i);
   MaskedPhotograph masked;
   masked.size = WrittenSize(import, i);
   masked.detail = WritePhotograph(import, i, to, quality);
-  if (import.user_masks[i].empty()) {
+  if (own.empty()) {
     // What a person marked may have several parts.
     const bool said = !import.strokes[i].empty();
     masked.detail_mask =
@@ -321,9 +319,8 @@ MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, cons
       masked.mask =
           EnlargedMask(masked.detail_mask, eighths, masked.size.width, masked.size.height);
   } else {
-    Image8 mask = LoadOwnMask(import, i);
-    masked.detail_mask = Reduced(mask, eighths);
-    if (eighths < 8) masked.mask = std::move(mask);
+    masked.detail_mask = Reduced(own, eighths);
+    if (eighths < 8) masked.mask = std::move(own);
   }
   WriteGreyMaskPng(mask_to, masked.mask.empty() ? masked.detail_mask : masked.mask);
   return masked;

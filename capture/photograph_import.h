@@ -85,9 +85,10 @@ struct MaskedPhotograph {
 };
 /// Writes the photograph and its mask, the user's or the segmented one with its border refined. The
 /// photograph is copied where nothing changed; else encoded, with its EXIF data.
+/// @param own  the user's mask, of LoadOwnMask; empty if there is none
 /// @throws DiskError
-MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, const fs::path& to,
-                             const fs::path& mask_to, int quality);
+MaskedPhotograph WriteMasked(const PhotographImport& import, std::size_t i, Image8 own,
+                             const fs::path& to, const fs::path& mask_to, int quality);
 
 /// Calls body(i) for all photographs in parallel and collects the errors.
 /// @throws InputError  of each photograph; "... 3 files WHAT"

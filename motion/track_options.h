@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/values/options.h"
-#include "motion/track_input_stage.h"
+#include "motion/films/track_input.h"
 
 namespace keypose::motion {
 

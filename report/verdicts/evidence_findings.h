@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "report/verdicts/verdicts.h"
+#include "report/evidence/contents.h"
+#include "report/verdicts/finding.h"
 
 namespace keypose::report {
 

@@ -1,4 +1,4 @@
-#include "motion/track_output_stage.h"
+#include "motion/films/track_output.h"
 
 #include <algorithm>
 #include <cmath>

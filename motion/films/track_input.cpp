@@ -1,4 +1,4 @@
-#include "motion/track_input_stage.h"
+#include "motion/films/track_input.h"
 
 #include <algorithm>
 #include <cmath>
