@@ -95,8 +95,8 @@ bool ShowsBoard(StageContext& stage, const PhotographImport& import,
       ", which is not the board that `keypose capture --print-board` prints with these options (" +
       BoardPattern(options.Board()).Name() +
       "), so it is not used: the cameras come from the figure alone, and lengths have no unit. "
-      "Give its board_columns and board_rows, or print "
-      "that board");
+      "Print that board; where only the squares differ in number, give board_columns and "
+      "board_rows");
   return false;
 }
 
