@@ -32,7 +32,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Bends the template onto a pose: same vertices and faces, new positions.";
   spec.title = "Registration";
   spec.measurements = {
@@ -207,6 +207,16 @@ void ReportAuto(StageContext& stage, const AutoResult& result) {
   if (result.starts.size() > 1)
     words += " of " + std::to_string(result.starts.size()) +
              " tried: it has the best score from distance to the target and strain";
+  if (result.rigid_parts > 0) {
+    stage.Report("unmoved_share", result.unmoved_share);
+    stage.Report("rigid_parts", result.rigid_parts);
+    char share[16];
+    std::snprintf(share, sizeof share, "%.0f %%", 100 * result.unmoved_share);
+    stage.Note(std::string(share) +
+               " of the surface moved as one rigid body and is held in its place; without that the "
+               "whole surface slides");
+    return;
+  }
   stage.Note(words + (result.softened ? "; the shape had to stretch to reach the surface"
                                       : "; bending without stretch was enough"));
 }

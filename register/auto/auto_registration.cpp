@@ -11,6 +11,7 @@
 #include "core/values/tuned.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
+#include "register/auto/rigid_parts.h"
 #include "register/auto/whole_area.h"
 #include "register/intrinsic/suggest.h"
 #include "register/skeleton/skeleton_start.h"
@@ -65,6 +66,13 @@ constexpr double kRigid = 1e300;
 constexpr int kCoarseSamples = 1500, kSamples = 6000;  // target vertices that pull back
 // Above this number of vertices a level gets two searches instead of four.
 constexpr int kLargeLevel = 30000;
+constexpr int kPins = 60;              // that hold it
+constexpr double kPinWeight = 1000;    // of each, in units of the shape term
+constexpr double kHeldStiffness = 99;  // factor on the shape term of a part that did not move
+constexpr double kStaysInPlace = 0.7;  // share of that part from which on a result has not slid
+constexpr double kFurther = 1.25;      // factor by which the gap may grow where it has
+constexpr double kLandmarkOff = 0.01;  // of the diagonal: a landmark contradicts the part
+constexpr double kFirstRun = 0.95;     // of the progress
 
 /// The rounds on one level. Stiffness falls geometrically from round to round; so do the weights of
 /// landmarks and matches and the robust distance.
@@ -113,13 +121,15 @@ class AutoRegistration {
  public:
   AutoRegistration(const Mesh& source, const Mesh& target,
                    const std::vector<LandmarkGoal>& landmarks, const Eigen::VectorXd& stiffness,
-                   const AutoOptions& options, Progress* progress)
+                   const AutoOptions& options, const std::vector<RigidPart>& parts,
+                   Progress* progress)
       : source_(source),
         target_(target),
         landmarks_(landmarks),
         stiffness_(stiffness),
         options_(options),
-        progress_(progress) {}
+        progress_(progress),
+        parts_(parts) {}
   AutoResult Run();
 
  private:
@@ -179,9 +189,15 @@ class AutoRegistration {
   std::optional<Suggestion> suggestion_;  // computed once, for all starts that use it
   std::optional<Start> best_;
   AutoResult result_;
+  const std::vector<RigidPart>& parts_;  ///< where parts of the source lie, if that is known
 };
 
 void AutoRegistration::Align() {
+  if (!parts_.empty()) {
+    place_ = parts_[0].target_from_source;
+    result_.alignment = {.target_from_source = place_, .method = "unmoved part"};
+    return;
+  }
   result_.alignment = AlignGlobally(source_, target_, MarkPositions(landmarks_, &source_.points),
                                     MarkPositions(landmarks_, nullptr));
   place_ = result_.alignment.target_from_source;
@@ -199,11 +215,24 @@ void AutoRegistration::Align() {
   place_.translation += kept - place_ * pivot;
 }
 
+/// Landmarks that hold a part where it lies, evenly by number.
+void AddPins(const RigidPart& part, std::vector<LandmarkGoal>& goals) {
+  const int pins = std::min(kPins, SizeOf(part.held));
+  for (int k = 0; k < pins; ++k) {
+    const int at = k * SizeOf(part.held) / pins;
+    LandmarkGoal pin;
+    pin.source.vertices.setConstant(part.held[at]);
+    pin.target = part.feet.row(at);
+    goals.push_back(pin);
+  }
+}
+
 void AutoRegistration::Prepare() {
   unit_ = BoundingDiagonal(target_.points) / 2;
   origin_ = target_.points.colwise().mean();
   goal_points_ = (target_.points.rowwise() - origin_) / unit_;
   goals_ = landmarks_;
+  for (const RigidPart& part : parts_) AddPins(part, goals_);
   for (LandmarkGoal& goal : goals_) goal.target = (goal.target - origin_.transpose()) / unit_;
   surface_.emplace(goal_points_, target_.faces);
   std::vector<int> counts;
@@ -234,7 +263,7 @@ Mesh ProxyOf(const PointsX3& points, const FacesX3& faces) {
 }
 
 void AutoRegistration::MeasureDistances() {
-  if (SizeOf(goals_) < kFewestForDistances) return;
+  if (!parts_.empty() || SizeOf(goals_) < kFewestForDistances) return;
   // Distances need no more detail than the levels that use them, so proxies are enough.
   int at = 0;
   while (at < middle_ && (*levels_)[at].rest.rows() > kProxyVertices * 1.5) ++at;
@@ -376,6 +405,7 @@ AutoRegistration::Attempt AutoRegistration::FromSkeleton() {
 }
 
 void AutoRegistration::TryStarts() {
+  if (!parts_.empty()) return Compete(FromLandmarks(kRigid, "unmoved part"));
   const auto poor = [&] { return result_.starts[result_.chosen].gap > options_.poor_fit; };
   Compete(FromLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks"));
   ReportProgress(progress_, 0.4, "start");
@@ -416,10 +446,12 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
       gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms,
                          momentum.seen());
     }
-    // Noise and ragged holes change the areas, so the first scale is not exact; refine it.
-    if (level.fit->pieces().area_share() > Tuning::kPiecesDecide)
+    // Noise and ragged holes change the areas, so the first scale is not exact; refine it. Parts
+    // that were found give it exactly.
+    const bool refine = parts_.empty();
+    if (refine && level.fit->pieces().area_share() > Tuning::kPiecesDecide)
       SetRestScale(rest_scale_ * level.growth);
-    else if (level.fit->rigid())
+    else if (refine && level.fit->rigid())
       SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
     ReportProgress(progress_, 0.6 + 0.2 * all, "bending");
   }
@@ -482,6 +514,64 @@ AutoResult AutoRegistration::Run() {
   return std::move(result_);
 }
 
+/// The stiffness, larger where parts are held.
+Eigen::VectorXd Stiffened(const Eigen::VectorXd& stiffness, Eigen::Index vertices,
+                          const std::vector<RigidPart>& parts) {
+  Eigen::VectorXd stiff = stiffness.size() > 0 ? stiffness : Eigen::VectorXd::Ones(vertices);
+  for (const RigidPart& part : parts)
+    for (int v : part.held) stiff[v] = std::max(stiff[v], kHeldStiffness);
+  return stiff;
+}
+
+/// Whether no landmark contradicts the part.
+bool Agrees(const RigidPart& part, const std::vector<LandmarkGoal>& landmarks,
+            const PointsX3& source, double diagonal) {
+  const auto held = [&](int v) {
+    return std::binary_search(part.held.begin(), part.held.end(), v);
+  };
+  for (const LandmarkGoal& goal : landmarks) {
+    const Eigen::Vector3d put = part.target_from_source * PositionOf(goal.source, source);
+    const Eigen::Vector3i& at = goal.source.vertices;
+    if (held(at[0]) && held(at[1]) && held(at[2]) &&
+        (put - goal.target).norm() > kLandmarkOff * diagonal)
+      return false;
+  }
+  return true;
+}
+
+/// Registers again from the parts that moved as rigid bodies, if `result` has left the first: with
+/// all of them or, where that does not reach the target, with the first alone.
+void FromRigidParts(const Mesh& source, const Mesh& target,
+                    const std::vector<LandmarkGoal>& landmarks, const Eigen::VectorXd& stiffness,
+                    const AutoOptions& options, Progress* progress, AutoResult& result) {
+  if (SizeOf(landmarks) >= kFewestForDistances) return;
+  const double diagonal = BoundingDiagonal(target.points);
+  std::vector<RigidPart> parts = FindRigidParts(source, target, result.points);
+  if (parts.empty() || ShareInPlace(parts[0], source, result.points, diagonal) > kStaysInPlace)
+    return;
+  for (const RigidPart& part : parts)
+    if (!Agrees(part, landmarks, source.points, diagonal)) return;
+  AutoOptions pinned = options;
+  pinned.landmark_weight = pinned.landmark_weight_end = kPinWeight;
+  const double farthest = std::max(kFurther * result.gap, options.good_fit);
+  for (bool more = true; more; parts.resize(1)) {
+    more = parts.size() > 1;
+    const Eigen::VectorXd stiff = Stiffened(stiffness, source.points.rows(), parts);
+    AutoResult again =
+        AutoRegistration(source, target, landmarks, stiff, pinned, parts, progress).Run();
+    result.starts.push_back(again.starts[0]);
+    if (again.gap > farthest ||
+        ShareInPlace(parts[0], source, again.points, diagonal) < kStaysInPlace)
+      continue;
+    again.chosen = SizeOf(result.starts) - 1;
+    again.starts = std::move(result.starts);
+    again.rigid_parts = SizeOf(parts);
+    again.unmoved_share = parts[0].share;
+    result = std::move(again);
+    return;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> AutoOptions::Problems() const {
@@ -496,7 +586,11 @@ AutoResult RegisterSurface(const Mesh& source, const Mesh& target,
                            const std::vector<LandmarkGoal>& landmarks,
                            const Eigen::VectorXd& stiffness, const AutoOptions& options,
                            Progress* progress) {
-  return AutoRegistration(source, target, landmarks, stiffness, options, progress).Run();
+  SubProgress first(progress, 0, kFirstRun), second(progress, kFirstRun, 1);
+  AutoResult result =
+      AutoRegistration(source, target, landmarks, stiffness, options, {}, &first).Run();
+  FromRigidParts(source, target, landmarks, stiffness, options, &second, result);
+  return result;
 }
 
 }  // namespace keypose::registration

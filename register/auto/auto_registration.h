@@ -49,10 +49,12 @@ struct AutoResult {
   int chosen = 0;                  ///< index into starts
   bool softened = false;           ///< the shape was softened to reach the surface
   int levels = 1;
-  int loose_parts = 0;    ///< parts that moved with the surface they sit on
-  int seam_vertices = 0;  ///< source vertices that repeat others at seams and moved with those
-  double gap = 0;         ///< at the end, as in StartTrial
-  double scale = 1;       ///< target size over template size
+  int loose_parts = 0;       ///< parts that moved with the surface they sit on
+  int seam_vertices = 0;     ///< source vertices that repeat others at seams and moved with those
+  double gap = 0;            ///< at the end, as in StartTrial
+  double scale = 1;          ///< target size over template size
+  int rigid_parts = 0;       ///< parts that moved as rigid bodies, where those were the start
+  double unmoved_share = 0;  ///< of the area that belongs to the first of them
 };
 
 /// Bends the source onto the target, with or without landmarks. Limbs may turn far.
@@ -66,6 +68,8 @@ struct AutoResult {
 /// 3. Both surfaces pull at each other with robust point-to-plane distances while the stiffness
 ///    falls. If rigid motion cannot reach the target, the maps become smooth affine maps.
 /// 4. Finer levels follow. Loose parts move with the surface they sit on.
+/// 5. With fewer than four landmarks: if most of the figure moved as one rigid body (see
+///    FindRigidParts) and the result has left its place, steps 2 to 4 run again from there.
 ///
 /// Seams, where vertices are doubled for texture coordinates, are closed in both meshes during the
 /// fit, so all doubles of a vertex move together.
