@@ -29,7 +29,8 @@ const std::vector<std::string> kCommands = {"init",   "run",   "status", "explai
 const std::vector<std::pair<std::string, std::string>> kProgramCommands = {
     {"studio", "open the project in a web page"},
     {"shoot", "photograph poses with a camera and a turntable"},
-    {"figure", "say what the figure is, where the photographs cannot tell"}};
+    {"figure", "say what the figure is, where the photographs cannot tell"},
+    {"cameras", "write the cameras of a pose for COLMAP, nerfstudio or Metashape"}};
 
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;

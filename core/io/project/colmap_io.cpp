@@ -68,19 +68,6 @@ class BinaryReader {
   std::size_t at_ = 0;
 };
 
-class BinaryWriter {
- public:
-  template <class T>
-  void Put(T value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
-  }
-  void PutString(const std::string& text) { bytes_.append(text.c_str(), text.size() + 1); }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
 using Cameras = std::map<std::uint32_t, Lens>;
 struct NamedView {
   std::uint32_t id = 0, camera = 0;
@@ -398,97 +385,6 @@ Scene ReadColmapModel(const fs::path& folder) {
   }
   scene.points = ReadPoints(model, index_of);
   return scene;
-}
-
-namespace {
-
-/// The distinct cameras of the scene, numbered from 1 in the order of the views.
-class SharedCameras {
- public:
-  explicit SharedCameras(const std::vector<View>& views) {
-    for (const View& view : views)
-      if (ids_.emplace(KeyOf(view.camera), static_cast<std::uint32_t>(order_.size() + 1)).second)
-        order_.push_back(KeyOf(view.camera));
-  }
-  std::uint32_t IdOf(const Camera& camera) const { return ids_.at(KeyOf(camera)); }
-  std::string Bytes() const {
-    BinaryWriter cameras;
-    cameras.Put<std::uint64_t>(order_.size());
-    for (const Key& key : order_) {
-      cameras.Put<std::uint32_t>(ids_.at(key));
-      cameras.Put<std::int32_t>(4);  // COLMAP's model OPENCV
-      cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[0]));
-      cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[1]));
-      for (std::size_t k = 2; k < key.size(); ++k) cameras.Put<double>(key[k]);
-    }
-    return cameras.bytes();
-  }
-
- private:
-  using Key = std::array<double, 10>;
-  static Key KeyOf(const Camera& c) {
-    return {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2};
-  }
-  std::map<Key, std::uint32_t> ids_;
-  std::vector<Key> order_;
-};
-
-/// For each view, the points that it sees, in the order of its features. Each view gets one feature
-/// for each of its tracks, at the point's projection, so that COLMAP's programs can read the model.
-using SeenPoints = std::vector<std::vector<std::uint64_t>>;
-
-std::string PointsBytes(const Scene& scene, SeenPoints& seen) {
-  BinaryWriter points;
-  points.Put<std::uint64_t>(scene.points.size());
-  for (std::size_t p = 0; p < scene.points.size(); ++p) {
-    const SparsePoint& point = scene.points[p];
-    points.Put<std::uint64_t>(p + 1);
-    for (int k = 0; k < 3; ++k) points.Put<double>(point.position(k));
-    for (int k = 0; k < 3; ++k) points.Put<std::uint8_t>(point.color(k));
-    points.Put<double>(point.error_px);
-    points.Put<std::uint64_t>(point.views.size());
-    for (const int v : point.views) {
-      points.Put<std::uint32_t>(static_cast<std::uint32_t>(v + 1));
-      points.Put<std::uint32_t>(static_cast<std::uint32_t>(seen[v].size()));
-      seen[v].push_back(p);
-    }
-  }
-  return points.bytes();
-}
-
-std::string ImagesBytes(const Scene& scene, const SharedCameras& cameras, const SeenPoints& seen) {
-  BinaryWriter images;
-  images.Put<std::uint64_t>(scene.views.size());
-  for (std::size_t v = 0; v < scene.views.size(); ++v) {
-    const View& view = scene.views[v];
-    const Rigid3& pose = view.camera_from_world;
-    images.Put<std::uint32_t>(static_cast<std::uint32_t>(v + 1));
-    for (const double q :
-         {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
-      images.Put<double>(q);
-    for (int k = 0; k < 3; ++k) images.Put<double>(pose.translation(k));
-    images.Put<std::uint32_t>(cameras.IdOf(view.camera));
-    images.PutString(view.name);
-    images.Put<std::uint64_t>(seen[v].size());
-    for (const std::uint64_t p : seen[v]) {
-      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
-      images.Put<double>(pixel.x());
-      images.Put<double>(pixel.y());
-      images.Put<std::uint64_t>(p + 1);
-    }
-  }
-  return images.bytes();
-}
-
-}  // namespace
-
-void WriteColmapModel(const fs::path& folder, const Scene& scene) {
-  const SharedCameras cameras(scene.views);
-  SeenPoints seen(scene.views.size());
-  const std::string points = PointsBytes(scene, seen);
-  WriteFile(folder / "cameras.bin", cameras.Bytes());
-  WriteFile(folder / "images.bin", ImagesBytes(scene, cameras, seen));
-  WriteFile(folder / "points3D.bin", points);
 }
 
 }  // namespace keypose
