@@ -61,7 +61,7 @@ class PhotographNames {
  private:
   std::optional<std::size_t> FindName(const std::string& name) const {
     if (const auto found = by_name_.find(name); found != by_name_.end()) return found->second;
-    for (const std::string& stem : {Stem(name), name})
+    for (const std::string& stem : {name, Stem(name)})
       if (const auto found = by_stem_.find(stem); found != by_stem_.end()) return found->second;
     return std::nullopt;
   }

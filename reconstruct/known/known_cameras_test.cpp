@@ -65,6 +65,17 @@ TEST(MatchKnownPoses, SubfoldersWithEqualNamesAreToldApart) {
   EXPECT_THROW(MatchKnownPoses({left, right}, {"0001.jpg"}, {size}), InputError);
 }
 
+TEST(MatchKnownPoses, NamesWithDotsAndNoEndingAreWhole) {
+  Camera size;
+  size.width = 1440, size.height = 1080;
+  const View one = LookFrom({1, 0, 1}, TestCamera(), "b.1"),
+             other = LookFrom({0, 1, 1}, TestCamera(), "b");
+  const auto matched = MatchKnownPoses({one, other}, {"b.1.jpg", "b.jpg"}, {size, size});
+  ASSERT_EQ(matched.size(), 2u);
+  EXPECT_LT((matched[0].Center() - one.Center()).norm(), 1e-12);
+  EXPECT_LT((matched[1].Center() - other.Center()).norm(), 1e-12);
+}
+
 TEST(MatchKnownPoses, StrangersTwinsAndOtherShapesAreInputErrors) {
   Camera photograph;
   photograph.width = 1440, photograph.height = 1080;
