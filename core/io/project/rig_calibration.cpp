@@ -146,6 +146,31 @@ void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
 
 // ---- matrices ----
 
+/// How far the skew of K shifts a pixel at the picture's top, which is about as far as at its
+/// bottom.
+double SkewShift_px(double skew, double fy, double cy) { return std::abs(skew / fy * cy); }
+
+/// More skew than calibrations of real rigs have needs cameras that Keypose has not.
+void RequireLittleSkew(double shift_px, const std::string& where) {
+  constexpr double kMostSkew_px = 1;
+  if (!(shift_px <= kMostSkew_px))
+    throw InputError(
+        fmt::format("{}: its K has skewed pixels, which move by up to {:.1f} px, but Keypose's "
+                    "cameras are not skewed; calibrate without skew, or warp the pictures so that "
+                    "K's second number is 0",
+                    where, shift_px));
+}
+
+/// @param k  nine numbers, row by row
+void RequireUpperTriangle(const double* k, const std::string& where) {
+  constexpr double kRounding = 1e-9;
+  for (const int zero : {3, 6, 7})
+    if (!(std::abs(k[zero]) <= kRounding))
+      throw InputError(where + ": the rows of its K must be fx, skew, cx; 0, fy, cy; 0, 0, 1");
+  if (!(std::abs(k[8] - 1) <= kRounding))
+    throw InputError(where + ": the last number of its K must be 1; divide all nine by it");
+}
+
 void ReadMatrices(const std::string& text, const std::string& file, RigCalibration* rig) {
   constexpr int kNumbers = 9 + 2 + 12;
   std::istringstream stream(text);
@@ -158,6 +183,7 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
         throw InputError(where +
                          ": it needs K (9 numbers), two radial coefficients and camera "
                          "from world (12 numbers)");
+    RequireUpperTriangle(n.data(), where);
     View view;
     view.name = name;
     view.camera.fx = n[0];
@@ -166,16 +192,17 @@ void ReadMatrices(const std::string& text, const std::string& file, RigCalibrati
     view.camera.cy = n[5] + 0.5;
     view.camera.k1 = n[9];
     view.camera.k2 = n[10];
-    // a skew shifts a pixel at the picture's top or bottom by this much
-    largest_skew_px = std::max(largest_skew_px, std::abs(n[1] / n[4] * n[5]));
     Eigen::Matrix3d r;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) r(i, j) = n[11 + 4 * i + j];
     view.camera_from_world = {ExactRotation(r, where), {n[14], n[18], n[22]}};
     RequireUsable(view, where);
+    const double shift_px = SkewShift_px(n[1], n[4], n[5]);
+    RequireLittleSkew(shift_px, where);
+    largest_skew_px = std::max(largest_skew_px, shift_px);
     rig->views.push_back(view);
   }
-  if (largest_skew_px > 0.1)
+  if (largest_skew_px > kSameLens_px)
     rig->notes.push_back(
         fmt::format("{}: skewed pixels are taken as square, which moves a pixel "
                     "by up to {:.1f} px",

@@ -42,7 +42,32 @@ TEST_F(RigTest, MatricesAreRead) {
   EXPECT_EQ(rig.views[0].camera.cx, 500.5);
   EXPECT_EQ(rig.views[0].camera.k1, -0.04);
   EXPECT_EQ(rig.views[0].camera_from_world.translation, Eigen::Vector3d(0.5, 0, 7));
-  EXPECT_EQ(rig.notes.size(), 1u) << "the skew is not used, and that is said";
+  EXPECT_EQ(rig.notes.size(), 1u) << "the skew of 0.67 px is not used, and that is said";
+}
+
+TEST_F(RigTest, MatricesWithMuchSkewAreRefusedByCamera) {
+  const auto file = [&](const std::string& skew) {
+    return Put("calib.txt",
+               "7\n900 " + skew + " 500\n0 890 400\n0 0 1\n0 0\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n");
+  };
+  EXPECT_TRUE(ReadRigCalibration(file("0.2")).notes.empty()) << "0.09 px";
+  try {
+    ReadRigCalibration(file("-45"));
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("camera 7: its K has skewed pixels, which move by up "
+                        "to 20.2 px"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(ReadRigCalibration(file("inf")), InputError);
+}
+
+TEST_F(RigTest, MatricesOfAnotherOrderAreRefused) {
+  const std::string rest = "\n0 0\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n";
+  for (const char* k : {"900 0 0 0 890 0 500 400 1", "1800 0 1000 0 1780 800 0 0 2"})
+    EXPECT_THROW(ReadRigCalibration(Put("calib.txt", "7\n" + std::string(k) + rest)), InputError);
 }
 
 TEST_F(RigTest, BadCalibrationsSayWhatIsWrong) {
