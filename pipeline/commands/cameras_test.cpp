@@ -404,6 +404,24 @@ TEST_F(Cameras, OlderCamerasAreWrittenAndThatIsSaid) {
   ExpectSameCameras(Folder("transforms"), 1e-9);
 }
 
+TEST_F(Cameras, MasksOfOtherCamerasAreRefused) {
+  MakeAll();
+  Scene scene = TwoLenses();
+  scene.views[0].camera.fx += 1;
+  PutModel("sfm", scene);
+  auto images = SixPhotographs();
+  images[0].sharpness = 7;
+  PutImages(images);
+  WriteFile(root_ / "hero/photos/rest/IMG_9.jpg", "another");
+  ASSERT_EQ(Run({"--until", "sfm/rest"}).code, 0);
+  const Ended ended = Write("colmap");
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_THAT(ended.text, HasSubstr("masks/rest was last made with other cameras than sfm/rest has "
+                                    "now; `keypose run --until masks/rest`"));
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_EQ(Write("colmap").code, 0);
+}
+
 TEST_F(Cameras, CamerasThatDoNotBelongToThePhotographsAreRefused) {
   Scene scene = TwoLenses();
   scene.views[2].camera.width = 63;
