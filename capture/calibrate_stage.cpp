@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/board/board_choice.h"
 #include "capture/board/board_survey.h"
 #include "capture/calibrate_options.h"
 #include "capture/rig/point_placement.h"
@@ -139,14 +140,14 @@ class BoardFinder {
       }
     if (const std::optional<BoardPattern> pattern = survey.Pattern()) {
       pattern_ = *pattern;
+      if (const std::optional<SaidBoard> said = options.Said())
+        pattern_ = SeenAsSaid(*pattern, *said, options.board_square_mm / 1000);
       seen_ = "; the pictures show " + pattern_.Name();
       stage_.Note("the pictures show " + pattern_.Name());
       SayAssumptions(options);
       return;
     }
-    pattern_ = BoardPattern(BoardLayout{});
-    pattern_.layout.square_m = options.board_square_mm / 1000;
-    pattern_.layout.marker_m = BoardLayout::kMarkerShare * pattern_.layout.square_m;
+    pattern_ = PatternOf(options.Said().value_or(SaidBoard{}), options.board_square_mm / 1000);
     const std::string what = survey.Seen();
     seen_ = fmt::format("; of {} pictures that were read with every dictionary, {}", pictures,
                         what.empty() ? "none showed markers or a checkerboard"
@@ -158,7 +159,7 @@ class BoardFinder {
     const bool is_own = pattern_.kind == BoardPattern::Kind::kCharuco &&
                         pattern_.dictionary == kOwnDictionary &&
                         pattern_.layout.columns == own.columns && pattern_.layout.rows == own.rows;
-    if (!is_own && options.board_square_mm == CalibrateOptions{}.board_square_mm)
+    if (!is_own && !options.SaysSide())
       stage_.Warn(
           "the board is not the one that `keypose capture` prints, and its squares are taken for " +
           Fixed(options.board_square_mm, 1) +

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "capture/board/board_choice.h"
+#include "capture/board/board_words.h"
 #include "capture/segmentation/mask_options.h"
-#include "core/values/calibration_board.h"
 #include "core/values/figure_strokes.h"
 #include "core/values/options.h"
 
@@ -25,15 +27,29 @@ struct CaptureOptions {
   int mask_rounds = 4;
   double mask_smoothness = 12;
   double clean_plate_difference = 6;
-  bool board = true;  ///< look for the calibration board
+  std::string board = "auto";  ///< "false", or as ParseBoard reads it
   int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
   double board_square_mm = 1000 * BoardLayout{}.square_m;
   std::string board_page = "A4";
   std::string figure;  ///< as ParseFigureStrokes reads it
 
-  BoardLayout Board() const {
-    const double square_m = board_square_mm / 1000;
-    return {board_columns, board_rows, square_m, BoardLayout::kMarkerShare * square_m};
+  bool LooksForBoard() const { return !SaysNo(board); }
+  /// What was said of the board's squares and print; none: whatever the photographs show.
+  std::optional<SaidBoard> Said() const {
+    if (!SaysYes(board) && !SaysNo(board)) return ParseBoard(board);
+    if (!SaysSquares()) return {};
+    SaidBoard said;
+    said.columns = board_columns;
+    said.rows = board_rows;
+    return said;
+  }
+  /// Whether the side of a square is what was measured.
+  bool SaysSide() const {
+    const std::optional<SaidBoard> said = Said();
+    return (said && said->square_m > 0) || board_square_mm != CaptureOptions{}.board_square_mm;
+  }
+  BoardPattern Board() const {
+    return PatternOf(Said().value_or(SaidBoard{}), board_square_mm / 1000);
   }
 
   MaskOptions Masking() const {
@@ -60,8 +76,11 @@ struct CaptureOptions {
            1,
            50,
            {}});
-    visit("board", board,
-          {"look for the printed calibration board under the figure", "", 0, 1, {}});
+    visit(
+        "board", board,
+        {"the calibration board under the figure: auto: found in the photographs; false: none; or "
+         "what it is, such as 8x11:22mm:DICT_4X4_50: columns, rows, side of a square, "
+         "dictionary, and legacy for the layout of OpenCV before 4.6"});
     visit("board_columns", board_columns,
           {"squares along the board's longer side", "", 3, 100, {}});
     visit("board_rows", board_rows, {"squares along its shorter side", "", 3, 100, {}});
@@ -72,9 +91,17 @@ struct CaptureOptions {
     visit("figure", figure, {kFigureHelp});
   }
   std::vector<std::string> Problems() const {
-    std::vector<std::string> problems = Board().Problems();
+    std::vector<std::string> problems = BoardWordProblems(board);
+    if (problems.empty() && SaysSquares() && !SaysYes(board) && !SaysNo(board))
+      problems.push_back("--board says the squares: leave out board_columns and board_rows");
+    if (problems.empty()) problems = Board().Problems();
     for (std::string& problem : FigureTextProblems(figure)) problems.push_back(std::move(problem));
     return problems;
+  }
+
+ private:
+  bool SaysSquares() const {
+    return board_columns != BoardLayout{}.columns || board_rows != BoardLayout{}.rows;
   }
 };
 

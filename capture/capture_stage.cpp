@@ -24,6 +24,7 @@
 #include "core/io/pictures/reduced_image.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
+#include "core/numbers/statistics.h"
 #include "core/stage/stage.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -44,7 +45,12 @@ struct BoardProbes {
   bool any() const { return std::find(shows.begin(), shows.end(), 1) != shows.end(); }
 };
 
-BoardProbes LookForBoards(const PhotographImport& import, const CaptureOptions& options) {
+/// Other boards are also looked for in pictures of webcams.
+std::vector<BoardCorner> CornersOf(const Image8& image, const BoardPattern& pattern) {
+  return FindBoard(image, pattern, !IsOwnPrint(pattern, pattern.layout));
+}
+
+BoardProbes LookForBoards(const PhotographImport& import, const BoardPattern& wished) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
   BoardProbes found;
@@ -54,7 +60,7 @@ BoardProbes LookForBoards(const PhotographImport& import, const CaptureOptions& 
     const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
     try {
       found.pictures[k] = LoadReduced(import, i, DetailEighths(import, i));
-      found.shows[k] = !FindBoard(found.pictures[k], options.Board()).empty();
+      found.shows[k] = !CornersOf(found.pictures[k], wished).empty();
     } catch (const InputError&) {
       // A damaged photograph is reported later, with all the others.
     }
@@ -62,42 +68,87 @@ BoardProbes LookForBoards(const PhotographImport& import, const CaptureOptions& 
   return found;
 }
 
-/// Which board the photographs show, of any kind; empty where they do not tell.
-std::optional<BoardPattern> SurveyedBoard(const BoardProbes& probes,
-                                          const CaptureOptions& options) {
-  BoardSurvey survey(
-      {.kind = std::nullopt, .columns = 0, .rows = 0, .square_m = options.board_square_mm / 1000});
-  for (std::size_t k = 0; k < probes.pictures.size() && !survey.sure(); ++k)
+/// Which board the photographs show, of any kind; empty where they do not tell. Where the wished
+/// one was seen, the other photographs tell nothing.
+std::optional<BoardPattern> SurveyedBoard(const BoardProbes& probes, double square_m) {
+  BoardWish wish;
+  wish.square_m = square_m;
+  wish.own_completed = false;
+  BoardSurvey survey(wish);
+  for (std::size_t k = 0; k < probes.pictures.size(); ++k)
     if (!probes.pictures[k].empty() && (probes.shows[k] || !probes.any()))
       survey.Add(probes.pictures[k]);
   return survey.Pattern();
 }
 
-/// Whether what is seen may be this board: its last rows may be under the figure.
-bool IsAsPrinted(const BoardPattern& pattern, const BoardLayout& own) {
-  constexpr int kSizes = 4;  // DICT_5X5_50 to DICT_5X5_1000 begin alike
-  return pattern.kind == BoardPattern::Kind::kCharuco &&
-         pattern.dictionary / kSizes == kOwnDictionary / kSizes && !pattern.first_white &&
-         !pattern.inverted && pattern.layout.columns == own.columns &&
-         pattern.layout.rows <= own.rows;
+/// Whether the board is only seen in a mirror.
+bool IsMirrored(const BoardProbes& probes, BoardPattern pattern) {
+  if (!pattern.mirrored) return false;
+  pattern.mirrored = false;
+  return std::all_of(probes.pictures.begin(), probes.pictures.end(), [&](const Image8& picture) {
+    return picture.empty() || CornersOf(picture, pattern).empty();
+  });
 }
 
-/// Whether the photographs show the board that the options name. Markers of another board may lie
-/// so that this one explains them with a shift, so that what is seen is looked at without a wish
-/// too.
-bool ShowsBoard(StageContext& stage, const PhotographImport& import,
-                const CaptureOptions& options) {
-  const BoardProbes probes = LookForBoards(import, options);
-  const std::optional<BoardPattern> shown = SurveyedBoard(probes, options);
-  if (!shown || IsAsPrinted(*shown, options.Board())) return probes.any();
-  stage.Warn(
-      "the photographs show " + shown->Name() +
-      ", which is not the board that `keypose capture --print-board` prints with these options (" +
-      BoardPattern(options.Board()).Name() +
-      "), so it is not used: the cameras come from the figure alone, and lengths have no unit. "
-      "Print that board; where only the squares differ in number, give board_columns and "
-      "board_rows");
-  return false;
+/// How much of a square a marker takes, by the photographs.
+double MeasuredShare(const BoardProbes& probes, const BoardPattern& pattern) {
+  constexpr std::size_t kEnough = 3;
+  std::vector<double> shares;
+  for (const Image8& picture : probes.pictures)
+    if (!picture.empty() && shares.size() < kEnough && !CornersOf(picture, pattern).empty())
+      shares.push_back(MarkerShareIn(picture, pattern));
+  const double share = shares.empty() ? pattern.layout.marker_m / pattern.layout.square_m
+                                      : UpperMedian(std::move(shares));
+  constexpr double kAsOwn = 0.02;
+  const bool own =
+      IsOwnPrint(pattern, pattern.layout) && std::abs(share - BoardLayout::kMarkerShare) < kAsOwn;
+  return own ? BoardLayout::kMarkerShare : share;
+}
+
+/// The board that the photographs show instead of Keypose's own, or as it was said.
+BoardPattern OtherBoard(StageContext& stage, const BoardProbes& probes, const BoardPattern& shown,
+                        const CaptureOptions& options) {
+  const SaidBoard said = options.Said().value_or(SaidBoard{});
+  BoardPattern pattern = SeenAsSaid(shown, said, options.board_square_mm / 1000);
+  pattern.mirrored = false;
+  if (said.marker_m == 0)
+    pattern.layout.marker_m = MeasuredShare(probes, pattern) * pattern.layout.square_m;
+  if (options.SaysSide())
+    stage.Note("the photographs show " + pattern.Name());
+  else
+    stage.Warn("the photographs show " + pattern.Name() + ". Its squares are taken for " +
+               nlohmann::json(options.board_square_mm).dump() +
+               " mm: measure one and give --board " + pattern.Text() +
+               " with that side, or all lengths are wrong by one factor");
+  return pattern;
+}
+
+/// The board to look for in all photographs; none where a few of them show none that can be used.
+/// Markers of another board may lie so that the wished one explains them with a shift, so that what
+/// is seen is looked at without a wish too.
+std::optional<BoardPattern> BoardToFind(StageContext& stage, const PhotographImport& import,
+                                        const CaptureOptions& options) {
+  const BoardPattern wished = options.Board();
+  const BoardProbes probes = LookForBoards(import, wished);
+  const std::optional<BoardPattern> shown = SurveyedBoard(probes, wished.layout.square_m);
+  const bool markers = shown && shown->kind == BoardPattern::Kind::kCharuco;
+  if (!markers && probes.any()) return wished;
+  if (markers && IsMirrored(probes, *shown)) {
+    stage.Warn("the photographs show " + shown->Name() +
+               " in a mirror, so it is not used: the print is mirrored: print it anew; or the "
+               "camera mirrors its pictures, and must be told not to");
+    return {};
+  }
+  if (markers && !options.Said() && IsOwnPrint(*shown, wished.layout))
+    return probes.any() ? std::optional(wished) : std::nullopt;
+  if (markers) return OtherBoard(stage, probes, *shown, options);
+  if (shown)
+    stage.Warn("the photographs show " + shown->Name() +
+               ", which is not used, as it has no markers: the cameras come from the figure alone, "
+               "and lengths have no unit. Print the board of `keypose capture --print-board`");
+  else if (options.Said())
+    stage.Warn("the photographs do not show " + wished.Name() + ", nor another board");
+  return {};
 }
 
 /// Eighths that suffice for the working image; ordinary photographs are decoded whole.
@@ -109,7 +160,8 @@ int SegmentedEighths(const PhotographImport& import, std::size_t i, const Captur
 
 /// Decodes everything once, which also detects truncated files, and searches the calibration board.
 void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptions& options) {
-  const bool with_board = options.board && ShowsBoard(stage, import, options);
+  if (options.LooksForBoard()) import.board = BoardToFind(stage, import, options);
+  const bool with_board = import.board.has_value();
   import.small.resize(import.files.size());
   import.board_corners.resize(import.files.size());
   import.boards.resize(import.files.size());
@@ -120,10 +172,10 @@ void DecodeAll(StageContext& stage, PhotographImport& import, const CaptureOptio
     import.small[i] = WorkingImage(image, options.mask_px);
     if (!with_board) return;
     std::vector<BoardCorner>& corners = import.board_corners[i];
-    corners = FindBoard(image, options.Board());
+    corners = CornersOf(image, *import.board);
     import.boards[i] = OddsOfBoard(import.small[i], corners,
                                    static_cast<double>(import.small[i].width) / image.width,
-                                   options.Board(), options.Masking().odds_limit);
+                                   *import.board, options.Masking().odds_limit);
     for (BoardCorner& corner : corners) corner.pixel *= 8.0 / eighths;
   });
 }
@@ -344,6 +396,7 @@ void ReportBoard(StageContext& stage, const PhotographImport& import) {
     corners += static_cast<double>(import.board_corners[i].size());
     if (import.board_corners[i].empty()) without.push_back(import.photographs[i].name);
   }
+  stage.Report("board", import.board->Text());
   stage.Report("board_mean_corners", corners / views);
   stage.ReportJson("plate_not_seen", without.dump());
 }
@@ -435,7 +488,10 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   ImageSet set;
   set.folder = folder;
   set.camera_model = import.photographs.front().camera_model;
-  if (BoardViews(import) > 0) set.board = options.Board();
+  if (BoardViews(import) > 0) {
+    set.board = import.board->layout;
+    set.board_print = *import.board;
+  }
   std::vector<Image8> cells;
   for (Written& w : written) {
     set.images.push_back(std::move(w.image));
@@ -450,12 +506,17 @@ void Run(StageContext& stage, const CaptureOptions& options) {
 }
 
 void PrintBoard(const fs::path& file, const CaptureOptions& options) {
-  WriteFileAtomically(file, BoardPdf(options.Board(), PageNamed(options.board_page)));
+  const BoardPattern board = options.Board();
+  if (!IsOwnPrint(board, board.layout))
+    throw UsageError("capture prints boards of " + DictionaryName(kOwnDictionary) +
+                     " alone, the first square black, not " + board.Name() +
+                     "; leave dictionary and layout out of --board");
+  WriteFileAtomically(file, BoardPdf(board.layout, PageNamed(options.board_page)));
 }
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "12",
+    .version = "13",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .title = "Photographs",
     .measurements = {{"images_total", "photographs"},

@@ -72,8 +72,9 @@ PosedImages Load(const ImageSet& set, const Scene& scene, const MasksOptions& op
     const double factor = static_cast<double>(posed.images[i].width) / image.width;
     posed.views[i].camera = posed.views[i].camera.Scaled(factor);
     if (set.board)
-      posed.boards[i] = OddsOfBoard(posed.images[i], set.images[posed.index[i]].board_corners,
-                                    factor, *set.board, MaskOptions{}.odds_limit);
+      posed.boards[i] =
+          OddsOfBoard(posed.images[i], set.images[posed.index[i]].board_corners, factor,
+                      BoardPattern(*set.board, set.board_print), MaskOptions{}.odds_limit);
   });
   return posed;
 }

@@ -48,7 +48,8 @@ struct PhotographImport {
   std::vector<Image8> small_masks;
   std::vector<ViewStrokes> strokes;  // of a person, in pixels of the working images
   std::vector<fs::path> user_masks;
-  std::vector<MaskWay> mask_ways;  // how those masks are to be taken
+  std::vector<MaskWay> mask_ways;     // how those masks are to be taken
+  std::optional<BoardPattern> board;  // that is looked for
   // for each photograph; empty if it shows no board
   std::vector<std::vector<BoardCorner>> board_corners;
   std::vector<BoardOdds> boards;  // their odds for the working images

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -284,11 +285,34 @@ MarkerPoints PointsOf(const std::vector<BoardCorner>& corners, const BoardLayout
   return points;
 }
 
+constexpr int kMostSteps = 5;
+constexpr double kLeastShare = 0.3, kMostShare = 0.98;  // of a square that its marker takes
+
+/// How well corners of the board look as they would with markers of this share of a square: the sum
+/// of their correlations.
+double Explained(const cv::Mat& grey, const BoardMap& map, BoardPattern pattern, double share) {
+  constexpr int kSome = 30;  // corners that are looked at
+  BoardLayout& board = pattern.layout;
+  board.marker_m = std::clamp(share, kLeastShare, kMostShare) * board.square_m;
+  const BoardInk ink(pattern);
+  double sum = 0;
+  for (int id = 0; id < board.CornerCount(); id += 1 + board.CornerCount() / kSome) {
+    const Eigen::Vector3d at = board.Corner(id);
+    const double size = SquareSize(map, board, at);
+    if (size < kLeastSquare_px) continue;
+    const Patch patch = ExpectedPatch(grey, map, ink, board, {at.x(), at.y()});
+    if (!patch.expected.empty())
+      sum += FitPatch(grey, patch, std::max(2.0, 0.15 * size)).correlation;
+  }
+  return sum;
+}
+
 /// Share of ink in each pixel of the reduced photograph; negative outside of the board and its rim
 /// of half a square.
-cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map, const BoardLayout& board) {
+cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map,
+              const BoardPattern& pattern) {
   constexpr int kSamples = 16;
-  const BoardPattern pattern(board);
+  const BoardLayout& board = pattern.layout;
   const BoardInk ink(pattern);
   const double width = board.Width() / 2 + board.square_m / 2,
                height = board.Height() / 2 + board.square_m / 2;
@@ -305,7 +329,8 @@ cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map, const Bo
       for (int k = 0; k < kSamples; ++k)
         sum += ink.At(middle + ((k + 0.5) / kSamples - 0.5) * right +
                       ((7 * k % kSamples + 0.5) / kSamples - 0.5) * down);
-      share.at<float>(y, x) = static_cast<float>(sum / kSamples);
+      const double dark = sum / kSamples;
+      share.at<float>(y, x) = static_cast<float>(pattern.inverted ? 1 - dark : dark);
     }
   return share;
 }
@@ -457,15 +482,44 @@ std::vector<BoardCorner> FindBoard(const Image8& image, const BoardPattern& patt
   return corners;
 }
 
+double MarkerShareIn(const Image8& image, const BoardPattern& pattern) {
+  const Image8 picture = GreyPicture(image, pattern.inverted);
+  const BoardMap map(PointsOf(CornersIn(picture, pattern, true), pattern.layout),
+                     pattern.layout.square_m);
+  const double start = pattern.layout.marker_m / pattern.layout.square_m;
+  if (!map.found()) return start;
+  const cv::Mat grey(picture.height, picture.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.data.data()));
+  double share = start;
+  for (const double step : {0.03, 0.01}) {
+    std::map<int, double> explained;  // by steps from `share`
+    int best = 0;
+    const auto at = [&](int k) {
+      const auto [known, is_new] = explained.try_emplace(k, 0);
+      if (is_new) known->second = Explained(grey, map, pattern, share + k * step);
+      return known->second;
+    };
+    for (int round = 0; round < kMostSteps && at(best) < std::max(at(best - 1), at(best + 1));
+         ++round)
+      best += at(best + 1) > at(best - 1) ? 1 : -1;
+    const double bend = at(best - 1) - 2 * at(best) + at(best + 1);
+    const double top =
+        bend < 0 ? std::clamp((at(best - 1) - at(best + 1)) / (2 * bend), -0.5, 0.5) : 0;
+    share = std::clamp(share + (best + top) * step, kLeastShare, kMostShare);
+  }
+  return share;
+}
+
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
-                      const BoardLayout& board, double limit) {
+                      const BoardPattern& pattern, double limit) {
+  const BoardLayout& board = pattern.layout;
   BoardOdds known;
   const BoardMap map(PointsOf(corners, board), board.square_m);
   if (!map.found()) return known;
   cv::Mat rgb;
   cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data()))
       .convertTo(rgb, CV_32FC3);
-  const cv::Mat ink = InkOf(rgb.size(), factor, map, board),
+  const cv::Mat ink = InkOf(rgb.size(), factor, map, pattern),
                 near = NextToCorners(rgb.size(), corners, factor, map, board);
   const cv::Vec3f paper = MedianColor(rgb, near & (ink >= 0) & (ink < 0.05)),
                   black = MedianColor(rgb, near & (ink > 0.95));

@@ -42,7 +42,13 @@ struct BoardOdds {
 /// @param corners  of the board in the photograph at full size; with fewer than 8 the result is
 /// empty
 /// @param factor   size of `image` over that of the photograph
+/// @param board    with markers
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
-                      const BoardLayout& board, double limit);
+                      const BoardPattern& board, double limit);
+
+/// How much of a square a marker takes: the share that explains the picture's print best, near that
+/// of the pattern.
+/// @return that of the pattern where the board is not seen
+double MarkerShareIn(const Image8& image, const BoardPattern& pattern);
 
 }  // namespace keypose::capture

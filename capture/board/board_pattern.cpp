@@ -2,27 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <opencv2/aruco.hpp>
 
 #include "core/values/errors.h"
 
 namespace keypose::capture {
-namespace {
 
-constexpr std::array kNames = {"DICT_4X4_50",        "DICT_4X4_100",        "DICT_4X4_250",
-                               "DICT_4X4_1000",      "DICT_5X5_50",         "DICT_5X5_100",
-                               "DICT_5X5_250",       "DICT_5X5_1000",       "DICT_6X6_50",
-                               "DICT_6X6_100",       "DICT_6X6_250",        "DICT_6X6_1000",
-                               "DICT_7X7_50",        "DICT_7X7_100",        "DICT_7X7_250",
-                               "DICT_7X7_1000",      "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5",
-                               "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11"};
-
-}  // namespace
-
-int BoardPattern::MarkerCount() const {
-  return (layout.columns * layout.rows + (first_white ? 1 : 0)) / 2;
-}
+int BoardPattern::MarkerCount() const { return MarkersOfBoard(layout, *this); }
 
 std::pair<int, int> BoardPattern::SquareOf(int marker) const {
   // Markers lie in every other square, row by row: two squares compete for each number.
@@ -46,23 +34,21 @@ std::string BoardPattern::Name() const {
                        layout.rows - 1);
   return fmt::format("a ChArUco board of {} x {} squares, {}{}{}", layout.columns, layout.rows,
                      DictionaryName(dictionary),
-                     first_white ? ", with a marker in its first square" : "",
+                     !first_white           ? ""
+                     : layout.rows % 2 == 0 ? ", in the layout of OpenCV before 4.6"
+                                            : ", with a marker in its first square",
                      inverted ? ", printed inverted" : "");
 }
 
 std::vector<std::string> BoardPattern::Problems() const {
-  if (kind == Kind::kCharuco && dictionary == kOwnDictionary && !first_white)
-    return layout.Problems();
-  BoardLayout few = layout;  // whose markers every dictionary has
-  few.columns = few.rows = 3;
-  std::vector<std::string> problems = few.Problems();
-  if (layout.columns < 3 || layout.rows < 3)
-    problems.push_back(fmt::format("a calibration board has at least 3 x 3 squares, not {} x {}",
-                                   layout.columns, layout.rows));
-  return problems;
+  if (kind == Kind::kCharuco) return BoardProblems(layout, *this);
+  BoardPrint any;
+  any.dictionary = LargestDictionaries().back();
+  BoardLayout few = layout;
+  few.columns = std::min(layout.columns, 30);  // markers do not count
+  few.rows = std::min(layout.rows, 30);
+  return BoardProblems(few, any);
 }
-
-std::string DictionaryName(int dictionary) { return kNames.at(dictionary); }
 
 const std::vector<int>& LargestDictionaries() {
   using namespace cv::aruco;

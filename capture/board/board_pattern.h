@@ -4,27 +4,20 @@
 #include <string>
 #include <vector>
 
-#include "core/values/calibration_board.h"
+#include "core/values/board_print.h"
 
 namespace keypose::capture {
 
-/// OpenCV's number of the dictionary of Keypose's own board, DICT_5X5_100.
-inline constexpr int kOwnDictionary = 5;
-
-struct BoardPattern {
+struct BoardPattern : BoardPrint {
   enum class Kind { kCharuco, kCheckerboard };
 
   BoardPattern() = default;
-  /// The board that `capture` prints.
-  explicit BoardPattern(const BoardLayout& own) : layout(own) {}
+  /// The board that `capture` prints, or one that is printed otherwise.
+  explicit BoardPattern(const BoardLayout& squares, const BoardPrint& print = {})
+      : BoardPrint(print), layout(squares) {}
 
   Kind kind = Kind::kCharuco;
   BoardLayout layout;  ///< squares; a checkerboard has no markers
-  int dictionary = kOwnDictionary;
-  /// The square at the top left is white and holds marker 0. OpenCV before 4.6 printed boards of an
-  /// even number of rows so.
-  bool first_white = false;
-  bool inverted = false;  ///< white ink on black paper
   /// Some pictures show the board in a mirror: its back, printed as well, or a camera that mirrors.
   bool mirrored = false;
 
@@ -35,12 +28,11 @@ struct BoardPattern {
   int Turns() const;
   /// "a ChArUco board of 11 x 8 squares, DICT_5X5_100"
   std::string Name() const;
+  /// "11x8:22mm:DICT_5X5_100", as ParseBoard reads it.
+  std::string Text() const { return BoardText(layout, *this); }
   /// One sentence for each fault; empty when valid.
   std::vector<std::string> Problems() const;
 };
-
-/// "DICT_5X5_100"
-std::string DictionaryName(int dictionary);
 
 /// Numbers of the dictionaries that contain all others of OpenCV: DICT_4X4_1000 begins with the
 /// markers of DICT_4X4_50.

@@ -108,6 +108,13 @@ std::vector<MarkerQuad> Mirrored(std::vector<MarkerQuad> quads, int width) {
   return quads;
 }
 
+/// Of the dictionaries that begin alike.
+int Largest(int dictionary) {
+  for (const int largest : LargestDictionaries())
+    if (BeginAlike(largest, dictionary)) return largest;
+  return dictionary;
+}
+
 /// The corners of a checkerboard's grid by the layout's numbers; none where it is larger.
 FoundBoard Numbered(const CheckerGrid& grid, const BoardPattern& pattern) {
   FoundBoard found;
@@ -129,12 +136,13 @@ FoundBoard Numbered(const CheckerGrid& grid, const BoardPattern& pattern) {
 
 BoardSurvey::BoardSurvey(const BoardWish& wish) : wish_(wish) {}
 
-void BoardSurvey::ReadMarkers(const Image8& picture, bool inverted) {
+void BoardSurvey::ReadMarkers(const Image8& picture, bool inverted,
+                              const std::vector<int>& dictionaries) {
   const Image8 grey = GreyPicture(picture, inverted);
   const std::vector<MarkerQuad> quads = FindQuads(grey);
   const Image8 mirror = MirroredPicture(grey);
   const std::vector<MarkerQuad> mirrored = Mirrored(quads, grey.width);
-  for (const int dictionary : LargestDictionaries()) {
+  for (const int dictionary : dictionaries) {
     std::vector<SeenMarker> plain = Unlike(ReadQuads(grey, quads, dictionary));
     std::vector<SeenMarker> flipped = Unlike(ReadQuads(mirror, mirrored, dictionary));
     const bool turned = flipped.size() > plain.size();
@@ -169,10 +177,15 @@ void BoardSurvey::Count(const Print& print, const std::vector<SeenMarker>& marke
 
 void BoardSurvey::Add(const Image8& picture) {
   ++pictures_;
+  if (sure_ && charuco_) {
+    ReadMarkers(picture, charuco_->inverted, {Largest(charuco_->dictionary)});
+    Weigh();
+    return;
+  }
   const bool markers = wish_.kind != BoardPattern::Kind::kCheckerboard;
   if (markers) {
-    ReadMarkers(picture, false);
-    if (!charuco_ || charuco_->inverted) ReadMarkers(picture, true);
+    ReadMarkers(picture, false, LargestDictionaries());
+    if (!charuco_ || charuco_->inverted) ReadMarkers(picture, true, LargestDictionaries());
     Weigh();
   }
   if (wish_.kind == BoardPattern::Kind::kCharuco || charuco_) return;
@@ -202,12 +215,12 @@ void BoardSurvey::Weigh() {
     pattern.inverted = print.inverted;
     pattern.mirrored = tally.mirrored;
     pattern.first_white = first_white;
-    pattern.dictionary = SmallestDictionary(print.dictionary, tally.last + 1);
     pattern.layout.columns = columns;
     pattern.layout.rows = pattern.SquareOf(tally.last).second + 1;
+    pattern.dictionary = SmallestDictionary(print.dictionary, pattern.MarkerCount());
     pattern.layout.square_m = wish_.square_m;
     pattern.layout.marker_m = UpperMedian(tally.shares) * wish_.square_m;
-    if (pattern.layout.rows >= 3) charuco_ = pattern;
+    if (pattern.Problems().empty()) charuco_ = pattern;
   }
   sure_ = charuco_ && most >= kSureScore;
 }
@@ -243,9 +256,10 @@ std::optional<BoardPattern> BoardSurvey::Pattern() const {
     pattern.layout.rows = portrait ? wish_.columns : wish_.rows;
     pattern.dictionary = SmallestDictionary(pattern.dictionary, pattern.MarkerCount());
   }
+  if (!wish_.own_completed) return pattern;
   // Keypose's own print has exact markers.
   const BoardLayout own;
-  if (pattern.dictionary / 4 == kOwnDictionary / 4 && !pattern.first_white && !pattern.inverted &&
+  if (BeginAlike(pattern.dictionary, kOwnDictionary) && !pattern.first_white && !pattern.inverted &&
       (wish_.columns || pattern.layout.columns == own.columns) &&
       std::abs(pattern.layout.marker_m / pattern.layout.square_m - BoardLayout::kMarkerShare) <
           0.1 &&

@@ -18,6 +18,9 @@ struct BoardWish {
   std::optional<BoardPattern::Kind> kind;
   int columns = 0, rows = 0;  ///< squares; 0: not said
   double square_m = BoardLayout{}.square_m;
+  /// what has eleven columns and the markers of Keypose's own board is that board, with all its
+  /// rows
+  bool own_completed = true;
 };
 
 /// Gathers evidence from pictures until it is clear which board they show: its kind, dictionary,
@@ -30,8 +33,10 @@ struct BoardWish {
 class BoardSurvey {
  public:
   explicit BoardSurvey(const BoardWish& wish);
+  /// Once it is sure, only the board's own markers are read, which is quick: in its last row, that
+  /// may be out of sight in some pictures.
   void Add(const Image8& picture);
-  /// More pictures would not change the answer.
+  /// More pictures would not change the answer but for the board's last rows.
   bool sure() const { return sure_; }
   /// The board; empty where the pictures do not tell.
   std::optional<BoardPattern> Pattern() const;
@@ -56,7 +61,7 @@ class BoardSurvey {
     std::map<std::pair<int, bool>, Tally> layouts;  // by columns, and whether it begins white
   };
 
-  void ReadMarkers(const Image8& picture, bool inverted);
+  void ReadMarkers(const Image8& picture, bool inverted, const std::vector<int>& dictionaries);
   void Count(const Print& print, const std::vector<SeenMarker>& markers, bool mirrored);
   void Weigh();
   std::optional<BoardPattern> Checkerboard() const;

@@ -7,7 +7,7 @@
 namespace keypose::capture {
 namespace {
 
-constexpr int kSquare_px = 60;  // of the print
+constexpr int kSquare_px = 336;  // of the print: its markers lie within half of one
 
 /// The print, drawn here and by OpenCV's markers, not by the code under test; its white rim is a
 /// square wide.

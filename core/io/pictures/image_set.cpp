@@ -51,11 +51,33 @@ json PlaceJson(const TurntablePlace& place) {
           {"flip", place.flip}};
 }
 
-BoardLayout BoardFrom(const json& entry) {
-  BoardLayout board{entry.at("columns"), entry.at("rows"), entry.at("square_m"),
-                    entry.at("marker_m")};
-  if (const auto problems = board.Problems(); !problems.empty()) throw InputError(problems.front());
-  return board;
+void ReadBoard(const json& entry, ImageSet* set) {
+  const BoardLayout board{entry.at("columns"), entry.at("rows"), entry.at("square_m"),
+                          entry.at("marker_m")};
+  BoardPrint print;
+  if (entry.contains("dictionary")) {
+    const std::string name = entry.at("dictionary");
+    const std::optional<int> known = DictionaryNamed(name);
+    if (!known) throw InputError("its board has the unknown dictionary '" + name + "'");
+    print.dictionary = *known;
+  }
+  print.first_white = entry.value("first_white", false);
+  print.inverted = entry.value("inverted", false);
+  if (const auto problems = BoardProblems(board, print); !problems.empty())
+    throw InputError(problems.front());
+  set->board = board;
+  set->board_print = print;
+}
+
+json BoardJson(const BoardLayout& board, const BoardPrint& print) {
+  json entry = {{"dictionary", DictionaryName(print.dictionary)},
+                {"columns", board.columns},
+                {"rows", board.rows},
+                {"square_m", board.square_m},
+                {"marker_m", board.marker_m}};
+  if (print.first_white) entry["first_white"] = true;
+  if (print.inverted) entry["inverted"] = true;
+  return entry;
 }
 
 /// Whether `relative` is a path below `folder`: without steps upwards, and without links that lead
@@ -177,7 +199,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
   try {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
-    if (root.contains("board")) set.board = BoardFrom(root.at("board"));
+    if (root.contains("board")) ReadBoard(root.at("board"), &set);
     if (root.contains("floor")) set.floor = FloorFrom(root.at("floor"));
     for (const json& entry : root.at("images")) set.images.push_back(ImageFrom(entry, set.board));
   } catch (const InputError& error) {
@@ -199,12 +221,7 @@ void WriteImageSet(const ImageSet& set) {
   root["camera_model"] = set.camera_model;
   root["images"] = json::array();
   if (set.floor) root["floor"] = *set.floor;
-  if (set.board)
-    root["board"] = {{"dictionary", "DICT_5X5_100"},
-                     {"columns", set.board->columns},
-                     {"rows", set.board->rows},
-                     {"square_m", set.board->square_m},
-                     {"marker_m", set.board->marker_m}};
+  if (set.board) root["board"] = BoardJson(*set.board, set.board_print);
   for (const CapturedImage& image : set.images) {
     json entry = {{"name", image.name},         {"width", image.width},
                   {"height", image.height},     {"focal_px", image.focal_px},

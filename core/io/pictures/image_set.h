@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/values/calibration_board.h"
-
+#include "core/values/board_print.h"
 #include "core/values/image.h"
 
 namespace keypose {
@@ -52,6 +51,7 @@ struct ImageSet {
   std::string camera_model;
   /// the printed calibration board under the figure, when one was found
   std::optional<BoardLayout> board;
+  BoardPrint board_print;  ///< of that board
   /// height (z, in the cameras' frame) of the level plane that the figure stands on, where `masks`
   /// found one: nothing in the masks is below it
   std::optional<double> floor;

@@ -65,6 +65,8 @@ TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   ImageSet set;
   set.folder = folder_;
   set.board = BoardLayout{9, 7, 0.030, 0.02};
+  set.board_print.dictionary = 20;
+  set.board_print.first_white = true;
   CapturedImage image;
   image.name = "a.jpg";
   image.group = "lying";
@@ -78,12 +80,31 @@ TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   ASSERT_TRUE(read.board.has_value());
   EXPECT_EQ(read.board->columns, 9);
   EXPECT_EQ(read.board->marker_m, 0.02);
+  EXPECT_EQ(read.board_print.dictionary, 20);
+  EXPECT_TRUE(read.board_print.first_white);
+  EXPECT_FALSE(read.board_print.inverted);
   EXPECT_EQ(read.images[0].group, "lying");
   EXPECT_EQ(read.images[0].photograph_width, 4000);
   EXPECT_EQ(read.images[0].photograph_height, 3000);
   ASSERT_EQ(read.images[0].board_corners.size(), 2u);
   EXPECT_EQ(read.images[0].board_corners[1].id, 47);
   EXPECT_EQ(read.images[0].board_corners[0].pixel, image.board_corners[0].pixel);
+}
+
+TEST_F(ImageSetIo, ABoardOfTodaysOrOlderFilesIsKeyposesOwnAndAnUnknownDictionaryIsDamage) {
+  const auto read = [&](const std::string& more) {
+    WriteFile(folder_ / "capture.json",
+              R"({"images": [], "board": {"columns": 11, "rows": 8, "square_m": 0.022, )"
+              R"("marker_m": 0.0165)" +
+                  more + "}}");
+    return ReadImageSet(folder_).board_print;
+  };
+  for (const char* older : {"", R"(, "dictionary": "DICT_5X5_100")"}) {
+    EXPECT_EQ(read(older).dictionary, kOwnDictionary);
+    EXPECT_FALSE(read(older).first_white);
+  }
+  EXPECT_THROW(read(R"(, "dictionary": "DICT_9X9_50")"), InputError);
+  EXPECT_THROW(read(R"(, "dictionary": "DICT_APRILTAG_16h5")"), InputError) << "30 markers";
 }
 
 TEST_F(ImageSetIo, PlateCornerThatThePlateDoesNotHaveIsAnInputError) {
