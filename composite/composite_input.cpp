@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "composite/given_mattes.h"
 #include "composite/layer/linear_light.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
@@ -312,6 +313,27 @@ ImageF AlphaOf(const fs::path& path) {
   return alpha;
 }
 
+/// White is what is in front of the character.
+Image8 ReadHoldout(StageContext& stage, const CompositeInput& input) {
+  GivenMattes holdout("composite", "holdout");
+  const Camera& camera = input.shot.camera;
+  MattePlace place{camera.width, camera.height, 1, "the shot"};
+  if (!input.film.empty() && fs::exists(input.film.front().path))
+    place.orientation = ReadImageInfo(input.film.front().path).orientation;
+  Image8 matte = holdout.Read(stage.Input("holdout"), place);
+  holdout.Tell(stage);
+  if (holdout.AreEmpty())
+    stage.Warn(
+        "composite: the holdout is black all over, so it hides nothing of the character; "
+        "paint white what is in front of it");
+  if (holdout.AreInverted())
+    stage.Warn(
+        "composite: the holdout is white along the whole border of the picture: it hides the "
+        "character there; if it is meant the other way round, invert it: white is what is "
+        "in front of the character");
+  return matte;
+}
+
 std::string Digits(int frames) { return fmt::format("{} frame{}", frames, frames == 1 ? "" : "s"); }
 
 }  // namespace
@@ -323,8 +345,7 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   ReadLooks(stage, &input);
   input.shot.still ? ReadPlate(stage, &input) : ReadMovingFilm(stage, &input);
   if (stage.Has("holdout")) {
-    RequireSize(stage.Input("holdout"), input.shot.camera, "the holdout");
-    input.holdout = ReadMatte(stage.Input("holdout"));
+    input.holdout = ReadHoldout(stage, input);
     if (!input.shot.still)
       stage.Warn(
           "composite: the camera of this shot moves, but the holdout is one picture, which stays "

@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "7",
+    .version = "8",
     .summary = "Renders in-betweens into a filmed shot.",
     .title = "Into the shot",
     .inputs = {{.name = "frames",

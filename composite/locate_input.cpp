@@ -9,10 +9,12 @@
 #include <optional>
 
 #include "composite/companion_film.h"
+#include "composite/given_mattes.h"
 #include "composite/locate_clicks.h"
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/shrunk.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
@@ -258,7 +260,7 @@ struct Companions {
 };
 
 void AddFrame(const FilmPicture& picture, int pose, const Companions& companions,
-              LocateInput& input) {
+              GivenMattes& mattes, LocateInput& input) {
   const std::string first =
       input.pictures.empty() ? "" : input.pictures[0].path.filename().string();
   LocateFrame frame;
@@ -270,9 +272,9 @@ void AddFrame(const FilmPicture& picture, int pose, const Companions& companions
   frame.picture = Reduced(whole, input.shot.camera);
   if (companions.mattes) {
     const fs::path path = companions.mattes->For(picture);
-    const Image8 matte = ReadMatte(path);
-    RequireSize(matte, path, input.camera, frame.name);
-    frame.matte = Reduced(matte, input.shot.camera);
+    frame.matte = Reduced(mattes.Read(path, {whole.width, whole.height,
+                                             ReadImageInfo(picture.path).orientation, frame.name}),
+                          input.shot.camera);
   } else if (companions.plates) {
     const fs::path path = companions.plates->For(picture, companions.plates_a_frame);
     const Image8 plate = ReadImage(path, 3);
@@ -282,6 +284,15 @@ void AddFrame(const FilmPicture& picture, int pose, const Companions& companions
   }
   input.shot.frames.push_back(std::move(frame));
   input.pictures.push_back(picture);
+}
+
+/// Of mattes that are white where the character is not.
+void TurnMattesRound(StageContext& stage, LocateInput& input) {
+  stage.Warn(
+      "locate: the mattes are white where the character is not, and were turned round: black is "
+      "taken for the character");
+  for (LocateFrame& frame : input.shot.frames)
+    if (!frame.matte.empty()) frame.matte = InvertedMatte(std::move(frame.matte));
 }
 
 /// The empty set as a moving camera passed it.
@@ -369,7 +380,10 @@ void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, Loc
   NoteAlpha(stage, chosen[0].first.path);
   input.shot.quick = options.quick;
   const Companions companions(stage, options, pictures, frames);
-  for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, companions, input);
+  GivenMattes mattes("locate", "matte");
+  for (const auto& [picture, pose] : chosen) AddFrame(picture, pose, companions, mattes, input);
+  mattes.Tell(stage);
+  if (mattes.AreInverted()) TurnMattesRound(stage, input);
   if (options.camera == "moving") AddPlates(companions, input);
   AddClicks(stage, input);
   if (options.quick) RequireClicksEverywhere(input);

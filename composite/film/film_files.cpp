@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
@@ -30,13 +29,6 @@ fs::path NewFolder() {
 
 int PlatesAFrame(int last_plate, int last_frame) {
   return last_frame > 0 ? std::max(1, last_plate / last_frame) : 1;
-}
-
-Image8 ReadMatte(const fs::path& path) {
-  Image8 alpha = ReadAlpha(path);
-  const bool opaque = std::all_of(alpha.data.begin(), alpha.data.end(),
-                                  [](std::uint8_t value) { return value == 255; });
-  return opaque ? ReadImage(path, 1) : alpha;
 }
 
 FilmFiles::FilmFiles(const fs::path& film) : film_(film) {

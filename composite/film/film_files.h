@@ -18,10 +18,6 @@ namespace keypose::composite {
 /// @param last_plate, last_frame  numbers, counted from 0
 int PlatesAFrame(int last_plate, int last_frame);
 
-/// Of a matte or a holdout: the alpha of a picture that has one which is not opaque all over, else
-/// its grey values.
-Image8 ReadMatte(const std::filesystem::path& path);
-
 /// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
 /// removed with this object: 8 bits a channel, with alpha where the video has it.
 class FilmFiles {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
@@ -77,11 +78,10 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
         " has no masks/CAMERA/ for each camera; `keypose silhouettes` makes them from films and "
         "pictures of the empty set");
   CountFrames(stage);
-  for (const ShotCamera& camera : shot_.cameras) {
-    masks_.push_back(std::make_unique<FrameReader>(camera.masks));
+  OpenMasks(stage);
+  for (const ShotCamera& camera : shot_.cameras)
     pictures_.push_back(
         std::make_unique<FrameReader>(camera.pictures.empty() ? camera.masks : camera.pictures));
-  }
   offsets_.assign(shot_.cameras.size(), 0);
   for (int c = 0; c < SizeOf(views_); ++c) {
     const AdjustedView filmed = ViewForPictures(views_[c], Shown(c), calibrated_up_, "track");
@@ -99,6 +99,19 @@ TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_fo
   FindUnit(stage, options);
   FindClocks(stage, options);
   Compare(stage, std::min(options.at_frame, frames_ - 1));
+}
+
+void TrackInput::OpenMasks(StageContext& stage) {
+  constexpr int kOnItsSide = 5;  // and above, as EXIF counts
+  for (const ShotCamera& camera : shot_.cameras) {
+    masks_.push_back(std::make_unique<GivenMasks>(camera, "track"));
+    if (!camera.pictures.pictures.empty()) {
+      const ImageInfo info = ReadImageInfo(camera.pictures.pictures.front());
+      if (info.orientation >= kOnItsSide)
+        masks_.back()->FitTo(info.width, info.height, info.orientation);
+    }
+    for (const std::string& warning : masks_.back()->warnings()) stage.Warn(warning);
+  }
 }
 
 void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
@@ -124,7 +137,8 @@ void TrackInput::Match(StageContext& stage, const TrackInputOptions& options) {
 }
 
 Image8 TrackInput::Shown(int camera) {
-  const Image8 mask = Mask(camera, 0);
+  Image8 mask = Mask(camera, 0);
+  if (shot_.cameras[camera].pictures.empty()) return mask;
   const Image8 picture = Picture(camera, 0);
   return picture.width == mask.width && picture.height == mask.height ? picture : mask;
 }
@@ -269,14 +283,14 @@ Image8 TrackInput::ReducedMask(int camera, int frame) {
   KnownMasks& known = known_[camera];
   const auto found = known.frames.find(frame);
   if (found != known.frames.end()) return found->second.Mask();
-  Image8 reduced = cameras_[camera].Reduced(masks_[camera]->Read(frame, 1));
+  Image8 reduced = cameras_[camera].Reduced(masks_[camera]->Read(frame));
   if (known.bytes < kMostKnown / SizeOf(used_))
     known.bytes += known.frames.try_emplace(frame, reduced).first->second.bytes();
   return reduced;
 }
 
 Image8 TrackInput::Mask(int camera, int frame) {
-  return masks_[camera]->Read(frame + offsets_[camera], 1);
+  return masks_[camera]->Read(frame + offsets_[camera]);
 }
 
 Image8 TrackInput::Picture(int camera, int frame) {

@@ -11,6 +11,7 @@
 #include "core/stage/stage.h"
 #include "motion/tracking/mask_runs.h"
 #include "motion/tracking/rig_checks.h"
+#include "views/shot/given_masks.h"
 #include "views/shot/shot.h"
 
 namespace keypose::motion {
@@ -59,6 +60,7 @@ class TrackInput {
   /// A picture that tells a film's size and black borders: of the film, else the mask.
   Image8 Shown(int camera);
   void CountFrames(StageContext& stage);
+  void OpenMasks(StageContext& stage);
   void FindUnit(StageContext& stage, const TrackInputOptions& options);
   void Compare(StageContext& stage, int frame);
   void FindClocks(StageContext& stage, const TrackInputOptions& options);
@@ -73,7 +75,8 @@ class TrackInput {
 
   Shot shot_;
   std::vector<View> views_;  // metres
-  std::vector<std::unique_ptr<FrameReader>> masks_, pictures_;
+  std::vector<std::unique_ptr<GivenMasks>> masks_;
+  std::vector<std::unique_ptr<FrameReader>> pictures_;
   std::vector<SilhouetteCamera> cameras_;
   std::vector<KnownMasks> known_;  // per camera, as the reduced pictures of cameras_
   std::vector<int> used_, compared_, offsets_;

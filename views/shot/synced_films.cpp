@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/io/pictures/image_io.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
@@ -91,7 +92,8 @@ void SyncedFilms::Open(StageContext& stage) {
   up_ = rig.up;
   for (CameraFilm& film : films_) {
     film.pictures = std::make_unique<FrameReader>(film.files.pictures);
-    if (!film.files.masks.empty()) film.masks = std::make_unique<FrameReader>(film.files.masks);
+    if (!film.files.masks.empty())
+      film.masks = std::make_unique<GivenMasks>(film.files, request_.stage);
   }
 }
 
@@ -142,12 +144,11 @@ void SyncedFilms::CheckSizes(StageContext& stage) {
     if (!filmed.note.empty()) stage.Note(filmed.note);
     views_[v] = filmed.view;
     if (!films_[v].masks) continue;
-    const Image8 mask = films_[v].masks->Read(first, 1);
-    if (mask.width != picture.width || mask.height != picture.height)
-      throw InputError(request_.stage + ": the masks of camera " + views_[v].name + " have " +
-                       std::to_string(mask.width) + " x " + std::to_string(mask.height) +
-                       " pixels, but its pictures " + std::to_string(picture.width) + " x " +
-                       std::to_string(picture.height));
+    const FrameSource& files = films_[v].files.pictures;
+    const int orientation =
+        files.pictures.empty() ? 1 : ReadImageInfo(files.pictures.front()).orientation;
+    films_[v].masks->FitTo(picture.width, picture.height, orientation);
+    for (const std::string& warning : films_[v].masks->warnings()) stage.Warn(warning);
   }
 }
 
@@ -160,7 +161,7 @@ FilmedPictures SyncedFilms::Read(int frame, bool pictures) {
     const int at = frame + film.offset;
     if (at < 0 || at >= film.files.pictures.frames) return;
     if (pictures) read.pictures[v] = film.pictures->Read(at, 3);
-    if (film.masks && at < film.files.masks.frames) read.masks[v] = film.masks->Read(at, 1);
+    if (film.masks && at < film.files.masks.frames) read.masks[v] = film.masks->Read(at);
   });
   return read;
 }

@@ -10,6 +10,7 @@
 #include "core/stage/stage.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
+#include "views/shot/given_masks.h"
 #include "views/shot/shot.h"
 
 namespace keypose {
@@ -56,8 +57,9 @@ class SyncedFilms {
 
   struct CameraFilm {
     ShotCamera files;
-    std::unique_ptr<FrameReader> pictures, masks;  // masks: may be null
-    int offset = 0;                                // frame f of the motion is frame f + offset
+    std::unique_ptr<FrameReader> pictures;
+    std::unique_ptr<GivenMasks> masks;  // may be null
+    int offset = 0;                     // frame f of the motion is frame f + offset
   };
   FilmsRequest request_;
   std::vector<View> views_;

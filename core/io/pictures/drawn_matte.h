@@ -1,0 +1,44 @@
+// Mattes as a person or another program made them: masks whose borders may be soft.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/values/image.h"
+
+namespace keypose {
+
+/// A matte in a file, and what had to be done to it.
+struct DrawnMatte {
+  Image8 matte;            ///< 255 where all is covered, 0 where nothing is
+  bool stretched = false;  ///< its two levels were others, such as 0 and 1
+};
+
+/// By its alpha where that differs between pixels, else by its levels. Two levels are 0 and 255,
+/// however small both are; one alone and more are kept. The EXIF orientation is applied.
+/// @throws InputError  a picture in colours; many levels, all of them dark @throws DiskError
+DrawnMatte ReadDrawnMatte(const std::filesystem::path& path);
+
+/// What was done to a matte so that it lies on its picture.
+struct MatteChange {
+  bool turned = false;   ///< it lay as the picture is stored
+  bool resized = false;  ///< it was smaller or larger, in the same shape
+};
+
+/// The matte at its picture's size.
+/// @param orientation  of the picture's file, as EXIF counts
+/// @param what         names matte and picture for messages, as in "locate: matte a.png of b.jpg"
+/// @param change       may be null
+/// @throws InputError  another shape, or less than an eighth of the size
+Image8 PlacedMatte(Image8 matte, int width, int height, int orientation, const std::string& what,
+                   MatteChange* change);
+
+/// Whether it covers nothing at all.
+bool IsEmptyMatte(const Image8& matte);
+/// Whether it covers nine tenths of the picture's border but not all of the picture: what surrounds
+/// a figure does, a figure hardly ever.
+bool CoversBorder(const Image8& matte);
+/// 0 for 255 and 255 for 0.
+Image8 InvertedMatte(Image8 matte);
+
+}  // namespace keypose

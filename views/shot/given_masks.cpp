@@ -1,0 +1,105 @@
+#include "views/shot/given_masks.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/io/pictures/drawn_mask.h"
+#include "core/io/pictures/drawn_matte.h"
+#include "core/values/errors.h"
+#include "core/values/size_of.h"
+
+namespace keypose {
+namespace {
+
+/// Frames that tell how masks were made: of a film the first ones, as it is decoded in order.
+std::set<int> FramesToLookAt(const FrameSource& masks) {
+  constexpr int kFilmed = 12;
+  const int last = masks.frames - 1;
+  if (masks.video.empty()) return {0, last / 2, last};
+  return {0, std::min(kFilmed, last), std::min(2 * kFilmed, last)};
+}
+
+/// Share of the pixels that are in one of two masks alone.
+double ShareOfDifference(const Image8& a, const Image8& b) {
+  std::int64_t different = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i)
+    different += (a.data[i] > 127) != (b.data[i] > 127);
+  return static_cast<double>(different) /
+         static_cast<double>(std::max<std::size_t>(1, a.data.size()));
+}
+
+ImageF LevelsOf(const Image8& image) {
+  ImageF levels(image.width, image.height, 1);
+  std::copy(image.data.begin(), image.data.end(), levels.data.begin());
+  return levels;
+}
+
+}  // namespace
+
+GivenMasks::GivenMasks(const ShotCamera& camera, const std::string& stage)
+    : name_(camera.name), stage_(stage), source_(camera.masks), reader_(camera.masks) {
+  int looked = 0, empty = 0, surround = 0;
+  for (const int frame : FramesToLookAt(source_)) LookAt(frame, &looked, &empty, &surround);
+  const std::string of = stage_ + ": the masks of camera " + name_;
+  if (drawn_)
+    warnings_.push_back(of +
+                        " are not white on black; the higher of their levels, or their alpha, "
+                        "is taken for the actor");
+  if (surround > 0 && surround + empty == looked) {
+    inverted_ = true;
+    warnings_.push_back(of +
+                        " are white where the actor is not, and were turned round: black is "
+                        "taken for the actor");
+  }
+  if (empty == looked)
+    warnings_.push_back(of + " are black in all of the " + std::to_string(looked) +
+                        " frames that were looked at: nobody is drawn in them; make them again, or "
+                        "leave the camera out");
+}
+
+/// By the file's levels and alpha; a film's frame by its levels, whose noise is that of
+/// compression.
+Image8 GivenMasks::Drawn(int frame) {
+  if (!source_.video.empty()) {
+    const Image8 plain = reader_.Read(frame, 1);
+    return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
+                               : MaskOfLevels(LevelsOf(plain), false, source_.video.filename());
+  }
+  const int picture =
+      source_.order.empty() ? frame : source_.order[static_cast<std::size_t>(frame)];
+  return ReadDrawnMask(source_.pictures[static_cast<std::size_t>(picture)]);
+}
+
+void GivenMasks::LookAt(int frame, int* looked, int* empty, int* surround) {
+  constexpr double kUnlike = 1e-3;
+  const Image8 plain = reader_.Read(frame, 1), drawn = Drawn(frame);
+  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike;
+  ++*looked;
+  *empty += IsEmptyMatte(drawn);
+  *surround += CoversBorder(drawn);
+}
+
+void GivenMasks::FitTo(int width, int height, int orientation) {
+  fitted_ = true;
+  width_ = width;
+  height_ = height;
+  orientation_ = orientation;
+  MatteChange change;
+  PlacedMatte(reader_.Read(0, 1), width_, height_, orientation_,
+              stage_ + ": a mask of camera " + name_, &change);
+  const std::string of = stage_ + ": the masks of camera " + name_;
+  if (change.turned)
+    warnings_.push_back(of + " lie as its pictures are stored, and were turned as EXIF says");
+  if (change.resized)
+    warnings_.push_back(of + " have another size than its pictures, and were resized");
+}
+
+Image8 GivenMasks::Read(int frame) {
+  Image8 mask = drawn_ ? Drawn(frame) : reader_.Read(frame, 1);
+  if (fitted_)
+    mask = PlacedMatte(std::move(mask), width_, height_, orientation_,
+                       stage_ + ": a mask of camera " + name_, nullptr);
+  return inverted_ ? InvertedMatte(std::move(mask)) : mask;
+}
+
+}  // namespace keypose

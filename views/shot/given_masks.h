@@ -1,0 +1,50 @@
+// Masks of a shot as people have them: of any two levels, in alpha, inverted, of another size.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/values/image.h"
+#include "views/shot/shot.h"
+
+namespace keypose {
+
+/// Reads one camera's masks, bright where the actor is.
+///
+/// A few frames tell how they were made, as a program writes all of them alike. Masks that are
+/// white on black are read as they are, with soft borders; others frame by frame by their levels
+/// (see ReadDrawnMask). Not for use in several threads at once.
+class GivenMasks {
+ public:
+  /// @param stage  for messages
+  /// @throws InputError  several labels, colours, dark all over: which level is the actor cannot be
+  /// known; names the file
+  GivenMasks(const ShotCamera& camera, const std::string& stage);
+
+  /// 255 where the actor is, H x W.
+  /// @throws InputError  as FrameReader::Read; another shape than it should have
+  Image8 Read(int frame);
+
+  /// From now on masks are brought to this size: of the camera's pictures.
+  /// @param orientation  of their files, as EXIF counts
+  void FitTo(int width, int height, int orientation);
+
+  /// What is to be said of them: sentences for warnings.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  Image8 Drawn(int frame);
+  void LookAt(int frame, int* looked, int* empty, int* surround);
+
+  std::string name_, stage_;  // of the camera, of the program
+  FrameSource source_;
+  FrameReader reader_;
+  bool drawn_ = false;     // must be read by levels
+  bool inverted_ = false;  // white is what is not the actor
+  bool fitted_ = false;
+  int width_ = 0, height_ = 0, orientation_ = 1;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace keypose

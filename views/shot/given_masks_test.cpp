@@ -1,0 +1,116 @@
+#include "views/shot/given_masks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/io/pictures/image_io.h"
+#include "core/io/pictures/png_io.h"
+#include "core/testing/folder.h"
+#include "core/values/errors.h"
+
+namespace keypose::given_masks_test {
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+
+/// 32 x 24: a block that is `high` on `low`, a pixel further right with each frame.
+Image8 Block(int frame, int low, int high, int channels = 1) {
+  Image8 block(32, 24, channels, static_cast<std::uint8_t>(low));
+  for (int y = 8; y < 16; ++y)
+    for (int x = 10 + frame; x < 18 + frame; ++x)
+      std::fill_n(block.at(x, y), channels, static_cast<std::uint8_t>(high));
+  return block;
+}
+
+class GivenMasksTest : public ::testing::Test, public TestingFolder {
+ protected:
+  void Put(int frame, const Image8& mask) const {
+    fs::create_directories(folder_ / "masks/a");
+    WritePng(folder_ / "masks/a" / (std::to_string(frame) + ".png"), mask);
+  }
+  GivenMasks Open() const { return GivenMasks(OpenShot(folder_).cameras[0], "track"); }
+  void ExpectBlocks(GivenMasks masks) const {
+    for (int frame = 0; frame < 3; ++frame)
+      EXPECT_EQ(masks.Read(frame).data, Block(frame, 0, 255).data) << frame;
+  }
+};
+
+TEST_F(GivenMasksTest, WhiteOnBlackIsReadAsItIsWithItsSoftBorder) {
+  Image8 soft = Block(0, 0, 255);
+  *soft.at(9, 10) = 90;
+  Put(0, soft);
+  GivenMasks masks = Open();
+  EXPECT_EQ(masks.Read(0).data, soft.data);
+  EXPECT_TRUE(masks.warnings().empty());
+}
+
+TEST_F(GivenMasksTest, LevelsOfOneAreWhite) {
+  for (int frame = 0; frame < 3; ++frame) Put(frame, Block(frame, 0, 1));
+  GivenMasks masks = Open();
+  ASSERT_EQ(masks.warnings().size(), 1u);
+  EXPECT_THAT(masks.warnings()[0],
+              HasSubstr("track: the masks of camera a are not white on black"));
+  ExpectBlocks(std::move(masks));
+}
+
+TEST_F(GivenMasksTest, AlphaIsTheMask) {
+  for (int frame = 0; frame < 3; ++frame) {
+    Image8 cutout(32, 24, 4, 180);
+    const Image8 block = Block(frame, 0, 255);
+    for (std::size_t p = 0; p < block.data.size(); ++p) cutout.data[4 * p + 3] = block.data[p];
+    Put(frame, cutout);
+  }
+  ExpectBlocks(Open());
+}
+
+TEST_F(GivenMasksTest, WhiteRoundTheActorIsTurnedRound) {
+  for (int frame = 0; frame < 3; ++frame) Put(frame, Block(frame, 255, 0));
+  GivenMasks masks = Open();
+  ASSERT_EQ(masks.warnings().size(), 1u);
+  EXPECT_THAT(masks.warnings()[0], HasSubstr("turned round"));
+  ExpectBlocks(std::move(masks));
+}
+
+TEST_F(GivenMasksTest, BlackOnesAreNamedAndOneOfThemAmongOthersIsNone) {
+  for (int frame = 0; frame < 3; ++frame) Put(frame, Image8(32, 24, 1));
+  const GivenMasks masks = Open();
+  ASSERT_EQ(masks.warnings().size(), 1u);
+  EXPECT_THAT(masks.warnings()[0], HasSubstr("black in all of the 3 frames"));
+  Put(1, Block(1, 0, 255));
+  EXPECT_TRUE(Open().warnings().empty()) << "the actor comes in later";
+}
+
+TEST_F(GivenMasksTest, SeveralLabelsAreRefusedByName) {
+  Image8 labels = Block(0, 0, 1);
+  for (int x = 0; x < 20; ++x) *labels.at(x, 2) = 2;
+  Put(0, labels);
+  try {
+    Open();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("mask 0.png has the levels 0, 1, 2"));
+  }
+}
+
+TEST_F(GivenMasksTest, HalfSizeAndAsStoredFitThePictures) {
+  Put(0, Block(0, 0, 255));
+  GivenMasks masks = Open();
+  masks.FitTo(64, 48, 1);
+  EXPECT_THAT(masks.warnings().back(), HasSubstr("were resized"));
+  const Image8 twice = masks.Read(0);
+  ASSERT_EQ(twice.width, 64);
+  EXPECT_EQ(*twice.at(28, 24), 255);
+  EXPECT_EQ(*twice.at(10, 24), 0);
+  GivenMasks stored = Open();
+  stored.FitTo(24, 32, 6);  // a quarter turn clockwise
+  EXPECT_THAT(stored.warnings().back(), HasSubstr("turned as EXIF says"));
+  const Image8 upright = stored.Read(0);
+  ASSERT_EQ(upright.width, 24);
+  EXPECT_EQ(*upright.at(12, 14), 255);
+  EXPECT_EQ(*upright.at(12, 5), 0);
+  EXPECT_THROW(Open().FitTo(48, 48, 1), InputError);
+}
+
+}  // namespace keypose::given_masks_test
