@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/io/pictures/drawn_mask.h"
+#include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/photograph_files.h"
@@ -129,13 +131,26 @@ fs::path PictureFile(const fs::path& folder, const fs::path& photograph, int wid
   });
 }
 
+namespace {
+
+/// A person's mask, by its levels and the right way round.
+Image8 AsCaptureTakes(const fs::path& file) {
+  Image8 mask = ReadDrawnMask(file);
+  return CoversBorder(mask) ? InvertedMatte(std::move(mask)) : mask;
+}
+
+}  // namespace
+
 fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, int height) {
   const ImageInfo info = ReadImageInfo(mask);
-  if (info.format == "png" && (width == 0 || (info.width == width && info.height == height)))
+  // Others than those of an images folder were drawn by a person, and may have any levels.
+  const bool ours = fs::exists(mask.parent_path().parent_path() / "capture.json");
+  if (ours && info.format == "png" &&
+      (width == 0 || (info.width == width && info.height == height)))
     return mask;
-  return KeptPicture(folder, mask, fmt::format("mask {} {}", width, height), ".png",
+  return KeptPicture(folder, mask, fmt::format("drawn mask {} {}", width, height), ".png",
                      [&](const fs::path& file) {
-                       Image8 image = ReadImage(mask, 1);
+                       Image8 image = ours ? ReadImage(mask, 1) : AsCaptureTakes(mask);
                        // Capture turns portraits among landscapes; masks lie as their photographs
                        // did.
                        if (width > 0 && (image.width > image.height) != (width > height))

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -141,6 +142,20 @@ TEST_F(MasksRoutes, APortraitThatCaptureTurnsIsPaintedAsThePageShowsIt) {
   EXPECT_EQ(mask.at(35, 30)[0], 0);
   const Image8 shown = ReadImage(MaskPicture(folder_ / "kept", file, 60, 40), 1);
   EXPECT_EQ(shown.data, ReadImage(folder_ / "mask.png", 1).data);
+}
+
+TEST_F(MasksRoutes, AMaskOfAnotherProgramIsShownAsCaptureTakesIt) {
+  for (const auto& [low, high] : {std::pair{0, 1}, {255, 0}}) {
+    Image8 mask(60, 40, 1, static_cast<std::uint8_t>(low));
+    for (int y = 10; y < 20; ++y)
+      for (int x = 20; x < 40; ++x) *mask.at(x, y) = static_cast<std::uint8_t>(high);
+    const fs::path file = folder_ / fmt::format("masks/rest/of{}.png", high);
+    fs::create_directories(file.parent_path());
+    WriteImage(file, mask);
+    const Image8 shown = ReadImage(MaskPicture(folder_ / "kept", file, 60, 40), 1);
+    EXPECT_EQ(*shown.at(30, 15), 255) << high;
+    EXPECT_EQ(*shown.at(5, 5), 0) << high;
+  }
 }
 
 }  // namespace keypose::studio::masks_routes_test

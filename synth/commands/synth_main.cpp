@@ -119,6 +119,9 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   photos->add_flag("!--no-shadows", c.photographer.shadows, "light that casts no shadow");
   photos->add_flag("--charuco", c.photographer.board.charuco,
                    "a ChArUco calibration board under the character");
+  photos->add_option_function<std::string>(
+      "--board", [&c](const std::string& text) { c.photographer.board.Say(text); },
+      "that board as capture's --board says it, such as 8x11:22mm:DICT_4X4_50:legacy");
   photos->add_flag("--flip", c.flip,
                    "also the same number of photographs of the character on its back");
   photos->add_flag("--clean-plate", c.clean_plate, "also photograph the empty set");

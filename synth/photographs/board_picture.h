@@ -1,7 +1,9 @@
 // The ChArUco calibration board under the character.
 #pragma once
 
-#include "core/values/calibration_board.h"
+#include <string>
+
+#include "core/values/board_print.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
 
@@ -14,9 +16,15 @@ struct BoardOptions {
       squares_y = BoardLayout{}.rows;  ///< the board that capture prints
   double square_m = BoardLayout{}.square_m;
   double marker_m = BoardLayout{}.marker_m;
+  BoardPrint print;
+
+  BoardLayout Layout() const { return {squares_x, squares_y, square_m, marker_m}; }
+  /// As ParseBoard reads it; what is not said stays as it is.
+  /// @throws UsageError
+  void Say(const std::string& text);
 };
 
-/// A board of OpenCV's DICT_5X5_100 in the plane z = 0, centred on the axis; x to the right and y
+/// A board with OpenCV's markers in the plane z = 0, centred on the axis; x to the right and y
 /// up when seen from above.
 struct BoardPicture {
   Image8 picture;  ///< grey, first row at +y; covers width_m x height_m

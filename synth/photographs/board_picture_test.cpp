@@ -48,4 +48,44 @@ TEST(Photographer, OpenCvFindsTheBoardsCornersWhereTheTruthSays) {
   EXPECT_LT(UpperMedian(errors), 0.2);
 }
 
+TEST(BoardPicture, PrintsOfOtherProgramsHaveTheirFirstMarkerWhereTheyHaveIt) {
+  // text, and the square of marker 0
+  for (const auto& [text, column] : {std::pair{"8x10:20mm:DICT_4X4_50", 1},
+                                     {"8x10:20mm:DICT_4X4_50:legacy", 0},
+                                     {"7x5:20/14mm:DICT_6X6_250:first_white", 0},
+                                     {"7x5:20mm:DICT_APRILTAG_36h11:legacy", 1}}) {
+    BoardOptions options;
+    options.Say(text);
+    BoardPicture board = MakeBoardPicture(options);
+    const cv::Mat grey(board.picture.height, board.picture.width, CV_8UC1,
+                       board.picture.data.data());
+    std::vector<std::vector<cv::Point2f>> markers;
+    std::vector<int> ids;
+    cv::aruco::detectMarkers(grey,
+                             cv::aruco::getPredefinedDictionary(
+                                 cv::aruco::PREDEFINED_DICTIONARY_NAME(options.print.dictionary)),
+                             markers, ids);
+    ASSERT_EQ(static_cast<int>(ids.size()), MarkersOfBoard(options.Layout(), options.print))
+        << text;
+    const auto first = std::find(ids.begin(), ids.end(), 0) - ids.begin();
+    const cv::Point2f middle = (markers[first][0] + markers[first][2]) / 2;
+    const double square_px = grey.cols * options.square_m / board.width_m;
+    EXPECT_NEAR(middle.x / square_px, 0.5 + column + 0.5, 0.02) << text;
+    EXPECT_NEAR(middle.y / square_px, 1.0, 0.02) << text;
+    const double side = cv::norm(markers[first][1] - markers[first][0]) / square_px;
+    EXPECT_NEAR(side, options.marker_m / options.square_m, 0.03) << text;
+    EXPECT_EQ(board.corners.rows(), options.Layout().CornerCount());
+  }
+}
+
+TEST(BoardPicture, InkOfAnInvertedPrintIsWhite) {
+  BoardOptions options;
+  options.Say("7x5:20mm:DICT_6X6_50");
+  const BoardPicture plain = MakeBoardPicture(options);
+  options.Say("7x5:20mm:DICT_6X6_50:inverted");
+  const BoardPicture inverted = MakeBoardPicture(options);
+  for (std::size_t i = 0; i < plain.picture.data.size(); ++i)
+    ASSERT_EQ(plain.picture.data[i] + inverted.picture.data[i], 255);
+}
+
 }  // namespace keypose::synth::board_picture_test

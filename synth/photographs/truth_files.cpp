@@ -105,9 +105,14 @@ std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer,
     Json corners = Json::array();
     for (Eigen::Index i = 0; i < board.corners.rows(); ++i)
       corners.push_back({board.corners(i, 0), board.corners(i, 1), board.corners(i, 2)});
-    json["board"] = {{"dictionary", "DICT_5X5_100"},         {"squares_x", options.board.squares_x},
-                     {"squares_y", options.board.squares_y}, {"square_m", options.board.square_m},
-                     {"marker_m", options.board.marker_m},   {"corners_m", corners}};
+    json["board"] = {{"dictionary", DictionaryName(options.board.print.dictionary)},
+                     {"squares_x", options.board.squares_x},
+                     {"squares_y", options.board.squares_y},
+                     {"square_m", options.board.square_m},
+                     {"marker_m", options.board.marker_m},
+                     {"corners_m", corners}};
+    if (options.board.print.first_white) json["board"]["first_white"] = true;
+    if (options.board.print.inverted) json["board"]["inverted"] = true;
   }
   return json.dump(1) + "\n";
 }
