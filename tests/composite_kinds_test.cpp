@@ -170,6 +170,18 @@ TEST_F(FilmKinds, AHoldoutsAlphaTellsWhereThePropIs) {
   flags["holdout"] = "mask.png";
   ASSERT_EQ(Composite("by_mask", flags).exit_code, 0);
   EXPECT_EQ(ReadFile(folder_ / "by_roto/0001.png"), ReadFile(folder_ / "by_mask/0001.png"));
+  for (std::uint8_t& value : mask.data) value = value ? 1 : 0;
+  WritePng(folder_ / "ones.png", mask);
+  flags["holdout"] = "ones.png";
+  const RunResult ones = Composite("by_ones", flags);
+  ASSERT_EQ(ones.exit_code, 0);
+  EXPECT_NE(ones.output.find("not black and white"), std::string::npos) << ones.output;
+  EXPECT_EQ(ReadFile(folder_ / "by_ones/0001.png"), ReadFile(folder_ / "by_mask/0001.png"));
+  WritePng(folder_ / "black.png", Image8(film.width, film.height, 1));
+  flags["holdout"] = "black.png";
+  const RunResult black = Composite("by_black", flags);
+  ASSERT_EQ(black.exit_code, 0);
+  EXPECT_NE(black.output.find("the holdout is black all over"), std::string::npos) << black.output;
 }
 
 }  // namespace keypose::tests::composite_kinds_test

@@ -297,6 +297,36 @@ TEST_F(LocateProgram, ClicksPlaceItWithoutMatte) {
   EXPECT_THAT(Log(), HasSubstr("click 3 has vertex 99999"));
 }
 
+TEST_F(LocateProgram, MattesOfOtherProgramsAreTakenWithAWarning) {
+  const Image8 matte = ReadImage(folder / "mattes/0000.png", 1);
+  Image8 ones = matte, inverted = matte, cutout(kWidth, kHeight, 4, 60);
+  for (std::size_t i = 0; i < matte.data.size(); ++i) {
+    ones.data[i] = matte.data[i] > 127 ? 1 : 0;
+    inverted.data[i] = static_cast<std::uint8_t>(255 - matte.data[i]);
+    cutout.data[4 * i + 3] = matte.data[i];
+  }
+  struct Case {
+    const char* name;
+    Image8 matte;
+    const char* said;
+  };
+  for (const Case& one :
+       {Case{"ones", ones, "not black and white"}, Case{"inverted", inverted, "turned round"},
+        Case{"half", Resized(matte, kWidth / 2, kHeight / 2), "was resized"},
+        Case{"cutout", cutout, ""}}) {
+    WriteImage(folder / (std::string(one.name) + ".png"), one.matte);
+    ASSERT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --focal_35mm 50 --matte %/" +
+                  std::string(one.name) + ".png"),
+              0)
+        << one.name << Log();
+    EXPECT_THAT(Log(), HasSubstr(one.said)) << one.name;
+    EXPECT_GT(ReadShot(folder / "shot.json").frames[0].iou.value(), 0.95) << one.name;
+  }
+  WriteImage(folder / "wide.png", Image8(kWidth, kHeight / 2, 1, 255));
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/wide.png"), 3);
+  EXPECT_THAT(Log(), HasSubstr("the matte wide.png of 0000.png has 480 x 180 pixels"));
+}
+
 TEST_F(LocateProgram, AFrameWithoutTheCharacterIsRefused) {
   WriteImage(folder / "none.png", Image8(kWidth, kHeight, 1));
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/none.png"), 3);
@@ -316,9 +346,10 @@ TEST_F(LocateProgram, AFrameWithoutTheCharacterIsRefused) {
 }
 
 TEST_F(LocateProgram, WrongSizesPosesAndPortsAreNamed) {
-  WriteImage(folder / "small.png", Image8(kWidth / 2, kHeight / 2, 1, 255));
+  WriteImage(folder / "small.png", Image8(kWidth / 2, kHeight / 3, 1, 255));
   EXPECT_EQ(Run("--mesh %/body.ply --plate %/film/0000.png --matte %/small.png"), 3);
-  EXPECT_THAT(Log(), HasSubstr("small.png has 240 x 180 pixels, but 0000.png has 480 x 360"));
+  EXPECT_THAT(Log(), HasSubstr("small.png of 0000.png has 240 x 120 pixels, but the picture 480 x "
+                               "360"));
   fs::create_directories(folder / "mixed");
   fs::copy_file(folder / "film/0000.png", folder / "mixed/0000.png",
                 fs::copy_options::overwrite_existing);

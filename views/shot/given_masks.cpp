@@ -5,6 +5,7 @@
 
 #include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/drawn_matte.h"
+#include "core/io/pictures/image_io.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -26,6 +27,12 @@ double ShareOfDifference(const Image8& a, const Image8& b) {
     different += (a.data[i] > 127) != (b.data[i] > 127);
   return static_cast<double>(different) /
          static_cast<double>(std::max<std::size_t>(1, a.data.size()));
+}
+
+bool HasAlphaThatDiffers(const std::filesystem::path& file) {
+  const Image8 alpha = ReadAlpha(file);
+  return std::any_of(alpha.data.begin(), alpha.data.end(),
+                     [&](std::uint8_t value) { return value != alpha.data.front(); });
 }
 
 ImageF LevelsOf(const Image8& image) {
@@ -57,6 +64,12 @@ GivenMasks::GivenMasks(const ShotCamera& camera, const std::string& stage)
                         "leave the camera out");
 }
 
+std::filesystem::path GivenMasks::FileOf(int frame) const {
+  const int picture =
+      source_.order.empty() ? frame : source_.order[static_cast<std::size_t>(frame)];
+  return source_.pictures[static_cast<std::size_t>(picture)];
+}
+
 /// By the file's levels and alpha; a film's frame by its levels, whose noise is that of
 /// compression.
 Image8 GivenMasks::Drawn(int frame) {
@@ -65,15 +78,14 @@ Image8 GivenMasks::Drawn(int frame) {
     return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
                                : MaskOfLevels(LevelsOf(plain), false, source_.video.filename());
   }
-  const int picture =
-      source_.order.empty() ? frame : source_.order[static_cast<std::size_t>(frame)];
-  return ReadDrawnMask(source_.pictures[static_cast<std::size_t>(picture)]);
+  return ReadDrawnMask(FileOf(frame));
 }
 
 void GivenMasks::LookAt(int frame, int* looked, int* empty, int* surround) {
   constexpr double kUnlike = 1e-3;
   const Image8 plain = reader_.Read(frame, 1), drawn = Drawn(frame);
-  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike;
+  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike ||
+            (source_.video.empty() && HasAlphaThatDiffers(FileOf(frame)));
   ++*looked;
   *empty += IsEmptyMatte(drawn);
   *surround += CoversBorder(drawn);

@@ -1,7 +1,7 @@
 // Masks of a shot as people have them: of any two levels, in alpha, inverted, of another size.
 #pragma once
 
-#include <memory>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -34,6 +34,7 @@ class GivenMasks {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  std::filesystem::path FileOf(int frame) const;
   Image8 Drawn(int frame);
   void LookAt(int frame, int* looked, int* empty, int* surround);
 
