@@ -95,8 +95,8 @@ double MeasuredShare(const BoardProbes& probes, const BoardPattern& pattern) {
   constexpr std::size_t kEnough = 3;
   std::vector<double> shares;
   for (const Image8& picture : probes.pictures)
-    if (!picture.empty() && shares.size() < kEnough && !CornersOf(picture, pattern).empty())
-      shares.push_back(MarkerShareIn(picture, pattern));
+    if (!picture.empty() && shares.size() < kEnough)
+      if (const double share = MarkerShareIn(picture, pattern); share > 0) shares.push_back(share);
   const double share = shares.empty() ? pattern.layout.marker_m / pattern.layout.square_m
                                       : UpperMedian(std::move(shares));
   constexpr double kAsOwn = 0.02;

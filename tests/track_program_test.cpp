@@ -188,6 +188,27 @@ TEST_F(TrackProgram, FourCamerasAreTakenWithAWarning) {
   EXPECT_GT(Report(film)["measurements"]["iou_other_cameras"], 0.8);
 }
 
+TEST_F(TrackProgram, MasksOfOtherProgramsGiveTheSameFrames) {
+  const auto film = [&](const std::string& name, int low, int high) {
+    const fs::path copy = Copy(name, 1);
+    for (int c = 1; c <= 8; ++c) {
+      const fs::path file = copy / "shot/masks" / ("cam" + std::to_string(c)) / "000.png";
+      Image8 mask = ReadImage(file, 1);
+      for (std::uint8_t& value : mask.data)
+        value = static_cast<std::uint8_t>(value > 127 ? high : low);
+      WriteImage(file, mask);
+    }
+    const RunResult run = Track(copy, {"--cameras", "cam1, cam3, cam5, cam7"});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    const bool said = run.output.find("the masks of camera cam3") != std::string::npos;
+    EXPECT_EQ(said, high != 255) << run.output;
+    return ReadFile(copy / "frames/frame_0000.ply");
+  };
+  const std::string plain = film("white", 0, 255);
+  EXPECT_EQ(film("ones", 0, 1), plain);
+  EXPECT_EQ(film("inverted", 255, 0), plain);
+}
+
 TEST_F(TrackProgram, ACalibrationWithYUpIsToldOf) {
   const fs::path film = Copy("y_up", 1);
   std::vector<View> views = ReadRigCalibration(film / "calibration.yml").views;

@@ -487,7 +487,7 @@ double MarkerShareIn(const Image8& image, const BoardPattern& pattern) {
   const BoardMap map(PointsOf(CornersIn(picture, pattern, true), pattern.layout),
                      pattern.layout.square_m);
   const double start = pattern.layout.marker_m / pattern.layout.square_m;
-  if (!map.found()) return start;
+  if (!map.found()) return 0;
   const cv::Mat grey(picture.height, picture.width, CV_8UC1,
                      const_cast<std::uint8_t*>(picture.data.data()));
   double share = start;

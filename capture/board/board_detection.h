@@ -48,7 +48,7 @@ BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corne
 
 /// How much of a square a marker takes: the share that explains the picture's print best, near that
 /// of the pattern.
-/// @return that of the pattern where the board is not seen
+/// @return 0 where the board is not seen
 double MarkerShareIn(const Image8& image, const BoardPattern& pattern);
 
 }  // namespace keypose::capture
