@@ -8,8 +8,8 @@ namespace keypose::composite {
 
 namespace fs = std::filesystem;
 
-CompanionFilm::CompanionFilm(const fs::path& path, std::string what)
-    : files_(path),
+CompanionFilm::CompanionFilm(const fs::path& path, std::string what, ShowLight show)
+    : files_(path, std::move(show)),
       what_(std::move(what)),
       single_(!fs::is_directory(path) && !files_.is_video()) {}
 

@@ -13,7 +13,8 @@ namespace keypose::composite {
 class CompanionFilm {
  public:
   /// @param what  its name for messages, such as "matte"
-  CompanionFilm(const std::filesystem::path& path, std::string what);
+  /// @param show  of pictures that are scene light; may be none
+  CompanionFilm(const std::filesystem::path& path, std::string what, ShowLight show = {});
   bool single() const { return single_; }
   bool is_video() const { return files_.is_video(); }
   /// The first picture is for all.

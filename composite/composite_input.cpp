@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The size of pictures of scene light is looked at when they are read.
 void RequireSize(const fs::path& path, const Camera& camera, const char* what) {
   const ImageInfo info = ReadImageInfo(path);
   if (info.width == camera.width && info.height == camera.height) return;
@@ -218,21 +219,34 @@ void WarnOfGaps(StageContext& stage, const std::vector<FilmPicture>& film) {
       lost, where));
 }
 
+/// In-betweens have the plate's alpha only where each has a plate of its own.
+void RequireOpaque(const CompositeInput& input) {
+  for (const FilmPicture& picture : input.film) {
+    const ImageF alpha = input.scene->Alpha(picture.path);
+    if (std::any_of(alpha.data.begin(), alpha.data.end(), [](float a) { return a < 1; }))
+      throw InputError(fmt::format(
+          "composite: the filmed frame {} is transparent in part, as after a key; pass the frames "
+          "before keying: in-betweens have the character alone in their layers",
+          PrintableName(picture.path)));
+  }
+}
+
 void ReadFilm(StageContext& stage, const fs::path& path, std::unique_ptr<FilmFiles> files,
               CompositeInput* input) {
   input->film_files = std::move(files);
   input->film_files->DecodeAll(stage.progress());
   input->film = input->film_files->pictures();
   for (const FilmPicture& picture : input->film)
-    RequireSize(picture.path, input->shot.camera, "the filmed frame");
+    if (!input->scene) RequireSize(picture.path, input->shot.camera, "the filmed frame");
   RequireSameFilm(stage, *input, path);
-  LookAtKind(stage, input);
+  input->scene ? RequireOpaque(*input) : LookAtKind(stage, input);
   if (input->film_stays) WarnOfGaps(stage, input->film);
 }
 
 /// A plate of less depth than the film's is seen in every in-between.
 void WarnOfShallowPlate(StageContext& stage, const CompositeInput& input, const fs::path& plate) {
-  if (input.film.empty() || input.kind.bits == 8 || StoredLevelsOf(plate).bits > 8) return;
+  if (input.scene || input.film.empty() || input.kind.bits == 8 || StoredLevelsOf(plate).bits > 8)
+    return;
   stage.Warn(fmt::format(
       "composite: the film has 16 bits, but the plate {} has 8, and its steps are in the "
       "in-betweens; pass a plate that was developed as the film was",
@@ -263,6 +277,49 @@ void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
   ReadFilm(stage, film, std::make_unique<FilmFiles>(film), input);
 }
 
+/// A person's colours, and the window of the pictures; nothing where they are no scene light.
+void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeInput* input) {
+  const FilmFiles plate(stage.Input("plate"));
+  const bool film_is_light =
+      stage.Has("filmed") ? FilmFiles(stage.Input("filmed")).is_light() : plate.is_light();
+  if (film_is_light != plate.is_light())
+    throw InputError(
+        "composite: one of plate and film is OpenEXR or DPX, and the other is not; pass both as "
+        "the camera's light (OpenEXR, DPX), or both as they should look (PNG, TIFF, video)");
+  if (!plate.is_light()) {
+    if (colorspace.empty() && !stage.Has("ocio_config")) return;
+    throw UsageError(
+        "composite: plate_colorspace and ocio_config are for OpenEXR and DPX plates; pictures of "
+        "other kinds are sRGB");
+  }
+  const StatedColors stated{colorspace,
+                            stage.Has("ocio_config") ? stage.Input("ocio_config") : fs::path()};
+  const fs::path& first = plate.pictures().front().path;
+  input->scene = std::make_unique<ScenePlates>(stated, first);
+  input->shot.camera = input->scene->OfWindow(input->shot.camera);
+  input->kind.bits = input->scene->single() ? 32 : 16;
+  input->kind.ending = ".exr";
+  stage.Note(fmt::format("composite: {} is read as {}", PrintableName(first.filename()),
+                         input->scene->colors().meaning()));
+  if (const std::string& doubt = input->scene->colors().doubt(); !doubt.empty())
+    stage.Warn("composite: " + doubt);
+  if (input->scene->others() > 0)
+    stage.Note(fmt::format("composite: {} channels of {} are no colours, and are left out",
+                           input->scene->others(), PrintableName(first.filename())));
+  // Textures are sRGB; all light of the shot is of the plate's primaries.
+  for (ImageF& texture : input->looks.textures) input->scene->colors().TakeFromRec709(&texture);
+}
+
+/// One plate for each picture of the finished shot, where nothing was filmed.
+bool IsSequence(StageContext& stage, const CompositeInput& input) {
+  return input.scene && !stage.Has("filmed") && fs::is_directory(stage.Input("plate")) &&
+         FilmFiles(stage.Input("plate")).pictures().size() > 1;
+}
+
+ImageF ReadPicture(const CompositeInput& input, const fs::path& path) {
+  return input.scene ? input.scene->Light(path) : ReadLevels(path);
+}
+
 void ReadPlate(StageContext& stage, CompositeInput* input) {
   const fs::path plate = stage.Input("plate");
   auto plate_files = std::make_unique<FilmFiles>(plate);
@@ -280,10 +337,11 @@ void ReadPlate(StageContext& stage, CompositeInput* input) {
       stage.Note(
           fmt::format("composite: of {} plates the first one, {}, is taken: the camera stands",
                       plate_files->pictures().size(), PrintableName(path)));
-    RequireSize(path, input->shot.camera, "the plate");
-    input->given_plate = ReadLevels(path);
+    if (!input->scene) RequireSize(path, input->shot.camera, "the plate");
+    input->given_plate = ReadPicture(*input, path);
+    input->given_plate_file = path;
     WarnOfShallowPlate(stage, *input, path);
-    if (input->film.empty()) {
+    if (input->film.empty() && !input->scene) {
       input->kind = KindOf(path);
       input->kind.ending = ".png";
     }
@@ -314,11 +372,11 @@ ImageF AlphaOf(const fs::path& path) {
 }
 
 /// White is what is in front of the character.
-Image8 ReadHoldout(StageContext& stage, const CompositeInput& input) {
+/// @param camera  of the pictures that were filmed
+Image8 ReadHoldout(StageContext& stage, const CompositeInput& input, const Camera& camera) {
   GivenMattes holdout("composite", "holdout");
-  const Camera& camera = input.shot.camera;
   MattePlace place{camera.width, camera.height, 1, "the shot"};
-  if (!input.film.empty() && fs::exists(input.film.front().path))
+  if (!input.scene && !input.film.empty() && fs::exists(input.film.front().path))
     place.orientation = ReadImageInfo(input.film.front().path).orientation;
   Image8 matte = holdout.Read(stage.Input("holdout"), place);
   holdout.Tell(stage);
@@ -338,14 +396,19 @@ std::string Digits(int frames) { return fmt::format("{} frame{}", frames, frames
 
 }  // namespace
 
-CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
+CompositeInput ReadCompositeInput(StageContext& stage, double fps,
+                                  const std::string& plate_colorspace) {
   CompositeInput input;
   input.shot = ReadShot(stage.Input("shot"));
+  const Camera located = input.shot.camera;
   ReadFrames(stage.Input("frames"), fps, &input, stage.progress());
   ReadLooks(stage, &input);
-  input.shot.still ? ReadPlate(stage, &input) : ReadMovingFilm(stage, &input);
+  LookAtScene(stage, plate_colorspace, &input);
+  const bool sequence = IsSequence(stage, input);
+  if (!sequence) input.shot.still ? ReadPlate(stage, &input) : ReadMovingFilm(stage, &input);
   if (stage.Has("holdout")) {
-    input.holdout = ReadHoldout(stage, input);
+    input.holdout = ReadHoldout(stage, input, located);
+    if (input.scene) input.holdout = InWindow(input.holdout, input.scene->window());
     if (!input.shot.still)
       stage.Warn(
           "composite: the camera of this shot moves, but the holdout is one picture, which stays "
@@ -356,9 +419,17 @@ CompositeInput ReadCompositeInput(StageContext& stage, double fps) {
   if (input.film_stays)
     for (const FilmPicture& picture : input.film) numbers.push_back(picture.frame);
   input.plan = PlanFilm(input.shot, numbers, input.times);
-  if (!input.shot.still)
-    input.moving_plates = std::make_unique<MovingPlates>(stage.Input("plate"), input.plan, numbers,
-                                                         input.shot.camera, stage.progress());
+  if (sequence) {
+    input.sequence = std::make_unique<SceneSequence>(stage.Input("plate"), *input.scene, input.shot,
+                                                     input.plan, SizeOf(input.frames));
+    input.first_number = input.sequence->first_number();
+  } else if (input.scene && !input.film.empty()) {
+    input.first_number = input.film.front().number;
+  }
+  if (!input.shot.still && !sequence)
+    input.moving_plates =
+        std::make_unique<MovingPlates>(stage.Input("plate"), input.plan, numbers, input.shot.camera,
+                                       input.scene.get(), stage.progress());
   if (input.moving_plates) WarnOfShallowPlate(stage, input, input.moving_plates->first());
   stage.Note(fmt::format("composite: {} filmed, {} rendered, {} held", Digits(input.plan.filmed),
                          input.plan.between, input.plan.held));
@@ -374,7 +445,13 @@ Film FilmOf(const CompositeInput& input, const ShotGeometry& geometry) {
     film.plate_at = [plates = input.moving_plates.get()](int animation) {
       return plates->At(animation);
     };
-  film.read = [&input](int i) { return ReadLevels(input.film[i].path); };
+  if (input.sequence)
+    film.plate_at = [plates = input.sequence.get()](int animation) {
+      return MovingPlate{plates->At(animation)};
+    };
+  if (input.scene)
+    film.shown = [scene = input.scene.get()](const ImageF& light) { return scene->Shown(light); };
+  film.read = [&input](int i) { return ReadPicture(input, input.film[i].path); };
   if (input.kind.keyed) film.alpha = [&input](int i) { return AlphaOf(input.film[i].path); };
   for (int i = 0; i < SizeOf(input.film); ++i) {
     FilmedPicture picture{i, 0, -1};

@@ -15,6 +15,7 @@ struct CompositeOptions {
   std::string format = "film";
   bool follow = false;
   StatedLight light;
+  std::string plate_colorspace;
   bool shadow = true, grain = true, video = true, compare = true, blender = true;
 
   void Describe(OptionVisitor& visit) {
@@ -32,6 +33,13 @@ struct CompositeOptions {
                    "light without grain, layers premultiplied",
            .unit = "",
            .choices = {"film", "png", "tiff", "exr"}});
+    visit("plate_colorspace", plate_colorspace,
+          {"what an OpenEXR or DPX plate's values are, such as ACEScg or arri-logc3, or a space of "
+           "ocio_config; empty: by the file",
+           "",
+           0,
+           0,
+           {}});
     visit("follow", follow,
           {"bend the frames that were filmed until they lie on the film, and in-betweens as the "
            "filmed frames beside them",

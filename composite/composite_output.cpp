@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "composite/blender/blender_scene.h"
+#include "composite/composite_scene_output.h"
 #include "composite/layer/linear_light.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
@@ -24,8 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kParts[] = {"layers", "compare", "blender", "plates"};
-
-std::string Number(int n) { return fmt::format("{:04}", n); }
 
 /// Levels of 255 with straight alpha, from premultiplied linear light.
 ImageF StraightOf(const ImageF& layer) {
@@ -86,7 +85,7 @@ class ShotWriter {
 
   Written WriteAll(Progress* progress) {
     const int count = SizeOf(input_.plan.pictures);
-    if (geometry_.still()) Write(folder_ / "plate.png", LevelsOf(lessons_.plate.light));
+    WritePlate();
     for (int n = 0; n < count; ++n) {
       if (progress && progress->cancelled()) throw Cancelled();
       ReportProgress(progress, 0.5 + 0.5 * n / count, "pictures");
@@ -112,6 +111,22 @@ class ShotWriter {
     WriteLevels(path, levels, input_.kind.bits, input_.kind.profile);
   }
 
+  /// Of a picture of the finished shot.
+  std::string Number(int n) const { return fmt::format("{:04}", input_.first_number + n); }
+
+  /// The one of a still camera.
+  void WritePlate() const {
+    if (film_.plate_at) return;
+    const ImageF& light = lessons_.plate.light;
+    if (input_.scene) return WriteScenePlate(folder_ / "plate.exr", input_, light);
+    Write(folder_ / "plate.png", LevelsOf(light));
+  }
+
+  /// RGB of 8 bits to look at, over black where it is transparent.
+  Image8 FilmShown(int filmed) const {
+    return Shown(LevelsIn(film_, film_.read(filmed)), film_.alpha ? film_.alpha(filmed) : ImageF());
+  }
+
   void WritePicture(int n) {
     const PlannedPicture& planned = input_.plan.pictures[n];
     if (planned.kind == PictureKind::kBetween) return WriteBetween(n, planned);
@@ -122,8 +137,7 @@ class ShotWriter {
     WriteFile(to, bytes);
     if (planned.kind == PictureKind::kFilmed && Sha256Of(ReadFile(to)) == Sha256Of(bytes))
       ++written_.filmed_unchanged;
-    const Image8 picture =
-        Shown(film_.read(planned.filmed), film_.alpha ? film_.alpha(planned.filmed) : ImageF());
+    const Image8 picture = FilmShown(planned.filmed);
     Show(n, picture);
     if (planned.kind == PictureKind::kFilmed) Join(n, planned, picture);
   }
@@ -134,7 +148,9 @@ class ShotWriter {
                 options_.compose, static_cast<std::uint64_t>(n) + 1);
     const bool keyed = !composed.alpha.empty();
     const fs::path name = Number(n) + options_.ending;
-    if (options_.ending == ".exr") {
+    if (input_.scene) {
+      WriteScenePicture(folder_ / name, input_, composed, planned.animation);
+    } else if (options_.ending == ".exr") {
       WriteLinearImage(folder_ / name,
                        keyed ? WithAlpha(composed.light, composed.alpha, 1, true) : composed.light);
       WriteLinearImage(folder_ / "layers" / name, composed.layer);
@@ -143,9 +159,16 @@ class ShotWriter {
             keyed ? WithAlpha(composed.picture, composed.alpha, 255, false) : composed.picture);
       Write(folder_ / "layers" / (Number(n) + ".png"), StraightOf(composed.layer));
     }
-    if (!geometry_.still())
-      Write(folder_ / "plates" / (Number(n) + ".png"), composed.moving_plate.picture);
+    if (!geometry_.still() && !input_.sequence) WriteMovingPlate(n, composed.moving_plate.picture);
     Show(n, Shown(composed.picture, composed.alpha));
+  }
+
+  void WriteMovingPlate(int n, const ImageF& picture) const {
+    const fs::path name = folder_ / "plates" / Number(n);
+    if (input_.scene)
+      WriteScenePlate(name.string() + ".exr", input_, picture);
+    else
+      Write(name.string() + ".png", picture);
   }
 
   /// Where a located frame was filmed, it is rendered too, to be compared.
@@ -159,7 +182,7 @@ class ShotWriter {
                 lessons_.exposures[planned.filmed], still, static_cast<std::uint64_t>(n) + 1);
     const Image8 rendered = Shown(composed.picture, composed.alpha);
     const Anchor& anchor = geometry_.anchors()[picture.anchor];
-    written_.joins.push_back({n, input_.shot.frames[anchor.shot_frame].pose,
+    written_.joins.push_back({input_.first_number + n, input_.shot.frames[anchor.shot_frame].pose,
                               MeasureJoin(rendered, filmed, composed.coverage)});
     if (options_.compare)
       WritePng(folder_ / "compare" / (Number(n) + ".png"), SideBySide(filmed, rendered));
@@ -190,6 +213,12 @@ class ShotWriter {
     WriteImage(folder_ / "blender" / ("film_" + Number(n) + ".jpg"), flat, 95);
   }
 
+  /// Of a still camera.
+  Image8 PlateShown() const {
+    if (!film_.shown) return SrgbOf(lessons_.plate.light);
+    return Rounded(film_.shown(film_.plate_at ? film_.plate_at(0).picture : lessons_.plate.light));
+  }
+
   BlenderLight LightForBlender() const {
     const Ground table = geometry_.Table();
     const ShadowStrength& strength = lessons_.shadow.strength;
@@ -215,18 +244,19 @@ class ShotWriter {
                      SizeOf(input_.plan.pictures),
                      {},
                      "",
-                     "film_0000.jpg",
+                     "film_" + Number(0) + ".jpg",
                      LightForBlender()};
     if (geometry_.still()) {
       shot.plate = "plate.png";
-      const Image8 plate = SrgbOf(lessons_.plate.light);
+      const Image8 plate = PlateShown();
       WritePng(folder / shot.plate, camera_.distorted() ? Undistorted(plate, camera_) : plate);
     }
     for (int n = 0; !geometry_.still() && n < shot.pictures; ++n)
       shot.path.push_back(geometry_.ViewAt(n - shot.first_picture));
     for (int i = 0; i < SizeOf(input_.looks.textures); ++i) {
       shot.textures.push_back(fmt::format("texture_{}.png", i));
-      WritePng(folder / shot.textures.back(), SrgbOf(input_.looks.textures[i]));
+      WritePng(folder / shot.textures.back(),
+               SrgbOf(TextureInRec709(input_, input_.looks.textures[i])));
     }
     std::vector<PointsX3> frames;
     for (int f = 0; f < SizeOf(input_.frames); ++f) frames.push_back(geometry_.Points(f));

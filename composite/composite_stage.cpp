@@ -9,6 +9,7 @@
 #include "composite/composite_output.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/values/errors.h"
 #include "core/values/file_names.h"
 #include "core/values/size_of.h"
 
@@ -50,6 +51,10 @@ const keypose::StageSpec kSpec{
                 .kind = "file",
                 .help = "mesh of props and furniture in the shot's world, which hide the character "
                         "and catch its shadow (.obj, .ply, ...)",
+                .optional = true},
+               {.name = "ocio_config",
+                .kind = "file",
+                .help = "OpenColorIO configuration (.ocio) of OpenEXR or DPX plates",
                 .optional = true}},
     .outputs = {{.name = "pictures",
                  .kind = "folder",
@@ -74,7 +79,8 @@ ordered_json PictureNodes(const CompositeInput& input) {
   for (int n = 0; n < keypose::SizeOf(input.plan.pictures); ++n) {
     const PlannedPicture& picture = input.plan.pictures[n];
     const char* kinds[] = {"filmed", "between", "held"};
-    ordered_json node = {{"picture", n}, {"kind", kinds[static_cast<int>(picture.kind)]}};
+    ordered_json node = {{"picture", input.first_number + n},
+                         {"kind", kinds[static_cast<int>(picture.kind)]}};
     if (picture.filmed >= 0 && picture.kind != PictureKind::kBetween)
       node["film"] = input.film[picture.filmed].path.filename().string();
     if (picture.animation >= 0) node["frame"] = picture.animation;
@@ -151,9 +157,18 @@ void Judge(StageContext& stage, const std::vector<KeyJoin>& joins) {
 /// Of rendered pictures.
 std::string EndingOf(const std::string& format, const CompositeInput& input) {
   const std::string& filmed = input.kind.ending;
+  if (input.scene) return ".exr";
   if (format == "film") return filmed;
   if (format == "tiff") return filmed == ".png" ? ".tif" : filmed;
   return "." + format;
+}
+
+void RequireFormat(const std::string& format, const CompositeInput& input) {
+  if (!input.scene || format == "film" || format == "exr") return;
+  throw keypose::UsageError(fmt::format(
+      "composite: pictures over OpenEXR and DPX plates are OpenEXR, and {} cannot hold their "
+      "light; leave `format` out, and convert what is written",
+      format));
 }
 
 /// Programs that read numbered pictures take one ending.
@@ -163,12 +178,13 @@ void NoteEndings(StageContext& stage, const CompositeInput& input, const std::st
   if (filmed != rendered)
     stage.Note(fmt::format(
         "composite: filmed frames stay {} and rendered ones are {}; for one ending, make the film "
-        "PNG or TIFF before (without loss), or take shot.mp4",
-        filmed, rendered));
+        "{} before (without loss), or take shot.mp4",
+        filmed, rendered, input.scene ? "OpenEXR" : "PNG or TIFF"));
 }
 
 void Run(StageContext& stage, const CompositeOptions& options) {
-  const CompositeInput input = ReadCompositeInput(stage, options.fps);
+  const CompositeInput input = ReadCompositeInput(stage, options.fps, options.plate_colorspace);
+  RequireFormat(options.format, input);
   ShotGeometry geometry(input.shot, input.plan, input.frames, input.times);
   const Film film = FilmOf(input, geometry);
   const FilmLessons lessons =
@@ -193,6 +209,9 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   stage.Report("held", input.plan.held);
   stage.Report("filmed_unchanged", written.filmed_unchanged);
   stage.Report("bits", input.kind.bits);
+  if (input.sequence && input.sequence->left_out() > 0)
+    stage.Note(fmt::format("composite: {} plates lie outside of the animation, and are left out",
+                           input.sequence->left_out()));
   ReportPlates(stage, input);
   stage.ReportJson("joins", joins.dump());
   const ordered_json root = {{"schema", 1},

@@ -13,6 +13,7 @@
 #include "composite/locate_clicks.h"
 #include "composite/locating/mattes/mattes.h"
 #include "composite/locating/outline/shrunk.h"
+#include "composite/scene/scene_plates.h"
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/frame_folder.h"
@@ -224,6 +225,22 @@ void SetCamera(StageContext& stage, const LocateStageOptions& options, const fs:
   stage.Report("focal_start_px", camera.fx);
 }
 
+/// Pictures of scene light are looked at as sRGB, in whole: film and plates alike.
+ShowLight ShowLightOf(StageContext& stage, const LocateStageOptions& options) {
+  const StatedColors stated{options.plate_colorspace,
+                            stage.Has("ocio_config") ? stage.Input("ocio_config") : fs::path()};
+  return [stated, &stage, plates = std::shared_ptr<ScenePlates>()](const fs::path& path) mutable {
+    if (!plates) {
+      plates = std::make_shared<ScenePlates>(stated, path);
+      stage.Note(fmt::format("locate: {} is read as {}", PrintableName(path.filename()),
+                             plates->colors().meaning()));
+      if (const std::string& doubt = plates->colors().doubt(); !doubt.empty())
+        stage.Warn("locate: " + doubt);
+    }
+    return plates->ShownWhole(path);
+  };
+}
+
 /// What helps to see the figure in a picture; either may be missing.
 struct Companions {
   std::optional<CompanionFilm> mattes, plates;
@@ -243,7 +260,7 @@ struct Companions {
     }
     const bool moves = options.camera == "moving";
     if (!stage.Has("background") || options.quick || (mattes && !moves)) return;
-    plates.emplace(stage.Input("background"), "plate");
+    plates.emplace(stage.Input("background"), "plate", ShowLightOf(stage, options));
     if (!moves) plates->TakeFirst();
     if (!plates->single()) plates_a_frame = PlatesAFrame(plates->last(), film.back().frame);
     plates->Decode(moves ? Numbers(frames) : frames, moves ? 1 : plates_a_frame, stage.progress());
@@ -365,7 +382,7 @@ void RequireClicksEverywhere(const LocateInput& input) {
 
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
   const std::vector<fs::path> files = MeshFiles(stage);
-  input.film = std::make_unique<FilmFiles>(stage.Input("plate"));
+  input.film = std::make_unique<FilmFiles>(stage.Input("plate"), ShowLightOf(stage, options));
   const std::vector<FilmPicture>& pictures = input.film->pictures();
   SetRate(stage, options.fps, input);
   const std::vector<int> keys =

@@ -11,7 +11,7 @@ struct LocateStageOptions {
   double focal_35mm = 0;
   bool distortion = true;
   std::string camera = "still";
-  std::string shows, poses;
+  std::string shows, poses, plate_colorspace;
   double fps = 0;
   int max_size = 1920;
   double min_iou = 0.8;
@@ -50,6 +50,14 @@ struct LocateStageOptions {
            {}});
     visit("fps", fps,
           {"pictures a second of the film; 0: those of a video, else 12", "1/s", 0, 1000, {}});
+    visit(
+        "plate_colorspace", plate_colorspace,
+        {"what an OpenEXR or DPX picture's values are, such as ACEScg or arri-logc3, or a space of "
+         "ocio_config; empty: by the file",
+         "",
+         0,
+         0,
+         {}});
     visit("max_size", max_size,
           {"pictures are scaled down to this longer side", "px", 240, 16384, {}});
     visit("min_iou", min_iou,

@@ -36,7 +36,9 @@ StageSpec Spec() {
       {"background", "path",
        "the set without the character (a clean plate); of a moving camera one for each picture", "",
        true, false},
-      {"clicks", "file", "pairs of a pixel and a place on the mesh (.json)", "", true, false}};
+      {"clicks", "file", "pairs of a pixel and a place on the mesh (.json)", "", true, false},
+      {"ocio_config", "file", "OpenColorIO configuration (.ocio) of OpenEXR or DPX pictures", "",
+       true, false}};
   spec.outputs = {
       {"shot", "file", "the camera and the character's places", "shot.json", false, false},
       {"picture", "file", "outlines over the frames: what mesh and filmed sculpt differ by",

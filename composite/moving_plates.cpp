@@ -16,8 +16,12 @@ namespace fs = std::filesystem;
 
 MovingPlates::MovingPlates(const fs::path& plates, const FilmPlan& plan,
                            const std::vector<int>& film_frames, const Camera& camera,
-                           Progress* progress)
-    : files_(plates), start_(plan.start), per_frame_(plan.per_frame), camera_(camera) {
+                           const ScenePlates* scene, Progress* progress)
+    : files_(plates),
+      start_(plan.start),
+      per_frame_(plan.per_frame),
+      camera_(camera),
+      scene_(scene) {
   const std::vector<FilmPicture>& pictures = files_.pictures();
   if (pictures.size() < 2)
     throw InputError(fmt::format(
@@ -44,6 +48,7 @@ const fs::path* MovingPlates::Find(int picture) const {
 }
 
 ImageF MovingPlates::Read(const fs::path& path) const {
+  if (scene_) return scene_->Light(path);
   ImageF picture = ReadLevels(path);
   if (picture.width != camera_.width || picture.height != camera_.height)
     throw InputError(fmt::format(

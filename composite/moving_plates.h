@@ -6,6 +6,7 @@
 
 #include "composite/composing/lessons.h"
 #include "composite/film/film_files.h"
+#include "composite/scene/scene_plates.h"
 
 namespace keypose::composite {
 
@@ -15,9 +16,11 @@ class MovingPlates {
  public:
   /// Decodes a video; reads no picture yet.
   /// @param film_frames  numbers of the filmed frames, ascending
+  /// @param scene  of plates that are scene light, else null; must outlive this object
   /// @throws InputError  a filmed frame without a plate; fewer plates than filmed frames
   MovingPlates(const std::filesystem::path& plates, const FilmPlan& plan,
-               const std::vector<int>& film_frames, const Camera& camera, Progress* progress);
+               const std::vector<int>& film_frames, const Camera& camera, const ScenePlates* scene,
+               Progress* progress);
   /// @throws InputError  of another size than the camera's
   MovingPlate At(int animation);
   const std::filesystem::path& first() const { return files_.pictures().front().path; }
@@ -32,6 +35,7 @@ class MovingPlates {
   FilmFiles files_;
   int step_, start_, per_frame_;
   Camera camera_;
+  const ScenePlates* scene_;
 };
 
 }  // namespace keypose::composite

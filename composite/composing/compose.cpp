@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "composite/layer/depth_layer.h"
 #include "composite/layer/linear_light.h"
 #include "core/numbers/parallel.h"
 #include "core/surfaces/geometry.h"
@@ -48,7 +49,8 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
   const PixelRays rays(view.camera);
   ComposedPicture composed;
   if (film.plate_at) composed.moving_plate = film.plate_at(static_cast<int>(std::lround(time)));
-  const CleanPlate moving_plate = film.plate_at ? PlateOf(composed.moving_plate) : CleanPlate();
+  const CleanPlate moving_plate =
+      film.plate_at ? PlateOf(film, composed.moving_plate) : CleanPlate();
   const CleanPlate& plate = film.plate_at ? moving_plate : lessons.plate;
   composed.layer = LayerOver(geometry, looks, lessons, time, options, rays, film.props());
   ImageF kept;
@@ -61,6 +63,11 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
   const int width = view.camera.width, height = view.camera.height;
   composed.light = ImageF(width, height, 3);
   composed.coverage = ImageF(width, height, 1);
+  if (film.shown) {
+    composed.shadow = ImageF(width, height, 1);
+    composed.depth = DepthLayer(geometry.Points(time), looks.faces, view, rays, options.along,
+                                geometry.Table(), film.props());
+  }
   const bool keyed = !lessons.plate_alpha.empty();
   if (keyed) composed.alpha = ImageF(width, height, 1);
   ImageF lacking(width, height, 1);
@@ -71,6 +78,7 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
     for (int c = 0; c < 4; ++c) over[c] *= shown;
     const float alpha = over[3], left = kept.empty() ? 1.0f : 1 - shown * (1 - *kept.at(x, y));
     *composed.coverage.at(x, y) = alpha;
+    if (film.shown) *composed.shadow.at(x, y) = 1 - left;
     *lacking.at(x, y) = alpha + (1 - alpha) * *plate.grain_lacking.at(x, y);
     // A shadow darkens the set, and is gone where the set was keyed out.
     const float set = keyed ? *lessons.plate_alpha.at(x, y) : 1.0f,
@@ -79,7 +87,9 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
     for (int c = 0; c < 3; ++c) {
       const float behind = plate.light.at(x, y)[c] * left * set;
       const float factor = static_cast<float>(exposure[c]) / std::max(all, kLeastAlpha);
-      composed.light.at(x, y)[c] = factor * (over[c] + (1 - alpha) * behind);
+      // A plate's highlight may be infinite.
+      const float through = alpha < 1 && left > 0 ? (1 - alpha) * behind : 0;
+      composed.light.at(x, y)[c] = factor * (over[c] + through);
       over[c] *= static_cast<float>(exposure[c]);
     }
     over[3] = 1 - (1 - alpha) * left;  // the shadow is black, and lies behind the character
@@ -87,8 +97,13 @@ ComposedPicture Compose(const ShotGeometry& geometry, const Looks& looks, const 
   ParallelFor(height, [&](std::int64_t y) {
     for (int x = 0; x < width; ++x) pixel(x, static_cast<int>(y));
   });
-  const ImageF levels = LevelsOf(composed.light);
   const Grain grain = options.grain && lessons.grain ? *lessons.grain : Grain();
+  if (film.shown) {
+    composed.light = LightWithGrain(composed.light, grain, lacking, grain_seed);
+    composed.picture = film.shown(composed.light);
+    return composed;
+  }
+  const ImageF levels = LevelsOf(composed.light);
   composed.picture = WithGrain(levels, grain, lacking, grain_seed);
   return composed;
 }

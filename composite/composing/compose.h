@@ -12,12 +12,15 @@ struct ComposeOptions {
 };
 
 struct ComposedPicture {
-  ImageF light;     ///< RGB, linear, with exposure, without grain
-  ImageF picture;   ///< RGB, stored levels of 255 (sRGB), with grain, not rounded
+  ImageF light;     ///< RGB, linear, with exposure; without grain but of a scene-linear film
+  ImageF picture;   ///< RGB, stored levels of 255 (sRGB), with grain, not rounded; of a
+                    ///< scene-linear film to look at
   ImageF alpha;     ///< 1 channel, 0 to 1: of the picture, where the film was keyed; else empty
   ImageF layer;     ///< RGBA, linear, premultiplied: the character and its shadow (black) alone
   ImageF coverage;  ///< 1 channel: of the character, after props
   MovingPlate moving_plate;  ///< of a moving camera: the plate that was used
+  ImageF shadow;  ///< 1 channel, of a scene-linear film, else empty: the share of light it takes
+  ImageF depth;   ///< 1 channel, likewise: of the character, as DepthLayer has it
 };
 
 /// @param time      in frames of the animation

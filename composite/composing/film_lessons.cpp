@@ -130,11 +130,11 @@ class Lesson {
       ReportProgress(progress_, 0.5 * SizeOf(looked_) / SizeOf(chosen), "looking at the film");
       Looked look;
       look.picture = picture;
-      const ImageF levels = film_.read(picture->film);
-      look.stored = Rounded(levels);
-      look.light = LinearOfLevels(levels);
+      ImageF read = film_.read(picture->film);
+      look.stored = Rounded(LevelsIn(film_, read));
+      look.light = LightIn(film_, std::move(read));
       look.view = geometry_.ViewAt(picture->animation);
-      if (moves()) look.moving_plate = LinearOfLevels(film_.plate_at(picture->animation).picture);
+      if (moves()) look.moving_plate = LightIn(film_, film_.plate_at(picture->animation).picture);
       look.points = geometry_.Points(picture->animation);
       look.scene = std::make_unique<RayScene>(look.points, looks_.faces);
       look.layer = RenderLayer(
@@ -157,21 +157,30 @@ class Lesson {
     return frames;
   }
 
+  CleanPlate CleanPlateNow() const {
+    return MakeCleanPlate(PlateFrames(), given_, film_.shown ? kUnbounded : kBounded);
+  }
+
+  /// Levels of 8 bits of light.
+  Image8 LevelsOfLight(const ImageF& light) const {
+    return film_.shown ? Rounded(film_.shown(light)) : SrgbOf(light);
+  }
+
   void LearnPlate() {
     ReportProgress(progress_, 0.5, "clean plate");
     if (moves()) {
       for (Looked& look : looked_) Normalise(&look);
       return;
     }
-    given_ = LinearOfLevels(film_.given_plate);
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    given_ = LightIn(film_, film_.given_plate);
+    lessons_.plate = CleanPlateNow();
     if (looked_.empty()) return;
     for (Looked& look : looked_) Normalise(&look);
     if (!given_.empty()) {
       const Vector3d exposure = ExposureOf(lessons_.plate.light, given_, {});
       given_ = Scaled(std::move(given_), exposure);
     }
-    lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    lessons_.plate = CleanPlateNow();
   }
 
   /// What the key left of the set: the mean of the frames that show it; what none shows, as most of
@@ -279,13 +288,13 @@ class Lesson {
     lessons_.shadow = FitShadow(samples, table_);
     if (lessons_.shadow.explained < kLeastExplained) return ForgetShadow(!samples.empty());
     for (Looked& look : looked_) look.kept = KeptOf(look, table_);
-    if (!moves()) lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    if (!moves()) lessons_.plate = CleanPlateNow();
   }
 
   void ForgetShadow(bool looked_for) {
     lessons_.shadow.strength.sky = lessons_.shadow.strength.lamp = 0;
     for (Looked& look : looked_) look.kept = {};
-    if (!moves()) lessons_.plate = MakeCleanPlate(PlateFrames(), given_);
+    if (!moves()) lessons_.plate = CleanPlateNow();
     if (looked_for)
       lessons_.notes.push_back(
           "no shadow on the table was found in the filmed frames, so in-betweens have none");
@@ -332,7 +341,7 @@ class Lesson {
     ReportProgress(progress_, 0.85, "grain");
     for (std::size_t i = 0; moves() && i < looked_.size() && !lessons_.grain; ++i)
       lessons_.grain =
-          MeasureGrain(looked_[i].stored, SrgbOf(looked_[i].moving_plate), looked_[i].away);
+          MeasureGrain(looked_[i].stored, LevelsOfLight(looked_[i].moving_plate), looked_[i].away);
     for (std::size_t i = 0; !moves() && i + 1 < looked_.size() && !lessons_.grain; ++i) {
       Image8 away = looked_[i].away;
       for (std::size_t k = 0; k < away.data.size(); ++k)
@@ -340,7 +349,7 @@ class Lesson {
       lessons_.grain = MeasureGrain(looked_[i].stored, looked_[i + 1].stored, away);
     }
     if (!moves() && !lessons_.grain && looked_.size() == 1)
-      lessons_.grain = MeasureGrain(looked_[0].stored, SrgbOf(lessons_.plate.light),
+      lessons_.grain = MeasureGrain(looked_[0].stored, LevelsOfLight(lessons_.plate.light),
                                     looked_[0].away, film_.given_plate.empty() ? 0 : 1);
     if (!lessons_.grain && !looked_.empty())
       lessons_.notes.push_back("the grain could not be measured, so in-betweens have none");
@@ -389,7 +398,7 @@ class Lesson {
                                    [&](const Looked& l) { return l.picture == &picture; });
     const Image8 away = look == looked_.end() ? Image8() : look->away;
     lessons_.exposures[&picture - film_.pictures.data()] =
-        ExposureOf(LinearOfLevels(film_.read(picture.film)), SetAt(picture), away);
+        ExposureOf(LightIn(film_, film_.read(picture.film)), SetAt(picture), away);
   }
 
   /// Bends all frames of the animation that were filmed until they lie on the film, and observes
@@ -415,7 +424,7 @@ class Lesson {
                  std::vector<ObservedGains>* observed) {
     const std::size_t index = &picture - film_.pictures.data();
     const ImageF light =
-        Scaled(LinearOfLevels(film_.read(picture.film)), lessons_.exposures[index].cwiseInverse());
+        Scaled(LightIn(film_, film_.read(picture.film)), lessons_.exposures[index].cwiseInverse());
     PointsX3 points = geometry_.Points(picture.animation);
     const Character character = looks_.At(picture.animation);
     const PointsX3 gains =
@@ -436,7 +445,7 @@ class Lesson {
   }
 
   ImageF SetAt(const FilmedPicture& picture) const {
-    return moves() ? LinearOfLevels(film_.plate_at(picture.animation).picture)
+    return moves() ? LightIn(film_, film_.plate_at(picture.animation).picture)
                    : lessons_.plate.light;
   }
 

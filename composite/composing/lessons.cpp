@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "composite/layer/linear_light.h"
 #include "core/numbers/parallel.h"
@@ -31,9 +32,17 @@ Character Looks::At(int frame) const {
   return character;
 }
 
-CleanPlate PlateOf(const MovingPlate& moving_plate) {
+ImageF LightIn(const Film& film, ImageF picture) {
+  return film.shown ? std::move(picture) : LinearOfLevels(picture);
+}
+
+ImageF LevelsIn(const Film& film, ImageF picture) {
+  return film.shown ? film.shown(picture) : std::move(picture);
+}
+
+CleanPlate PlateOf(const Film& film, const MovingPlate& moving_plate) {
   const ImageF& picture = moving_plate.picture;
-  return {LinearOfLevels(picture),
+  return {LightIn(film, picture),
           ImageF(picture.width, picture.height, 1, moving_plate.grain_lacking), 0, 0, 0};
 }
 

@@ -43,17 +43,21 @@ struct FilmedPicture {
 
 /// The set as a camera sees it that is at one place for one picture only.
 struct MovingPlate {
-  ImageF picture;           ///< RGB, stored levels of 255
+  ImageF picture;           ///< RGB, as Film::read gives it
   float grain_lacking = 0;  ///< as CleanPlate's, of all pixels
   double doubtful = 0;      ///< PlateBetweenTwo's, where it was made from its neighbours
 };
 
 struct Film {
   std::vector<FilmedPicture> pictures;
-  std::function<ImageF(int film)> read;  ///< RGB, stored levels of 255, of the camera's size
+  /// RGB, of the camera's size: stored levels of 255, or scene light where there is `shown`.
+  std::function<ImageF(int film)> read;
+  /// Of pictures that are scene light, linear and without bounds: levels of 255 (sRGB) to look at.
+  /// Else none.
+  std::function<ImageF(const ImageF& light)> shown;
   /// Of a film that was keyed: how much of each pixel is there, 1 channel, 0 to 1. Else none.
   std::function<ImageF(int film)> alpha;
-  ImageF given_plate;  ///< RGB, stored levels of 255; empty: none
+  ImageF given_plate;  ///< RGB, as `read` gives pictures; empty: none
   /// Of a moving camera: the plate of a frame of the animation, of the camera's size. Else none.
   std::function<MovingPlate(int animation)> plate_at;
   /// Props and furniture before and around the character, besides its table; may be null.
@@ -76,7 +80,11 @@ struct FilmLessons {
   std::vector<std::string> notes;  ///< what could not be learnt, for the user
 };
 
-CleanPlate PlateOf(const MovingPlate& moving_plate);
+/// A picture of the film, or a plate of it, in linear light; and as stored levels of 255.
+ImageF LightIn(const Film& film, ImageF picture);
+ImageF LevelsIn(const Film& film, ImageF picture);
+
+CleanPlate PlateOf(const Film& film, const MovingPlate& moving_plate);
 
 /// The share of light that the figure's shadow leaves at each pixel, where the table or the set is:
 /// 1 channel.

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include "core/io/pictures/png_io.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "core/values/size_of.h"
 #include "views/decode/film_decoder.h"
 
@@ -31,9 +34,18 @@ int PlatesAFrame(int last_plate, int last_frame) {
   return last_frame > 0 ? std::max(1, last_plate / last_frame) : 1;
 }
 
-FilmFiles::FilmFiles(const fs::path& film) : film_(film) {
+FilmFiles::FilmFiles(const fs::path& film, ShowLight show) : film_(film) {
   if (!IsFilmFile(film)) {
-    pictures_ = FilmPictures(film);
+    pictures_ = FilmPictures(film, FilmKinds::kPicturesOrLight);
+    const std::string ending = LowerExtension(pictures_.front().path);
+    is_light_ = ending == ".exr" || ending == ".dpx";
+    if (!is_light_ || !show) return;
+    show_ = std::move(show);
+    scratch_ = NewFolder();
+    for (FilmPicture& picture : pictures_) {
+      light_.push_back(picture.path);
+      picture.path = scratch_ / picture.path.filename();  // a PNG of its name, read by content
+    }
     return;
   }
   index_ = std::make_shared<const FilmIndex>(ReadFilmIndex(film));
@@ -49,15 +61,17 @@ FilmFiles::~FilmFiles() {
 }
 
 void FilmFiles::Decode(const std::vector<int>& frames, Progress* progress) {
-  if (!is_video()) return;
-  FilmDecoder decoder(film_, index_);
+  if (!is_video() && !show_) return;
+  std::optional<FilmDecoder> decoder;
+  if (is_video()) decoder.emplace(film_, index_);
   int done = 0;
   for (int i = 0; i < SizeOf(pictures_); ++i) {
     const FilmPicture& picture = pictures_[static_cast<std::size_t>(i)];
     if (!std::binary_search(frames.begin(), frames.end(), picture.frame)) continue;
     ReportProgress(progress, static_cast<double>(done++) / SizeOf(frames), "decoding the film");
-    if (!fs::exists(picture.path))
-      WritePng(picture.path, decoder.Read(i, index_->has_alpha ? 4 : 3, progress));
+    if (fs::exists(picture.path)) continue;
+    WritePng(picture.path, decoder ? decoder->Read(i, index_->has_alpha ? 4 : 3, progress)
+                                   : show_(light_[static_cast<std::size_t>(i)]));
   }
 }
 

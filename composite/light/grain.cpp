@@ -6,6 +6,7 @@
 
 #include "core/numbers/parallel.h"
 #include "core/numbers/statistics.h"
+#include "core/pictures/srgb.h"
 
 namespace keypose::composite {
 namespace {
@@ -137,9 +138,12 @@ std::optional<Grain> MeasureGrain(const Image8& a, const Image8& b, const Image8
   return grain;
 }
 
-ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
-                 std::uint64_t seed) {
-  ImageF out(levels.width, levels.height, 3);
+namespace {
+
+/// Calls put(x, y, c, level, what grain adds to it) for each value.
+template <class Level, class Put>
+void ForGrain(const ImageF& picture, const Grain& grain, const ImageF& share, std::uint64_t seed,
+              const Level& level_of, const Put& put) {
   const double w = grain.neighbours > 0.03 ? NeighbourWeight(grain.neighbours) : 0;
   const double norm = 1 / (1 + 2 * w * w);  // of the filter along rows and columns
   const std::uint64_t stream = Mixed(seed) << 16;
@@ -154,17 +158,46 @@ ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
       for (int i = -1; i <= 1; ++i) sum += (i ? w : 1) * (j ? w : 1) * noise(x + i, y + j, c);
     return sum * norm;
   };
-  ParallelFor(levels.height, [&](std::int64_t row) {
+  ParallelFor(picture.height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < levels.width; ++x)
+    for (int x = 0; x < picture.width; ++x)
       for (int c = 0; c < 3; ++c) {
-        const double level = levels.at(x, y)[c];
+        const double level = level_of(picture.at(x, y)[c]);
         const double lacks = share.empty() ? 1 : std::clamp(*share.at(x, y), 0.0f, 1.0f);
         const double sigma = grain.SigmaAt(c, level) * std::sqrt(lacks);
-        const double value = sigma > 0 ? level + sigma * grainy(x, y, c) : level;
-        out.at(x, y)[c] = static_cast<float>(std::clamp(value, 0.0, 255.0));
+        put(x, y, c, level, sigma > 0 ? sigma * grainy(x, y, c) : 0);
       }
   });
+}
+
+/// Also of light below black and above white; what is no number counts as black.
+double LevelOfLight(float light) {
+  if (!(light > 0)) return light < 0 ? std::max(255 * 12.92 * light, -255.0) : 0;
+  return std::min(255 * SrgbFromLinear(light), 1e6);
+}
+
+}  // namespace
+
+ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share,
+                 std::uint64_t seed) {
+  ImageF out(levels.width, levels.height, 3);
+  ForGrain(
+      levels, grain, share, seed, [](float level) { return static_cast<double>(level); },
+      [&](int x, int y, int c, double level, double added) {
+        out.at(x, y)[c] = static_cast<float>(std::clamp(level + added, 0.0, 255.0));
+      });
+  return out;
+}
+
+ImageF LightWithGrain(const ImageF& light, const Grain& grain, const ImageF& share,
+                      std::uint64_t seed) {
+  ImageF out = light;
+  ForGrain(light, grain, share, seed, LevelOfLight,
+           [&](int x, int y, int c, double level, double added) {
+             if (added != 0)
+               out.at(x, y)[c] += static_cast<float>(LinearFromSrgb((level + added) / 255) -
+                                                     LinearFromSrgb(level / 255));
+           });
   return out;
 }
 

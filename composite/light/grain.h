@@ -39,4 +39,11 @@ std::optional<Grain> MeasureGrain(const Image8& a, const Image8& b, const Image8
 /// Same bits for any thread count.
 ImageF WithGrain(const ImageF& levels, const Grain& grain, const ImageF& share, std::uint64_t seed);
 
+/// Adds grain to linear light of any range, of such a size as it has at the light's stored level;
+/// above white as at white. Pixels without a share stay as they are, to the bit.
+/// @param light  RGB
+/// For the rest as WithGrain.
+ImageF LightWithGrain(const ImageF& light, const Grain& grain, const ImageF& share,
+                      std::uint64_t seed);
+
 }  // namespace keypose::composite

@@ -21,7 +21,10 @@ constexpr float kShadowBand = 0.1f;  // frames whose shadow is as weak as the we
 constexpr float kLeastKept = 0.45f;
 constexpr double kPaintRadius = 5;  // [px]
 
-double LevelOf(double light) { return 255 * SrgbFromLinear(std::clamp(light, 0.0, 1.0)); }
+double LevelOf(double light, PlateLight bounds) {
+  if (bounds == kBounded) return 255 * SrgbFromLinear(std::clamp(light, 0.0, 1.0));
+  return std::isfinite(light) ? 255 * SrgbFromLinear(light) : 0;
+}
 double LightOf(double level) { return LinearFromSrgb(level / 255); }
 
 struct Sample {
@@ -30,7 +33,8 @@ struct Sample {
 };
 
 /// What the frames show at a pixel, without their shadows where those are known.
-std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int y) {
+std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, PlateLight bounds, int x,
+                              int y) {
   std::vector<Sample> samples;
   float most = 0;
   for (const PlateFrame& frame : frames)
@@ -41,7 +45,7 @@ std::vector<Sample> SamplesAt(const std::vector<PlateFrame>& frames, int x, int 
     if (*frame.away.at(x, y) > 127 || kept < most - kShadowBand || kept < kLeastKept) continue;
     Sample sample{};
     for (int c = 0; c < 3; ++c) {
-      sample.level[c] = LevelOf(frame.light.at(x, y)[c] / kept);
+      sample.level[c] = LevelOf(frame.light.at(x, y)[c] / kept, bounds);
       sample.sum += sample.level[c];
     }
     samples.push_back(sample);
@@ -67,22 +71,24 @@ int RobustMean(const std::vector<Sample>& samples, bool shadows_known, double* l
 
 /// Paints in what `missing` marks, in stored levels of 16 bits: steps of 8 would show once a
 /// picture without grain is graded. OpenCV paints channels of that depth one by one.
-void Inpaint(const Image8& missing, ImageF* light) {
-  constexpr double kSteps = 257;  // a level of 255 in 16 bits
+void Inpaint(const Image8& missing, PlateLight bounds, ImageF* light) {
+  double most = 255;
+  if (bounds == kUnbounded)
+    for (const float value : light->data) most = std::max(most, LevelOf(value, bounds));
+  const double steps = 65535 / most;  // a level in 16 bits
   const cv::Mat mask(missing.height, missing.width, CV_8UC1,
                      const_cast<std::uint8_t*>(missing.data.data()));
   for (int c = 0; c < 3; ++c) {
     cv::Mat stored(missing.height, missing.width, CV_16UC1), painted;
     for (int y = 0; y < missing.height; ++y)
       for (int x = 0; x < missing.width; ++x)
-        stored.at<std::uint16_t>(y, x) =
-            static_cast<std::uint16_t>(std::lround(kSteps * LevelOf(light->at(x, y)[c])));
+        stored.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(
+            std::lround(steps * std::max(0.0, LevelOf(light->at(x, y)[c], bounds))));
     cv::inpaint(stored, mask, painted, kPaintRadius, cv::INPAINT_TELEA);
     for (int y = 0; y < missing.height; ++y)
       for (int x = 0; x < missing.width; ++x)
         if (*missing.at(x, y))
-          light->at(x, y)[c] =
-              static_cast<float>(LightOf(painted.at<std::uint16_t>(y, x) / kSteps));
+          light->at(x, y)[c] = static_cast<float>(LightOf(painted.at<std::uint16_t>(y, x) / steps));
   }
 }
 
@@ -99,7 +105,8 @@ void RequireSizes(const std::vector<PlateFrame>& frames, const ImageF& given) {
 
 }  // namespace
 
-CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& given) {
+CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& given,
+                          PlateLight bounds) {
   RequireSizes(frames, given);
   const int width = frames.empty() ? given.width : frames[0].light.width,
             height = frames.empty() ? given.height : frames[0].light.height;
@@ -109,7 +116,7 @@ CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& g
   ParallelFor(height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < width; ++x) {
-      const std::vector<Sample> samples = SamplesAt(frames, x, y);
+      const std::vector<Sample> samples = SamplesAt(frames, bounds, x, y);
       if (samples.empty()) {
         *missing.at(x, y) = 255;
         continue;
@@ -123,7 +130,7 @@ CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& g
   plate.hidden = static_cast<int>(std::count(missing.data.begin(), missing.data.end(), 255));
   if (plate.hidden == 0) return plate;
   if (given.empty()) {
-    Inpaint(missing, &plate.light);
+    Inpaint(missing, bounds, &plate.light);
     plate.inpainted = plate.hidden;
   }
   for (int y = 0; y < height; ++y)

@@ -22,6 +22,9 @@ struct CleanPlate {
   int inpainted = 0;     ///< of those, painted in from their surroundings
 };
 
+/// What light may be: of stored pictures 0 to 1, of a scene anything.
+enum PlateLight { kBounded, kUnbounded };
+
 /// For each pixel the mean of the frames that show it, without those that differ from the median by
 /// more than grain does. Where shadows are not known, the brightest frames count: shadows darken.
 /// A pixel that no frame shows comes from the given plate, else it is painted in.
@@ -30,6 +33,7 @@ struct CleanPlate {
 /// @throws InputError  no frame and no given plate, or sizes that differ
 /// Same bits for any thread count.
 /// Source of the inpainting: Telea, Journal of Graphics Tools, 2004, in OpenCV.
-CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& given);
+CleanPlate MakeCleanPlate(const std::vector<PlateFrame>& frames, const ImageF& given,
+                          PlateLight bounds = kBounded);
 
 }  // namespace keypose::composite

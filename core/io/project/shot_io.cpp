@@ -218,6 +218,11 @@ bool IsPicture(const fs::path& path) {
   return kinds.count(LowerExtension(path)) && path.filename().string().front() != '.';
 }
 
+bool IsLight(const fs::path& path) {
+  static const std::set<std::string> kinds{".exr", ".dpx"};
+  return kinds.count(LowerExtension(path)) && path.filename().string().front() != '.';
+}
+
 /// In the order of the frames.
 std::vector<std::pair<long, fs::path>> Numbered(const fs::path& folder,
                                                 const std::vector<std::string>& names) {
@@ -348,10 +353,13 @@ std::string ShotText(const FilmedShot& shot) {
 }
 
 std::vector<FilmPicture> NumberedPictures(const fs::path& folder,
-                                          const std::vector<std::string>& names) {
+                                          const std::vector<std::string>& names, FilmKinds kinds) {
   std::vector<std::string> chosen;
   for (const std::string& name : names)
     if (IsPicture(folder / name)) chosen.push_back(name);
+  if (chosen.empty() && kinds == FilmKinds::kPicturesOrLight)
+    for (const std::string& name : names)
+      if (IsLight(folder / name)) chosen.push_back(name);
   std::vector<FilmPicture> pictures;
   const auto numbered = Numbered(folder, chosen);
   for (const auto& [number, picture] : numbered)
@@ -360,18 +368,18 @@ std::vector<FilmPicture> NumberedPictures(const fs::path& folder,
   return pictures;
 }
 
-std::vector<FilmPicture> FilmPictures(const fs::path& path) {
+std::vector<FilmPicture> FilmPictures(const fs::path& path, FilmKinds kinds) {
   if (fs::is_regular_file(path)) return {{0, path, 0}};
   if (!fs::is_directory(path))
     throw InputError(PrintableName(path) + " is neither a folder of pictures nor a picture");
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
     if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
-  std::vector<FilmPicture> pictures = NumberedPictures(path, names);
+  std::vector<FilmPicture> pictures = NumberedPictures(path, names, kinds);
   if (pictures.empty())
-    throw InputError(PrintableName(path) +
-                     " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC)" +
-                     OtherPictures(names));
+    throw InputError(
+        PrintableName(path) + " has no pictures (0000.png, 0001.png, ...; JPEG, PNG, TIFF or HEIC" +
+        (kinds == FilmKinds::kPicturesOrLight ? ", OpenEXR or DPX)" : ")") + OtherPictures(names));
   return pictures;
 }
 

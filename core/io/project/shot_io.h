@@ -29,19 +29,24 @@ struct FilmPicture {
 /// than nine digits.
 long FrameNumberIn(const std::string& stem);
 
+/// Pictures as they should look; or also light, OpenEXR and DPX, where there are no others.
+enum class FilmKinds { kPictures, kPicturesOrLight };
+
 /// Those of a folder's files that are pictures of a film; see FilmPictures.
 /// @param names  of the files, in any order
 /// @return empty if none is a picture
 /// @throws InputError  a name without a number beside others; a number twice
 std::vector<FilmPicture> NumberedPictures(const std::filesystem::path& folder,
-                                          const std::vector<std::string>& names);
+                                          const std::vector<std::string>& names,
+                                          FilmKinds kinds = FilmKinds::kPictures);
 
 /// The pictures of a film's folder, or the one picture that `path` is. The number that differs from
 /// name to name (NumberNames) is a picture's frame, counted from the first picture's: what a film
 /// leaves out (0000.png, 0004.png) takes time. Dates and times only give the order. Other files,
 /// hidden files and folders are left out.
 /// @throws InputError  no picture; a name without a number beside others; a number twice
-std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path);
+std::vector<FilmPicture> FilmPictures(const std::filesystem::path& path,
+                                      FilmKinds kinds = FilmKinds::kPictures);
 
 /// What lies in a folder for one of several cameras that filmed together: a folder of pictures, or
 /// a video.
