@@ -39,6 +39,24 @@ TEST(Grain, MadeGrainMeasuresTheSame) {
     }
 }
 
+TEST(Grain, InLightOfAnyRangeItIsAsInLevels) {
+  const ImageF clean = Ramp(320, 200);
+  const Grain grain = GrainOf(3, 0);
+  const ImageF light = LevelsOf(LightWithGrain(LinearOfLevels(clean), grain, {}, 1)),
+               levels = WithGrain(clean, grain, {}, 1);
+  for (std::size_t i = 0; i < levels.data.size(); ++i)
+    ASSERT_NEAR(light.data[i], levels.data[i], 1e-3) << i;
+}
+
+TEST(Grain, LightWithoutAShareOfItStaysToTheBit) {
+  ImageF light(4, 1, 3, 0.3f), share(4, 1, 1);
+  light.data = {-0.25f, 0.1f, 7, 60000, -1e-4f, 0.5f, 2, 3, 4, 0, 0, 0};
+  *share.at(3, 0) = 1;
+  const ImageF with = LightWithGrain(light, GrainOf(5, 0), share, 3);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(with.data[i], light.data[i]);
+  EXPECT_NE(with.data[9], 0) << "what lacks it gets it";
+}
+
 TEST(Grain, WhatMovedIsNotGrain) {
   const ImageF clean = Ramp(320, 200);
   const Grain grain = GrainOf(2, 0);

@@ -37,7 +37,7 @@ struct LightFile {
 /// @throws DiskError  cannot be read
 bool IsLightFile(const std::filesystem::path& path);
 
-/// @throws InputError  damaged; several parts, deep pixels, mipmaps, no red, green and blue, whole
+/// @throws InputError  damaged; several parts, deep pixels, no red, green and blue, whole
 /// numbers in OpenEXR, pixels that are not square, larger than other pictures may be: names each
 LightFile ReadLightHeader(const std::filesystem::path& path);
 

@@ -153,7 +153,7 @@ class PersonsConfig {
     if (!space) throw UsageError(NoSuchSpace(asked));
     if (space->isData())
       throw UsageError(fmt::format(
-          "the colour space '{}' of {} is for data, not for colours; {}", asked, path_,
+          "the colour space '{}' of {} is for data, not for colours; {}", space->getName(), path_,
           name.empty() ? "say what the plate has: --plate_colorspace" : "name the plate's"));
     return space->getName();
   }
@@ -236,8 +236,11 @@ std::optional<std::string> BuiltinStyle(const std::string& name) {
 }
 
 std::optional<std::string> CameraStyle(const std::string& name) {
+  const std::string plain = Plain(name);
   for (const CameraLog& log : kCameraLogs)
-    if (Plain(log.name) == Plain(name)) return log.style;
+    if (Plain(log.name) == plain) return log.style;
+  for (const CameraLog& log : kCameraLogs)  // without the maker's name, such as "S-Log3"
+    if (plain.size() >= 4 && Plain(log.name).ends_with(plain)) return log.style;
   return BuiltinStyle(name);
 }
 

@@ -26,6 +26,11 @@ float ShownLevel(double light) {
   return static_cast<float>(255 * SrgbFromLinear(std::min(light, 1.0)));
 }
 
+/// What is infinite or no number would be all channels' after a matrix.
+double Finite(float light) {
+  return std::isnan(light) ? 0 : std::clamp(static_cast<double>(light), -1e6, 1e6);
+}
+
 std::string Words(const PictureWindow& w) {
   return fmt::format("{} x {} pixels at {}, {} of {} x {}", w.width, w.height, w.x - w.full_x,
                      w.y - w.full_y, w.full_width, w.full_height);
@@ -85,7 +90,8 @@ ImageF ScenePlates::Shown(const ImageF& light) const {
     const int y = static_cast<int>(row);
     for (int x = 0; x < light.width; ++x) {
       const float* in = light.at(x, y);
-      const Eigen::Vector3d shown = rec709 * Eigen::Vector3d(in[0], in[1], in[2]);
+      const Eigen::Vector3d shown =
+          rec709 * Eigen::Vector3d(Finite(in[0]), Finite(in[1]), Finite(in[2]));
       for (int c = 0; c < 3; ++c) levels.at(x, y)[c] = ShownLevel(shown[c]);
     }
   });

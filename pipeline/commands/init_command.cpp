@@ -216,7 +216,7 @@ FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
         fmt::format("--film {}: {} is neither a folder of numbered pictures nor a "
                     "video (.mp4, .mov)",
                     options.film, film));
-  const std::vector<FilmPicture> pictures = FilmPictures(film);
+  const std::vector<FilmPicture> pictures = FilmPictures(film, FilmKinds::kPicturesOrLight);
   return {12, pictures.back().frame, pictures.back().frame + 1 == SizeOf(pictures),
           PrintableName(pictures.front().path.filename())};
 }

@@ -22,7 +22,7 @@ std::vector<FilmPicture> PicturesOf(const ShotRule& shot, const fs::path& projec
   const auto stat = disk.Stat(film);
   if (!stat || !stat->folder) return {};
   try {
-    return NumberedPictures(film, disk.Children(film));
+    return NumberedPictures(film, disk.Children(film), FilmKinds::kPicturesOrLight);
   } catch (const InputError&) {
     return {};
   }

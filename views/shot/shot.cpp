@@ -12,6 +12,7 @@
 #include "core/io/project/shot_io.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
+#include "core/values/file_names.h"
 #include "core/values/size_of.h"
 #include "views/decode/film_decoder.h"
 #include "views/shot/sync_check.h"
@@ -61,6 +62,20 @@ std::map<std::string, FrameSource> SourcesIn(const fs::path& folder) {
   return sources;
 }
 
+/// Words on pictures that only `locate` and `composite` read.
+std::string WordsOnLight(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return "";
+  for (const fs::path& camera : NumberedContent(folder)) {
+    if (!fs::is_directory(camera)) continue;
+    for (const fs::path& picture : NumberedContent(camera))
+      if (const std::string kind = LowerExtension(picture); kind == ".exr" || kind == ".dpx")
+        return "; " + PrintableName(picture.filename()) +
+               " and its like are read by locate and composite only: make them TIFF or PNG with "
+               "the colours as they should look (sRGB)";
+  }
+  return "";
+}
+
 fs::path PlateOf(const fs::path& folder, const std::string& camera) {
   if (fs::is_directory(folder))
     for (const fs::path& path : NumberedContent(folder))
@@ -105,7 +120,8 @@ Shot OpenShot(const fs::path& folder, FilmGaps gaps) {
   if (shot.cameras.empty())
     throw InputError(
         "the shot " + PrintableName(folder) +
-        " has no camera; it needs a folder of numbered pictures, or a video, for each");
+        " has no camera; it needs a folder of numbered pictures, or a video, for each" +
+        WordsOnLight(folder));
   RequireSameGaps(shot.cameras);
   shot.join = JoinFilms(shot.cameras, gaps);
   shot.frames_per_second = shot.join.frames_per_second;
@@ -121,7 +137,8 @@ std::vector<ShotCamera> OpenSeparateFilms(const fs::path& folder) {
             [](const auto& a, const auto& b) { return NumberedBefore(a.name, b.name); });
   if (films.empty())
     throw InputError("the folder " + PrintableName(folder) +
-                     " has no camera; it needs a folder of pictures, or a video, for each");
+                     " has no camera; it needs a folder of pictures, or a video, for each" +
+                     WordsOnLight(folder));
   return films;
 }
 
