@@ -307,7 +307,12 @@ void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeIn
     stage.Note(fmt::format("composite: {} channels of {} are no colours, and are left out",
                            input->scene->others(), PrintableName(first.filename())));
   // Textures are sRGB; all light of the shot is of the plate's primaries.
-  for (ImageF& texture : input->looks.textures) input->scene->colors().TakeFromRec709(&texture);
+  if (stage.Has("filmed"))
+    input->scene->ExposeFor(FilmFiles(stage.Input("filmed")).pictures().front().path);
+  for (ImageF& texture : input->looks.textures) {
+    input->scene->colors().TakeFromRec709(&texture);
+    for (float& value : texture.data) value *= input->scene->exposure();
+  }
 }
 
 /// One plate for each picture of the finished shot, where nothing was filmed.

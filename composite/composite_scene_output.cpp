@@ -46,7 +46,9 @@ void WriteScenePlate(const std::filesystem::path& path, const CompositeInput& in
 
 ImageF TextureInRec709(const CompositeInput& input, const ImageF& texture) {
   ImageF light = texture;
-  if (input.scene) input.scene->colors().GiveRec709(&light);
+  if (!input.scene) return light;
+  for (float& value : light.data) value /= input.scene->exposure();
+  input.scene->colors().GiveRec709(&light);
   return light;
 }
 

@@ -20,10 +20,12 @@ class Channels {
  public:
   Channels(const ImageF& first, ImageSpec* spec) : pixels_(first.data.size() / 3), spec_(spec) {}
 
-  void Add(const std::string& name, const ImageF& image, int channel, TypeDesc type) {
+  /// @param factor  on the values, a power of two
+  void Add(const std::string& name, const ImageF& image, int channel, TypeDesc type,
+           float factor = 1) {
     names_.push_back(name);
     sources_.push_back({image.data.empty() ? nullptr : image.data.data() + channel,
-                        static_cast<std::size_t>(image.channels)});
+                        static_cast<std::size_t>(image.channels), factor});
     types_.push_back(type);
   }
 
@@ -32,7 +34,8 @@ class Channels {
     for (std::size_t c = 0; c < names_.size(); ++c)
       for (std::size_t i = 0; i < pixels_; ++i)
         all[i * names_.size() + c] =
-            sources_[c].values ? sources_[c].values[i * sources_[c].step] : 1.0f;
+            sources_[c].values ? sources_[c].factor * sources_[c].values[i * sources_[c].step]
+                               : 1.0f;
     return all;
   }
 
@@ -48,6 +51,7 @@ class Channels {
   struct Source {
     const float* values;
     std::size_t step;
+    float factor;
   };
   std::size_t pixels_;
   ImageSpec* spec_;
@@ -77,11 +81,13 @@ void WriteLayers(const std::filesystem::path& path, const SceneLayers& layers,
   const TypeDesc colour = plates.single() ? TypeDesc::FLOAT : TypeDesc::HALF;
   ImageSpec spec = SpecOf(plates);
   Channels channels(layers.light, &spec);
+  const float as_read = 1 / plates.exposure();
   const char* letters[] = {"R", "G", "B", "A"};
-  for (int c = 0; c < 3; ++c) channels.Add(letters[c], layers.light, c, colour);
+  for (int c = 0; c < 3; ++c) channels.Add(letters[c], layers.light, c, colour, as_read);
   channels.Add("A", layers.alpha, 0, colour);
   for (int c = 0; c < 4 && !layers.character.empty(); ++c)
-    channels.Add(std::string("character.") + letters[c], layers.character, c, colour);
+    channels.Add(std::string("character.") + letters[c], layers.character, c, colour,
+                 c < 3 ? as_read : 1);
   if (!layers.depth.empty()) channels.Add("depth.Z", layers.depth, 0, TypeDesc::FLOAT);
   if (!layers.character.empty()) channels.Add("mask.A", layers.character, 3, colour);
   if (!layers.shadow.empty()) channels.Add("shadow.A", layers.shadow, 0, colour);

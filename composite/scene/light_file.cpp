@@ -32,6 +32,8 @@ std::unique_ptr<ImageInput> OpenLight(const fs::path& path) {
   auto input = ImageInput::open(path.string());
   if (input) return input;
   const std::string reason = OIIO::geterror();
+  if (reason.find("ubsampled") != std::string::npos)
+    Refuse(path, "stores brightness and halved colours (Y, RY, BY); write it as R, G and B");
   Refuse(path, "cannot be read as a picture: " + WithoutOddBytes(reason) +
                    "; it is damaged or cut off: copy or render it again");
 }

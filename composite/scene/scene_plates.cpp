@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
@@ -16,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kShare = 0.99, kMostLight = 0.92;  // of the pixels; that they may have
 constexpr double kShoulder = 0.8;  // of white, from where on highlights are compressed
 
 /// sRGB of 255 levels.
@@ -71,7 +74,24 @@ LightFile ScenePlates::RequireAlike(const fs::path& path) const {
 ImageF ScenePlates::Light(const fs::path& path) const {
   ImageF light = ReadLightValues(path, RequireAlike(path), false);
   colors_.Decode(&light);
+  if (exposure_ != 1)
+    for (float& value : light.data) value *= exposure_;
   return light;
+}
+
+void ScenePlates::ExposeFor(const fs::path& path) {
+  exposure_ = 1;
+  std::vector<float> brightest;
+  const ImageF light = Light(path);
+  for (std::size_t i = 0; i + 2 < light.data.size(); i += 3)
+    brightest.push_back(static_cast<float>(
+        Finite(std::max({light.data[i], light.data[i + 1], light.data[i + 2]}))));
+  const auto high =
+      brightest.begin() + static_cast<std::ptrdiff_t>(kShare * (brightest.size() - 1));
+  std::nth_element(brightest.begin(), high, brightest.end());
+  if (!(*high > 0)) return;
+  const double stops = std::floor(std::log2(kMostLight / *high));
+  exposure_ = static_cast<float>(std::exp2(std::clamp(stops, -12.0, 12.0)));
 }
 
 ImageF ScenePlates::Alpha(const fs::path& path) const {

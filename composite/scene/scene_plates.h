@@ -24,6 +24,13 @@ class ScenePlates {
   /// Channels of the first that are no colour, and are left out.
   int others() const { return header_.others; }
 
+  /// What is learnt of a film looks at light between black and white. From now on all light is
+  /// darker by as many whole stops as bring nearly all of this picture there, or brighter: a power
+  /// of two, which changes no other bit. What is written is as bright as what was read.
+  void ExposeFor(const std::filesystem::path& path);
+  /// Factor on the light that is read.
+  float exposure() const { return exposure_; }
+
   /// RGB in linear light of colors().primaries(), of the data window; not clamped.
   /// @throws InputError  another window or other colours than the first; as ReadLightValues
   ImageF Light(const std::filesystem::path& path) const;
@@ -47,6 +54,7 @@ class ScenePlates {
   std::string first_;
   LightFile header_;
   PlateColors colors_;
+  float exposure_ = 1;
 };
 
 /// A picture of the display window in the data window; 0 where it has nothing.
