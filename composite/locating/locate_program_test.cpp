@@ -14,6 +14,7 @@
 #include "core/io/text/files.h"
 #include "core/numbers/rotations.h"
 #include "core/pictures/render.h"
+#include "core/pictures/srgb.h"
 #include "core/surfaces/shapes.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
@@ -115,6 +116,23 @@ TEST_F(LocateProgram, WritesTheCameraOfAFilm) {
   EXPECT_EQ(report["frames_located"], 2);
   EXPECT_EQ(report["one_place"], true);
   EXPECT_LT(report["jitter_px"], 0.05);
+}
+
+TEST_F(LocateProgram, PicturesOfSceneLightAreLookedAt) {
+  fs::create_directories(folder / "light");
+  const Image8 picture = ReadImage(folder / "film/0000.png", 3);
+  ImageF light(kWidth, kHeight, 3);
+  for (std::size_t i = 0; i < light.data.size(); ++i)
+    light.data[i] = static_cast<float>(LinearFromSrgb(picture.data[i] / 255.0));
+  WriteLinearImage(folder / "light/take_1001.exr", light);
+  WriteLinearImage(folder / "light/take_1003.exr", light);
+  ASSERT_EQ(Run("--mesh %/body.ply --plate %/light --matte %/mattes --focal_35mm 50"), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("linear light of Rec.709"));
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  ASSERT_EQ(shot.frames.size(), 2u);
+  EXPECT_EQ(shot.frames[1].frame, 2);
+  EXPECT_EQ(shot.frames[1].picture, "take_1003.exr");
+  EXPECT_GT(shot.frames[0].iou.value(), 0.98);
 }
 
 TEST_F(LocateProgram, AVideoIsAFilmOfItsOwnRate) {

@@ -55,6 +55,18 @@ TEST_F(ScenePlatesTest, LinearLightIsAsStored) {
   EXPECT_EQ(ScenePlates({}, path).Light(path).data, Values(72));
 }
 
+TEST_F(ScenePlatesTest, ExposureIsWholeStopsAndWrittenLightIsAsRead) {
+  const fs::path path = Plain("p.exr"), out = folder_ / "out.exr";
+  ScenePlates plates({}, path);
+  plates.ExposeFor(path);
+  EXPECT_EQ(plates.exposure(), 1.0f / 256) << "of 24 pixels all but one have 128 at most";
+  const ImageF light = plates.Light(path);
+  EXPECT_EQ(light.data[5], Values(72)[5] / 256);
+  WriteLayers(out, {light, {}, {}, {}, {}}, plates);
+  const std::vector<float> green = TestingChannel(out, "G"), values = Values(72);
+  for (std::size_t i = 0; i < green.size(); ++i) EXPECT_EQ(green[i], values[3 * i + 1]);
+}
+
 TEST_F(ScenePlatesTest, ColoursAreFoundAmongOtherChannels) {
   const fs::path path = Exr("p.exr", [](ImageSpec&) {}, {"A", "B", "G", "R", "Z", "id.X"});
   const ScenePlates plates({}, path);

@@ -22,6 +22,18 @@ class ShotTest : public ::testing::Test, public TestingFolder {
   }
 };
 
+TEST_F(ShotTest, PicturesThatOnlyLocateReadsAreNamed) {
+  std::filesystem::create_directories(folder_ / "cam1");
+  Put("cam1/0001.exr", "any");
+  try {
+    OpenShot(folder_);
+    FAIL() << "there is no camera";
+  } catch (const InputError& fault) {
+    EXPECT_NE(std::string(fault.what()).find("0001.exr and its like"), std::string::npos)
+        << fault.what();
+  }
+}
+
 TEST_F(ShotTest, CamerasAndFramesAreSortedByNumber) {
   for (const char* camera : {"cam10", "cam2"})
     for (const char* frame : {"9.png", "10.png"})

@@ -175,6 +175,11 @@ TEST_F(FilmFolder, PicturesOfCompositingProgramsAreCalledWhatTheyAre) {
   Touch("film.1001.exr"), Touch("film.1002.EXR"), Touch("notes.txt");
   EXPECT_THAT(Fault(), HasSubstr("but 2 .exr files"));
   EXPECT_THAT(Fault(), HasSubstr("oiiotool"));
+  const std::vector<FilmPicture> light = FilmPictures(folder_, FilmKinds::kPicturesOrLight);
+  ASSERT_EQ(light.size(), 2u);
+  EXPECT_EQ(light[1].number, 1002);
+  Touch("film.1001.png");
+  EXPECT_EQ(FilmPictures(folder_, FilmKinds::kPicturesOrLight).size(), 1u) << "proxies come first";
 }
 
 TEST_F(FilmFolder, OfSeveralCamerasFilmsAreListedByNumber) {
