@@ -7,6 +7,7 @@
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
+#include "core/surfaces/face_net.h"
 #include "core/values/name_list.h"
 #include "core/values/size_of.h"
 #include "export/export_options.h"
@@ -82,6 +83,7 @@ nlohmann::json Summary(const Scene& scene, const std::vector<std::string>& textu
                         {"loop", scene.playback.loop},
                         {"vertices", scene.frames[0].vertex_count()},
                         {"faces", scene.frames[0].face_count()},
+                        {"polygons", NetOf(scene.frames[0], scene.polygons).face_count()},
                         {"textures", texture_names},
                         {"texture_per_frame", !scene.frame_texture_names.empty()},
                         {"poses", scene.poses},
@@ -136,6 +138,8 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
   stage.Report("vertices", scene.frames[0].vertex_count());
   stage.Report("split_vertices", std::ssize(scene.split.source_vertex));
   stage.Report("faces", scene.frames[0].face_count());
+  if (!scene.polygons.sizes.empty())
+    stage.Report("polygons", NetOf(scene.frames[0], scene.polygons).face_count());
   stage.Report("textures", scene.frame_texture_names.empty()
                                ? std::ssize(scene.textures)
                                : std::ssize(scene.frame_texture_names));
@@ -193,7 +197,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "11";
+  spec.version = "12";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.title = "Export";
   spec.inputs = {{"frames", "folder",
@@ -203,7 +207,11 @@ int main(int argc, char** argv) {
                   "all; or a folder with one for each frame",
                   "", true, true},
                  {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
-                  true, false}};
+                  true, false},
+                 {"polygons", "file",
+                  "OBJ that the frames' triangles were made from: its quads and polygons are the "
+                  "faces of OBJ, USD and FBX",
+                  "", true, false}};
   spec.outputs = {{"animation", "folder", "the files of each format, textures/, animation.json",
                    "animation", false, false}};
   spec.cores = 0;

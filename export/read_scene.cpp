@@ -7,9 +7,11 @@
 #include <utility>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
+#include "core/surfaces/face_net.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 
@@ -41,6 +43,25 @@ void TakeLayout(const fs::path& path, Scene& scene) {
         "; pass what `keypose unwrap` made of their first frame");
   first.uvs = layout.uvs;
   first.uv_faces = layout.uv_faces;
+}
+
+/// The template's own net, where its file has polygons.
+void TakePolygons(StageContext& stage, Scene& scene) {
+  if (!stage.Has("polygons")) return;
+  const fs::path path = stage.Input("polygons");
+  scene.polygons = ReadPolygonMesh(path).polygons;
+  if (scene.polygons.sizes.empty()) return;
+  try {
+    const FaceNet net = NetOf(scene.frames[0], scene.polygons);
+    if (net.taken_apart > 0)
+      stage.Warn("polygons of " + PrintableName(path) +
+                 " that are exported as triangles: " + std::to_string(net.taken_apart) +
+                 ", because a seam of the texture runs through them or a vertex comes twice");
+  } catch (const InputError& error) {
+    throw InputError("export: the polygons of " + PrintableName(path) +
+                     " do not belong to the frames: " + error.what() +
+                     "; pass the mesh that they were made from, or none");
+  }
 }
 
 // PNG and JPEG files are embedded unchanged; other formats become PNG, since glTF allows only these
@@ -198,6 +219,7 @@ Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
   if (metres != 1)
     for (Mesh& frame : scene.frames) frame.points *= metres;
   if (stage.Has("layout")) TakeLayout(stage.Input("layout"), scene);
+  TakePolygons(stage, scene);
   const FrameNotes notes = ReadNotes(folder, SizeOf(scene.frames));
   const std::vector<fs::path> given = stage.Inputs("textures");
   const bool per_frame = given.size() == 1 && fs::is_directory(given[0]);

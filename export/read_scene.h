@@ -12,8 +12,8 @@ namespace keypose::exporting {
 /// The share of the stage's time, for progress, after which all is read.
 inline constexpr double kReadingShare = 0.1;
 
-/// Reads the stage's inputs `frames` and `textures`. Warns if textures cannot be blended because
-/// they do not belong to the frames' keys.
+/// Reads the stage's inputs `frames`, `textures`, `layout` and `polygons`. Warns if textures cannot
+/// be blended because they do not belong to the frames' keys.
 ///
 /// @param metres    of a unit of the frames
 /// @param poses     names of the keys' poses, one per texture; may be empty

@@ -3,10 +3,12 @@
 #include <cstdio>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/mesh_look.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/project/regions_io.h"
 #include "core/io/project/timeline_json.h"
 #include "core/io/text/files.h"
@@ -28,7 +30,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.title = "In-betweens";
   spec.inputs = {
@@ -44,10 +46,22 @@ StageSpec Spec() {
   return spec;
 }
 
+/// A polygon may be cut into triangles another way where it is bent: one way counts for all keys.
+PolygonMesh LoadKey(const std::filesystem::path& path, const PolygonMesh& first) {
+  PolygonMesh key = ReadPolygonMesh(path);
+  const bool same = !key.polygons.sizes.empty() && key.polygons.sizes == first.polygons.sizes &&
+                    key.polygons.corners == first.polygons.corners;
+  if (same) key.mesh.faces = first.mesh.faces;
+  return key;
+}
+
 std::vector<Mesh> LoadKeys(StageContext& stage) {
   std::vector<Mesh> keys;
+  PolygonMesh first;
   for (const std::filesystem::path& path : stage.Inputs("keys")) {
-    keys.push_back(ReadMesh(path));
+    PolygonMesh read = LoadKey(path, first);
+    if (keys.empty()) first = read;
+    keys.push_back(std::move(read.mesh));
     const Mesh& key = keys.back();
     RequireUsable(key, "interpolate: key '" + path.filename().string() + "'");
     if (!SameFaces(key.faces, keys[0].faces) || key.points.rows() != keys[0].points.rows())

@@ -40,7 +40,7 @@ constexpr double kUsualRate = 24;  // frames per second
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "transfer";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Moves a mesh as a template moves, by marked triangles.";
   spec.title = "Moving scan";
   spec.measurements = {

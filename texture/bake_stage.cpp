@@ -22,7 +22,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "9";
+  spec.version = "10";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
   spec.title = "Textures";

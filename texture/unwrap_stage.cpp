@@ -50,7 +50,7 @@ void Run(StageContext& stage, const UnwrapStageOptions& options) {
 
 const StageSpec kSpec = {
     .name = "unwrap",
-    .version = "4",
+    .version = "5",
     .summary =
         "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
     .title = "Texture layout",

@@ -8,6 +8,7 @@
 
 #include "core/values/image.h"
 #include "core/values/mesh.h"
+#include "core/values/polygons.h"
 #include "export/animation/animated_mesh.h"
 #include "export/animation/playback.h"
 #include "export/animation/texture_blend.h"
@@ -33,6 +34,7 @@ struct Scene {
   std::string name = "character";        ///< of the object, and of files
   std::vector<std::string> frame_names;  ///< "frame_0000", ...
   std::vector<Mesh> frames;              ///< of one connectivity; the UVs of the first count
+  Polygons polygons;   ///< of the first frame, for formats that have such; empty: its triangles
   AnimatedMesh split;  ///< the same frames, vertices split along texture seams, with normals
   std::vector<double>
       frame_t;  ///< per frame: key number plus share of the way to the next, or empty

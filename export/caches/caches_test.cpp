@@ -12,6 +12,7 @@
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "export/caches/testing/polygon_scene.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -148,6 +149,14 @@ TEST(MakePc2, ANameWithBlanksIsOneWordInTheMesh) {
   EXPECT_THAT(made.files[0].bytes, ::testing::HasSubstr("\no clay_cat_v_0_0_0\n"));
 }
 
+TEST(MakePc2, TheMeshHasTheTemplatesPolygons) {
+  const FormatFiles made = MakePc2(LanternScene(), nullptr);
+  const NamedFaces given = FacesOfObj(LanternObj()), written = FacesOfObj(made.files[0].bytes);
+  EXPECT_EQ(written.sizes, given.sizes);
+  EXPECT_EQ(written.vertices, given.vertices) << "the vertex without a face is the last";
+  EXPECT_THAT(written.uvs, ::testing::Pointwise(::testing::DoubleNear(1e-7), given.uvs));
+}
+
 class StopsAtOnce : public Progress {
  public:
   void Update(double, std::string_view) override {}
@@ -159,7 +168,8 @@ TEST(MakeMdd, StopsWhenAsked) {
   EXPECT_THROW(MakeMdd(TestScene(), &progress), Cancelled);
 }
 
-class CacheInBlender : public ::testing::TestWithParam<std::tuple<const char*, const char*, bool>> {};
+class CacheInBlender : public ::testing::TestWithParam<std::tuple<const char*, const char*, bool>> {
+};
 
 TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
   if (!HasReader("blender")) GTEST_SKIP() << "Blender is not installed";
@@ -188,7 +198,7 @@ TEST_P(CacheInBlender, EveryFrameIsInPlaceWithDefaultSettings) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, CacheInBlender,
                          ::testing::Values(std::tuple("pc2", "new", true),
-                                         std::tuple("mdd", "new", true),
-                                         std::tuple("pc2", "legacy", false)));
+                                           std::tuple("mdd", "new", true),
+                                           std::tuple("pc2", "legacy", false)));
 
 }  // namespace keypose::exporting::caches_test

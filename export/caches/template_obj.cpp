@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/surfaces/face_net.h"
 #include "core/values/size_of.h"
 
 namespace keypose::exporting {
@@ -25,12 +26,13 @@ void AppendRows(std::string& text, const std::string& keyword, const Rows& rows)
 }
 
 /// @param place  per vertex of the mesh: its place in the file, from 0
-void AppendFaces(std::string& text, const Mesh& mesh, const std::vector<int>& place) {
-  for (int f = 0; f < mesh.face_count(); ++f) {
+void AppendFaces(std::string& text, const FaceNet& net, const std::vector<int>& place) {
+  int corner = 0;
+  for (const int size : net.sizes) {
     text += 'f';
-    for (int k = 0; k < 3; ++k) {
-      text += ' ' + std::to_string(place[mesh.faces(f, k)] + 1);  // OBJ counts from 1
-      if (mesh.has_uvs()) text += '/' + std::to_string(mesh.uv_faces(f, k) + 1);
+    for (const int end = corner + size; corner < end; ++corner) {
+      text += ' ' + std::to_string(place[net.vertices[corner]] + 1);  // OBJ counts from 1
+      if (!net.uvs.empty()) text += '/' + std::to_string(net.uvs[corner] + 1);
     }
     text += '\n';
   }
@@ -64,7 +66,7 @@ std::vector<FormatFile> MakeTemplateObj(const Scene& scene, const std::string& p
   AppendRows(obj, "v", WithYUp(scene.frames[frame].points(vertices, Eigen::all), scene.z_up));
   if (mesh.has_uvs()) AppendRows(obj, "vt", mesh.uvs);
   obj += "usemtl clay\ns 1\n";  // one group with smooth normals
-  AppendFaces(obj, mesh, place);
+  AppendFaces(obj, NetOf(mesh, scene.polygons), place);
   std::string mtl = "newmtl clay\nKa 1 1 1\nKd 0.8 0.8 0.8\nKs 0 0 0\n";
   if (mesh.has_uvs() && !scene.textures.empty())
     mtl = "newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd ../textures/" +

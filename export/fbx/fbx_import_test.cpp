@@ -5,6 +5,7 @@
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
+#include "export/caches/testing/polygon_scene.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/fbx/fbx.h"
@@ -108,6 +109,20 @@ TEST(FbxInBlender, OnePictureIsAPlainMesh) {
   const ReaderResult result = Imported(TestScene(options)).InBlender("1");
   ExpectFramesInPlace(result, 2);
   EXPECT_THAT(result.output, HasSubstr("shape_keys=\nactions=\n"));
+}
+
+TEST(FbxInBlender, QuadsAndPolygonsComeOutAsTheyWentIn) {
+  if (!HasReader("blender")) GTEST_SKIP() << "Blender is not installed";
+  const BlenderFaces found = ReadInBlender(Imported(LanternScene()).path());
+  EXPECT_EQ(found.faces, 24);
+  EXPECT_EQ(found.triangles, 1);
+  EXPECT_EQ(found.quads, 18);
+  EXPECT_EQ(found.pentagons, 1);
+  EXPECT_EQ(found.hexagons, 2);
+  EXPECT_EQ(found.heptagons, 2);
+  const NamedFaces given = FacesOfObj(LanternObj());
+  EXPECT_EQ(found.vertices, given.vertices);
+  EXPECT_THAT(found.uvs, ::testing::Pointwise(::testing::DoubleNear(2e-5), given.uvs));
 }
 
 TEST(FbxInThree, EveryFrameAndCornerIsInPlace) {

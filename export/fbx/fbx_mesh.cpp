@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/numbers/parallel.h"
+#include "core/surfaces/face_net.h"
 #include "core/values/progress.h"
 #include "core/values/size_of.h"
 
@@ -28,10 +29,14 @@ PointsX3 NormalsOf(const Scene& scene, int frame) {
   return WithYUp(normals, scene.z_up);
 }
 
-/// Corners, each triangle's last as its complement, which marks the end.
-std::vector<std::int32_t> Corners(const FacesX3& faces) {
-  std::vector<std::int32_t> corners(faces.data(), faces.data() + faces.size());
-  for (std::size_t i = 2; i < corners.size(); i += 3) corners[i] = ~corners[i];
+/// Corners, each face's last as its complement, which marks the end.
+std::vector<std::int32_t> Corners(const FaceNet& net) {
+  std::vector<std::int32_t> corners(net.vertices.begin(), net.vertices.end());
+  int end = 0;
+  for (const int size : net.sizes) {
+    end += size;
+    corners[end - 1] = ~corners[end - 1];
+  }
   return corners;
 }
 
@@ -48,30 +53,28 @@ FbxRecord Layer(const std::string& type, const std::string& name, const std::str
 }
 
 // One normal per corner is what all readers know.
-FbxRecord NormalLayer(const Scene& scene) {
-  const FacesX3& faces = scene.frames[0].faces;
+FbxRecord NormalLayer(const Scene& scene, const FaceNet& net) {
   const PointsX3 normals = NormalsOf(scene, 0);
   std::vector<double> of_corners;
-  of_corners.reserve(3 * faces.size());
-  for (Eigen::Index i = 0; i < faces.size(); ++i) {
-    const int vertex = faces.data()[i];
+  of_corners.reserve(3 * net.vertices.size());
+  for (const int vertex : net.vertices) {
     of_corners.insert(of_corners.end(), normals.row(vertex).begin(), normals.row(vertex).end());
   }
   return Layer("LayerElementNormal", "", "ByPolygonVertex", "Direct", {{"Normals", {of_corners}}});
 }
 
-FbxRecord UvLayer(const Mesh& mesh) {
-  const std::vector<std::int32_t> corners(mesh.uv_faces.data(),
-                                          mesh.uv_faces.data() + mesh.uv_faces.size());
+FbxRecord UvLayer(const Mesh& mesh, const FaceNet& net) {
+  const std::vector<std::int32_t> corners(net.uvs.begin(), net.uvs.end());
   return Layer("LayerElementUV", kUvName, "ByPolygonVertex", "IndexToDirect",
                {{"UV", {Numbers(mesh.uvs)}}, {"UVIndex", {corners}}});
 }
 
 FbxRecord Geometry(const Scene& scene) {
   const Mesh& mesh = scene.frames[0];
-  std::vector<FbxRecord> layers{NormalLayer(scene)};
-  if (mesh.has_uvs()) layers.push_back(UvLayer(mesh));
-  const std::vector<std::int32_t> one_group(mesh.face_count(), 1), one_material{0};
+  const FaceNet net = NetOf(mesh, scene.polygons);
+  std::vector<FbxRecord> layers{NormalLayer(scene, net)};
+  if (mesh.has_uvs()) layers.push_back(UvLayer(mesh, net));
+  const std::vector<std::int32_t> one_group(net.face_count(), 1), one_material{0};
   layers.push_back(
       Layer("LayerElementSmoothing", "", "ByPolygon", "Direct", {{"Smoothing", {one_group}}}));
   layers.push_back(Layer("LayerElementMaterial", "", "AllSame", "IndexToDirect",
@@ -81,7 +84,7 @@ FbxRecord Geometry(const Scene& scene) {
   out.records = {FbxProperties({}),
                  {"GeometryVersion", {124}},
                  {"Vertices", {Numbers(WithYUp(mesh.points, scene.z_up))}},
-                 {"PolygonVertexIndex", {Corners(mesh.faces)}}};
+                 {"PolygonVertexIndex", {Corners(net)}}};
   FbxRecord list{"Layer", {0}, {{"Version", {100}}}};
   for (FbxRecord& layer : layers) {
     list.records.push_back({"LayerElement", {}, {{"Type", {layer.name}}, {"TypedIndex", {0}}}});

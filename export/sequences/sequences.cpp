@@ -7,7 +7,9 @@
 #include <system_error>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/ply_frames.h"
 #include "core/io/text/files.h"
+#include "core/surfaces/face_net.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -47,15 +49,18 @@ void AppendRows(std::string& text, const char* keyword, const Rows& rows) {
 }
 
 /// Texture coordinates and faces, which all files share.
-std::string SharedLines(const Mesh& mesh) {
+std::string SharedLines(const Scene& scene) {
+  const Mesh& mesh = scene.frames[0];
+  const FaceNet net = NetOf(mesh, scene.polygons);
   std::string text;
   if (mesh.has_uvs()) AppendRows(text, "vt", mesh.uvs);
   text += "s 1\n";  // smooth normals
-  for (int f = 0; f < mesh.face_count(); ++f) {
+  int corner = 0;
+  for (const int size : net.sizes) {
     text += 'f';
-    for (int k = 0; k < 3; ++k) {
-      text += ' ' + std::to_string(mesh.faces(f, k) + 1);  // OBJ counts from 1
-      if (mesh.has_uvs()) text += '/' + std::to_string(mesh.uv_faces(f, k) + 1);
+    for (const int end = corner + size; corner < end; ++corner) {
+      text += ' ' + std::to_string(net.vertices[corner] + 1);  // OBJ counts from 1
+      if (!net.uvs.empty()) text += '/' + std::to_string(net.uvs[corner] + 1);
     }
     text += '\n';
   }
@@ -106,7 +111,7 @@ WrittenSequence WriteObjSequence(const Scene& scene, const fs::path& folder,
     head = head_with("character.mtl");
   }
   const bool per_frame = !scene.frame_texture_names.empty() && scene.frames[0].has_uvs();
-  const std::string shared = SharedLines(scene.frames[0]);
+  const std::string shared = SharedLines(scene);
   const std::vector<int> shown = ShownFrames(scene);
   WrittenSequence written;
   std::string positions;
@@ -137,7 +142,7 @@ WrittenSequence WriteObjSequence(const Scene& scene, const fs::path& folder,
 WrittenSequence WritePlySequence(const Scene& scene, const fs::path& folder, Progress* progress) {
   MakeFolder(folder);
   const std::vector<int> shown = ShownFrames(scene);
-  PlyFrames writer(scene.frames[0]);
+  PlyFramesForOthers writer(scene.frames[0]);
   WrittenSequence written;
   std::set<int> measured;
   for (int i = 0; i < SizeOf(shown); ++i) {

@@ -23,7 +23,8 @@ struct WrittenSequence {
 /// digits if there are more than 10,000 files. All share `character.mtl`, written if there is a
 /// texture and the mesh has texture coordinates; where each frame has a texture of its own, each
 /// file has a material of its number with it. +y is up, as programs expect of OBJ files.
-/// Numbers are the shortest that give back the same double. Vertices keep their order.
+/// Numbers are the shortest that give back the same double. Vertices keep their order, and polygons
+/// their corners.
 ///
 /// @param folder        made if it does not exist
 /// @param texture_path  of the material's texture, relative to the folder; empty: no material
@@ -31,7 +32,8 @@ struct WrittenSequence {
 WrittenSequence WriteObjSequence(const Scene& scene, const std::filesystem::path& folder,
                                  const std::string& texture_path, Progress* progress);
 
-/// `frame_0000.ply`, ...: likewise, in double precision, binary, with the axes of the frames.
+/// `frame_0000.ply`, ...: triangles in binary, with the axes of the frames, positions in double and
+/// texture coordinates in single precision.
 /// @throws DiskError
 WrittenSequence WritePlySequence(const Scene& scene, const std::filesystem::path& folder,
                                  Progress* progress);

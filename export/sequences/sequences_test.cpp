@@ -2,6 +2,7 @@
 #include "export/sequences/sequences.h"
 #include "core/testing/paths.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "export/caches/testing/polygon_scene.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
@@ -80,6 +82,38 @@ TEST(WriteObjSequence, MeshWithoutTextureCoordinatesHasNoMaterial) {
   EXPECT_EQ(ReadFile(folder.path() / "frame_0000.obj").find("mtllib"), std::string::npos);
 }
 
+TEST(WriteObjSequence, QuadsAndPolygonsComeOutAsTheyWentIn) {
+  const TestingFolder folder;
+  const Scene scene = LanternScene();
+  const NamedFaces given = FacesOfObj(LanternObj());
+  ASSERT_EQ(given.sizes.size(), 24u);
+  EXPECT_EQ(std::count(given.sizes.begin(), given.sizes.end(), 4), 18);
+  WriteObjSequence(scene, folder.path(), "", nullptr);
+  for (const char* name : {"frame_0000.obj", "frame_0002.obj"}) {
+    const NamedFaces written = FacesOfObj(ReadFile(folder.path() / name));
+    EXPECT_EQ(written.sizes, given.sizes);
+    EXPECT_EQ(written.vertices, given.vertices);
+    EXPECT_EQ(written.uvs, given.uvs);
+  }
+  EXPECT_EQ(ReadMesh(folder.path() / "frame_0002.obj").points.rows(), 34);
+}
+
+TEST(WriteObjSequence, BlenderFindsTheQuadsAndPolygons) {
+  if (!HasReader("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
+  const TestingFolder folder;
+  WriteObjSequence(LanternScene(), folder.path(), "", nullptr);
+  const BlenderFaces found = ReadInBlender(folder.path() / "frame_0001.obj");
+  EXPECT_EQ(found.faces, 24);
+  EXPECT_EQ(found.triangles, 1);
+  EXPECT_EQ(found.quads, 18);
+  EXPECT_EQ(found.pentagons, 1);
+  EXPECT_EQ(found.hexagons, 2);
+  EXPECT_EQ(found.heptagons, 2);
+  const NamedFaces given = FacesOfObj(LanternObj());
+  EXPECT_EQ(found.vertices, given.vertices);
+  EXPECT_THAT(found.uvs, ::testing::Pointwise(::testing::DoubleNear(2e-5), given.uvs));
+}
+
 TEST(WriteObjSequence, FramesWithYUpKeepTheirAxes) {
   const TestingFolder folder;
   TestSceneOptions options;
@@ -123,6 +157,19 @@ TEST(WritePlySequence, KeepsEveryBitOfEveryShownFrame) {
     EXPECT_EQ(read.points, scene.frames[shown[i]].points) << i;
     EXPECT_TRUE(read.has_uvs());
   }
+}
+
+TEST(WritePlySequence, TextureCoordinatesAreFloatAsMeshLabReadsThem) {
+  const TestingFolder folder;
+  const Scene scene = HeldScene();
+  WritePlySequence(scene, folder.path(), nullptr);
+  const std::string text = ReadFile(folder.path() / "frame_0000.ply");
+  EXPECT_NE(text.find("property list uchar float texcoord\n"), std::string::npos);
+  const Mesh read = ReadMesh(folder.path() / "frame_0000.ply"), &given = scene.frames[0];
+  for (int f = 0; f < given.face_count(); ++f)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(read.uvs.row(read.uv_faces(f, k)),
+                given.uvs.row(given.uv_faces(f, k)).cast<float>().cast<double>());
 }
 
 /// What Blender says of a written sequence.

@@ -4,15 +4,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+
 #include "core/numbers/parallel.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
+#include "export/caches/testing/polygon_scene.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 
 namespace keypose::exporting::usda_test {
 
+using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
+using ::testing::Pointwise;
 
 std::string TextOf(const Scene& scene) { return MakeUsda(scene, nullptr).files.at(0).bytes; }
 
@@ -103,6 +110,31 @@ TEST(MakeUsda, AMeshWithoutTextureCoordinatesHasAPlainColour) {
   TestSceneOptions options;
   options.with_uvs = false;
   ExpectRead(Read(TestScene(options)));
+}
+
+/// The numbers of an attribute's value.
+std::vector<double> NumbersOf(const std::string& text, const std::string& attribute) {
+  const auto begin = text.find(attribute + " = [") + attribute.size() + 4;
+  std::string list = text.substr(begin, text.find(']', begin) - begin);
+  std::replace_if(
+      list.begin(), list.end(), [](char c) { return c == ',' || c == '(' || c == ')'; }, ' ');
+  std::istringstream words(list);
+  return {std::istream_iterator<double>(words), {}};
+}
+
+TEST(MakeUsda, QuadsAndPolygonsComeOutAsTheyWentIn) {
+  const std::string text = TextOf(LanternScene());
+  const NamedFaces given = FacesOfObj(LanternObj());
+  const auto counts = NumbersOf(text, "int[] faceVertexCounts");
+  EXPECT_THAT(counts, ElementsAreArray(given.sizes));
+  EXPECT_EQ(std::count(counts.begin(), counts.end(), 4), 18);
+  EXPECT_THAT(NumbersOf(text, "int[] faceVertexIndices"), ElementsAreArray(given.vertices));
+  const auto st = NumbersOf(text, "texCoord2f[] primvars:st");
+  std::vector<double> corners;
+  for (const double index : NumbersOf(text, "int[] primvars:st:indices"))
+    corners.insert(corners.end(), {st[2 * static_cast<std::size_t>(index)],
+                                   st[2 * static_cast<std::size_t>(index) + 1]});
+  EXPECT_THAT(corners, Pointwise(::testing::DoubleNear(1e-7), given.uvs));
 }
 
 TEST(MakeUsda, VerticesWithoutAFaceHaveANormal) {

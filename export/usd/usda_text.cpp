@@ -38,20 +38,11 @@ std::string TupleArray(const PointsX3& rows) { return Tuples(rows); }
 
 std::string TupleArray(const UvsX2& rows) { return Tuples(rows); }
 
-std::string IndexArray(const FacesX3& rows) {
+std::string NumberArray(const std::vector<int>& numbers) {
   std::string text = "[";
-  for (Eigen::Index i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (i > 0) text += ", ";
-    Append(text, rows.data()[i]);
-  }
-  return text + ']';
-}
-
-std::string RepeatedArray(int value, int count) {
-  std::string text = "[";
-  for (int i = 0; i < count; ++i) {
-    if (i > 0) text += ", ";
-    Append(text, value);
+    Append(text, numbers[i]);
   }
   return text + ']';
 }

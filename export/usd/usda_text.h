@@ -14,9 +14,7 @@ std::string ShortNumber(double value);
 /// "[(x, y, z), ...]", numbers in single precision. Rows may have two or three columns.
 std::string TupleArray(const PointsX3& rows);
 std::string TupleArray(const UvsX2& rows);
-/// "[a, b, ...]", row after row.
-std::string IndexArray(const FacesX3& rows);
-/// "[value, value, ...]"
-std::string RepeatedArray(int value, int count);
+/// "[a, b, ...]"
+std::string NumberArray(const std::vector<int>& numbers);
 
 }  // namespace keypose::exporting

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/meshes/scan_file.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
@@ -126,7 +127,10 @@ bool UsesTexture(const GivenMesh& mesh, const GivenMesh& source, MeshColors colo
 std::string WriteChanged(const GivenMesh& mesh, const fs::path& stem, const std::string& texture) {
   const std::string ending = mesh.scan.mesh.colors.rows() > 0 ? ".ply" : ".obj";
   fs::create_directories(stem.parent_path());
-  WriteMesh(stem.string() + ending, mesh.scan.mesh, texture);
+  if (ending == ".obj")
+    WritePolygonObj(stem.string() + ending, {mesh.scan.mesh, mesh.scan.polygons}, texture);
+  else
+    WriteMesh(stem.string() + ending, mesh.scan.mesh);
   return ending;
 }
 
@@ -138,6 +142,7 @@ NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const f
     copy.mesh = stem + WriteChanged(mesh, folder / stem, texture);
   else
     disk.Copy(mesh.file, folder / copy.mesh);
+  copy.polygons = !mesh.scan.polygons.sizes.empty() && !copy.mesh.ends_with(".ply");
   fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());
   if (!with_texture) return copy;
   copy.texture = "meshes/" + texture;
@@ -165,6 +170,20 @@ void TellColors(const NewMeshes& meshes, const GivenMesh& source, const fs::path
           : "";
   fmt::print("  to keep those of '{}': init {}--texture {}\n", source.name, mesh,
              ShellWord(texture.string()));
+}
+
+/// What becomes of the quads that an artist drew.
+void TellPolygons(const NewMeshes& meshes, const GivenMesh& source) {
+  if (source.scan.polygons.sizes.empty()) return;
+  if (meshes.template_polygons())
+    fmt::print("the quads and polygons of '{}' will be the faces of OBJ, USD and FBX\n",
+               source.name);
+  else
+    Warn(fmt::format(
+        "the quads and polygons of '{}' become triangles, because {}: they stay with --texture, "
+        "or with --same-faces where all poses have them",
+        source.name,
+        meshes.keep || meshes.same_faces ? "it has colours of vertices" : "it is meshed anew"));
 }
 
 }  // namespace
@@ -201,6 +220,7 @@ ExitCode InitMeshes(const InitOptions& options) {
     meshes.poses.push_back(Copied(disk, mesh, UsesTexture(mesh, *source, meshes.colors), folder));
   disk.Write(folder / "pipeline.yaml", NewMeshesText(folder, meshes));
   TellColors(meshes, *source, folder);
+  TellPolygons(meshes, *source);
   fmt::print("next: keypose run -C {}\n", ShellWord(options.folder));
   return ExitCode::kOk;
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "core/io/text/yaml_edit.h"
 
 namespace keypose::pipeline {
@@ -52,6 +54,18 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
 
 namespace {
 
+/// The inputs of `export`.
+std::string ExportInputs(const NewMeshes& meshes, const std::string& texture) {
+  const bool carried = meshes.colors == MeshColors::kCarried;
+  std::string textures = "[]";
+  if (meshes.colors == MeshColors::kTemplates) textures = YamlScalar("./" + texture);
+  if (meshes.colors == MeshColors::kOwn) textures = "{template: $texture, others: $texture}";
+  if (carried && meshes.keep) textures = "{template: $texture, others: complete.completed}";
+  const NewMesh* polygons = meshes.template_polygons();
+  return fmt::format("{{textures: {}{}}}", textures,
+                     polygons ? ", polygons: " + YamlScalar("./" + polygons->mesh) : "");
+}
+
 /// @param texture  the template's
 std::string MeshSteps(const NewMeshes& meshes, const std::string& texture) {
   const bool carried = meshes.colors == MeshColors::kCarried;
@@ -72,16 +86,20 @@ std::string MeshSteps(const NewMeshes& meshes, const std::string& texture) {
     text +=
         "  bake: {inputs: {images: [], model: [], scan: $mesh, scan_texture: $texture}, options: "
         "{texture_size: 0}}\n";
-  std::string textures = "[]";
-  if (meshes.colors == MeshColors::kTemplates) textures = YamlScalar("./" + texture);
-  if (meshes.colors == MeshColors::kOwn) textures = "{template: $texture, others: $texture}";
-  if (carried && meshes.keep) textures = "{template: $texture, others: complete.completed}";
   if (!carried || meshes.keep)
-    text += fmt::format("  export: {{inputs: {{textures: {}}}}}\n", textures);
+    text += fmt::format("  export: {{inputs: {}}}\n", ExportInputs(meshes, texture));
   return text;
 }
 
 }  // namespace
+
+const NewMesh* NewMeshes::template_polygons() const {
+  if (!keep && !same_faces) return nullptr;
+  const auto found = std::find_if(poses.begin(), poses.end(), [&](const NewMesh& pose) {
+    return pose.name == template_pose && pose.polygons;
+  });
+  return found == poses.end() ? nullptr : &*found;
+}
 
 std::string NewMeshesText(const fs::path& folder, const NewMeshes& meshes) {
   std::string text =

@@ -31,7 +31,8 @@ std::string NewPipelineText(const std::filesystem::path& folder,
 /// A pose whose mesh was made elsewhere: paths as they shall stand in pipeline.yaml.
 struct NewMesh {
   std::string name, mesh;
-  std::string texture;  ///< empty: it has none
+  std::string texture;    ///< empty: it has none
+  bool polygons = false;  ///< it has faces of more than three corners, which can be kept
 };
 /// How the poses of a project of meshes get their textures.
 enum class MeshColors {
@@ -46,6 +47,9 @@ struct NewMeshes {
   bool keep = false;        ///< the template's faces and texture coordinates stay
   bool same_faces = false;  ///< no pose is registered
   MeshColors colors = MeshColors::kNone;
+
+  /// The mesh whose polygons are exported; null: triangles are.
+  const NewMesh* template_polygons() const;
 };
 /// Switches the steps on photographs off.
 std::string NewMeshesText(const std::filesystem::path& folder, const NewMeshes& meshes);

@@ -19,6 +19,7 @@
 #include "core/io/meshes/gltf_file.h"
 #include "core/io/meshes/obj_file.h"
 #include "core/io/meshes/ply_mesh.h"
+#include "core/io/meshes/polygon_cut.h"
 #include "core/io/meshes/polygon_fan.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
@@ -61,12 +62,16 @@ class OffReader {
     mesh.points.resize(static_cast<Eigen::Index>(scanner_.size_of_vertices()), 3);
     for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) ReadVertex(v, mesh.points);
     Fan fan(path_, mesh.points.rows());
-    std::vector<std::size_t> corners;
+    std::vector<std::size_t> corners, sizes;
+    std::vector<int> all;
     for (std::size_t f = 0; f < scanner_.size_of_facets(); ++f) {
       ReadFace(f, corners);
       fan.Add(corners.data(), corners.size());
+      all.insert(all.end(), corners.begin(), corners.end());
+      sizes.push_back(corners.size());
     }
     mesh.faces = fan.Take();
+    PolygonCuts(mesh.points, all, sizes).Apply(all, &mesh.faces);
     return mesh;
   }
 

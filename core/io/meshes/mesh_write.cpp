@@ -1,12 +1,17 @@
-// The writing half of mesh_io.h.
+// The writing half of mesh_io.h, and polygon_mesh.h.
 #include <fmt/format.h>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/obj_file.h"
+#include "core/io/meshes/ply_frames.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/text/files.h"
+#include "core/surfaces/face_net.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -41,12 +46,14 @@ void PutVertex(std::string& out, const Source& source, Eigen::Index v) {
 
 constexpr const char* kPlyHead = "ply\nformat binary_little_endian 1.0\ncomment Keypose\n";
 
-std::string PlyBytes(const Mesh& mesh) {
+/// @tparam Uv  type of the texture coordinates, called `uv_type` in the file
+template <class Uv = double>
+std::string PlyBytes(const Mesh& mesh, const char* uv_type = "double") {
   std::string out = kPlyHead;
   PutVertexHeader(out, mesh);
   out +=
       fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
-  if (mesh.has_uvs()) out += "property list uchar double texcoord\n";
+  if (mesh.has_uvs()) out += fmt::format("property list uchar {} texcoord\n", uv_type);
   out += "end_header\n";
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, v);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
@@ -55,12 +62,12 @@ std::string PlyBytes(const Mesh& mesh) {
     if (!mesh.has_uvs()) continue;
     Put<std::uint8_t>(out, 6);
     for (int k = 0; k < 3; ++k)
-      for (int c = 0; c < 2; ++c) Put<double>(out, mesh.uvs(mesh.uv_faces(f, k), c));
+      for (int c = 0; c < 2; ++c) Put(out, static_cast<Uv>(mesh.uvs(mesh.uv_faces(f, k), c)));
   }
   return out;
 }
 
-std::string ObjText(const Mesh& mesh, const std::string& material_library) {
+std::string ObjText(const Mesh& mesh, const FaceNet& net, const std::string& material_library) {
   fmt::memory_buffer out;
   auto to = std::back_inserter(out);
   if (!material_library.empty()) fmt::format_to(to, "mtllib {}\nusemtl clay\n", material_library);
@@ -70,13 +77,14 @@ std::string ObjText(const Mesh& mesh, const std::string& material_library) {
   if (mesh.has_uvs())
     for (Eigen::Index t = 0; t < mesh.uvs.rows(); ++t)
       fmt::format_to(to, "vt {:.17g} {:.17g}\n", mesh.uvs(t, 0), mesh.uvs(t, 1));
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+  std::size_t corner = 0;
+  for (const int size : net.sizes) {
     fmt::format_to(to, "f");
-    for (int k = 0; k < 3; ++k) {
-      if (mesh.has_uvs())
-        fmt::format_to(to, " {}/{}", mesh.faces(f, k) + 1, mesh.uv_faces(f, k) + 1);
+    for (const std::size_t end = corner + static_cast<std::size_t>(size); corner < end; ++corner) {
+      if (net.uvs.empty())
+        fmt::format_to(to, " {}", net.vertices[corner] + 1);
       else
-        fmt::format_to(to, " {}", mesh.faces(f, k) + 1);
+        fmt::format_to(to, " {}/{}", net.vertices[corner] + 1, net.uvs[corner] + 1);
     }
     fmt::format_to(to, "\n");
   }
@@ -90,9 +98,10 @@ void RequireMeshName(const fs::path& path) {
     throw UsageError("cannot write a mesh as " + PrintableName(path) + ": name it .ply or .obj");
 }
 
-void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
-  RequireMeshName(path);
-  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
+namespace {
+
+void WriteObj(const fs::path& path, const Mesh& mesh, const FaceNet& net,
+              const std::string& material_texture) {
   fs::path library;
   if (!material_texture.empty() && mesh.has_uvs()) {
     library = path;
@@ -100,24 +109,75 @@ void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& materi
     WriteFile(library, fmt::format("newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n",
                                    material_texture));
   }
-  WriteFile(path, ObjText(mesh, library.filename().string()));
+  WriteFile(path, ObjText(mesh, net, library.filename().string()));
 }
 
-PlyFrames::PlyFrames(const Mesh& mesh) {
-  Mesh frame = mesh;
-  frame.normals.resize(0, 3);  // the normals belong to another frame
-  bytes_ = PlyBytes(frame);
-  constexpr std::string_view kEnd = "end_header\n";
-  vertices_at_ = bytes_.find(kEnd) + kEnd.size();
-  std::string vertex;
-  if (frame.points.rows() > 0) PutVertex(vertex, frame, 0);
-  vertex_bytes_ = vertex.size();
+}  // namespace
+
+void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
+  RequireMeshName(path);
+  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
+  WriteObj(path, mesh, NetOf(mesh, {}), material_texture);
 }
+
+PolygonMesh ReadPolygonMesh(const fs::path& path) {
+  if (MeshKindOf(path) != MeshKind::kObj) return {ReadMesh(path), {}};
+  ObjFile file = ReadObj(path);
+  if (file.polygons.only_triangles()) file.polygons = {};
+  return {std::move(file.mesh), std::move(file.polygons)};
+}
+
+void WritePolygonObj(const fs::path& path, const PolygonMesh& mesh,
+                     const std::string& material_texture) {
+  WriteObj(path, mesh.mesh, NetOf(mesh.mesh, mesh.polygons), material_texture);
+}
+
+namespace {
+
+/// The normals belong to another frame.
+Mesh WithoutNormals(Mesh mesh) {
+  mesh.normals.resize(0, 3);
+  return mesh;
+}
+
+std::size_t EndOfHeader(const std::string& bytes) {
+  constexpr std::string_view kEnd = "end_header\n";
+  return bytes.find(kEnd) + kEnd.size();
+}
+
+/// The bytes of a vertex without a normal.
+std::size_t VertexBytes(const Mesh& mesh) {
+  std::string vertex;
+  if (mesh.points.rows() > 0) PutVertex(vertex, WithoutNormals(mesh), 0);
+  return vertex.size();
+}
+
+void PlacePoints(const PointsX3& points, std::size_t at, std::size_t vertex_bytes,
+                 std::string* bytes) {
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    std::memcpy(bytes->data() + at + static_cast<std::size_t>(v) * vertex_bytes,
+                points.data() + 3 * v, 3 * sizeof(double));
+}
+
+}  // namespace
+
+PlyFrames::PlyFrames(const Mesh& mesh)
+    : bytes_(PlyBytes(WithoutNormals(mesh))),
+      vertices_at_(EndOfHeader(bytes_)),
+      vertex_bytes_(VertexBytes(mesh)) {}
 
 void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
-  for (Eigen::Index v = 0; v < points.rows(); ++v)
-    std::memcpy(bytes_.data() + vertices_at_ + static_cast<std::size_t>(v) * vertex_bytes_,
-                points.data() + 3 * v, 3 * sizeof(double));
+  PlacePoints(points, vertices_at_, vertex_bytes_, &bytes_);
+  WriteFile(path, bytes_);
+}
+
+PlyFramesForOthers::PlyFramesForOthers(const Mesh& mesh)
+    : bytes_(PlyBytes<float>(WithoutNormals(mesh), "float")),
+      vertices_at_(EndOfHeader(bytes_)),
+      vertex_bytes_(VertexBytes(mesh)) {}
+
+void PlyFramesForOthers::Write(const fs::path& path, const PointsX3& points) {
+  PlacePoints(points, vertices_at_, vertex_bytes_, &bytes_);
   WriteFile(path, bytes_);
 }
 

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/io/meshes/polygon_cut.h"
 #include "core/io/meshes/polygon_fan.h"
 #include "core/io/meshes/some_colors.h"
 #include "core/io/text/files.h"
@@ -258,8 +259,11 @@ class ObjReader {
     mesh.points = Eigen::Map<const PointsX3>(points_.data(),
                                              static_cast<Eigen::Index>(points_.size() / 3), 3);
     mesh.faces = Fanned(corners_, mesh.points.rows());
-    TakeUvs();
+    const PolygonCuts cuts(mesh.points, corners_, sizes_);
+    cuts.Apply(corners_, &mesh.faces);
+    TakeUvs(cuts);
     TakeColors();
+    TakePolygons();
     DropUnusedMaterials();
     return std::move(file_);
   }
@@ -275,7 +279,7 @@ class ObjReader {
   }
 
   /// Corners without texture coordinates get (0, 0) where others have some.
-  void TakeUvs() {
+  void TakeUvs(const PolygonCuts& cuts) {
     Mesh& mesh = file_.mesh;
     const auto none = std::count(uv_corners_.begin(), uv_corners_.end(), kNone);
     if (uvs_.empty() || none == std::ssize(uv_corners_)) return;
@@ -285,6 +289,7 @@ class ObjReader {
     std::vector<int> corners = uv_corners_;
     std::replace(corners.begin(), corners.end(), kNone, static_cast<int>(given));
     mesh.uv_faces = Fanned(corners, mesh.uvs.rows());
+    cuts.Apply(corners, &mesh.uv_faces);
   }
 
   /// Whether the fourth of seven numbers is the weight, as in `v x y z w r g b`. Else the last is
@@ -316,6 +321,19 @@ class ObjReader {
                                : Eigen::Vector3d(extra[0], extra[1], extra[2]));
     }
     mesh.colors = ColorsOfSome(colored_, colors, mesh.faces, mesh.points.rows());
+  }
+
+  void TakePolygons() {
+    Polygons& polygons = file_.polygons;
+    auto corner = corners_.begin();
+    for (const std::size_t size : sizes_) {
+      const auto end = corner + static_cast<std::ptrdiff_t>(size);
+      if (size > 2) {
+        polygons.sizes.push_back(static_cast<int>(size));
+        polygons.corners.insert(polygons.corners.end(), corner, end);
+      }
+      corner = end;
+    }
   }
 
   /// Materials of which no face is.

@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "core/values/mesh.h"
+#include "core/values/polygons.h"
 
 namespace keypose {
 
 struct ObjFile {
-  /// Polygons as fans of triangles; uvs where any corner has some (others get (0, 0)); colours
-  /// where any vertex has one (others take their neighbours').
+  /// Polygons cut into triangles (polygon_cut.h); uvs where any corner has some (others get (0,
+  /// 0)); colours where any vertex has one (others take their neighbours').
   Mesh mesh;
+  Polygons polygons;                   ///< whose triangles the mesh has
   std::vector<std::string> libraries;  ///< what stands behind each `mtllib`
   /// Of the faces; "" for faces before any `usemtl`.
   std::vector<std::string> materials;

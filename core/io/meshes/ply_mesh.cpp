@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/io/meshes/ply_io.h"
+#include "core/io/meshes/polygon_cut.h"
 #include "core/io/meshes/polygon_fan.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -107,27 +108,40 @@ const PlyList* ListOf(const PlyElement& element, std::initializer_list<const cha
   return nullptr;
 }
 
-/// The polygons' corners, and which polygon each triangle is of.
-struct Polygons {
+/// The faces' corners, which face each triangle is of, and those that are no fans.
+struct PlyFaces {
   const PlyList* corners = nullptr;
   std::vector<int> of_triangle;
+  std::optional<PolygonCuts> cuts;
 };
 
-FacesX3 FannedFaces(const PlyList& list, const fs::path& path, Eigen::Index vertices,
-                    Polygons* polygons) {
-  Fan fan(path, vertices);
+/// @pre the corners are vertices
+std::optional<PolygonCuts> CutsOf(const PlyList& list, const PointsX3& points) {
+  std::vector<std::size_t> sizes;
+  for (std::size_t i = 0; i + 1 < list.offsets.size(); ++i)
+    sizes.push_back(list.offsets[i + 1] - list.offsets[i]);
+  if (std::all_of(sizes.begin(), sizes.end(), [](std::size_t size) { return size < 4; })) return {};
+  return PolygonCuts(points, {list.values.begin(), list.values.end()}, sizes);
+}
+
+FacesX3 FacesOf(const PlyList& list, const fs::path& path, const PointsX3& points,
+                PlyFaces* polygons) {
+  Fan fan(path, points.rows());
   for (std::size_t i = 0; i + 1 < list.offsets.size(); ++i) {
     const std::size_t count = list.offsets[i + 1] - list.offsets[i];
     fan.Add(list.values.data() + list.offsets[i], count);
     for (std::size_t k = 2; k < count; ++k) polygons->of_triangle.push_back(static_cast<int>(i));
   }
-  return fan.Take();
+  FacesX3 faces = fan.Take();
+  polygons->cuts = CutsOf(list, points);
+  if (polygons->cuts) polygons->cuts->Apply({list.values.begin(), list.values.end()}, &faces);
+  return faces;
 }
 
 /// Texture coordinates of the faces' corners (MeshLab's list `texcoord`). Equal pairs become one
 /// entry. A face may have none: its corners get (0, 0).
 /// @throws InputError  a face has another number of them than of corners; not finite
-void ReadCornerUvs(const PlyElement& face, const Polygons& polygons, const fs::path& path,
+void ReadCornerUvs(const PlyElement& face, const PlyFaces& polygons, const fs::path& path,
                    Mesh& mesh) {
   const PlyList* list = ListOf(face, {"texcoord", "texcoords"});
   if (!list || list->values.empty()) return;
@@ -160,6 +174,7 @@ void ReadCornerUvs(const PlyElement& face, const Polygons& polygons, const fs::p
   for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
     fan.Add(uv_of_corner.data() + offsets[i], offsets[i + 1] - offsets[i]);
   mesh.uv_faces = fan.Take();
+  if (polygons.cuts) polygons.cuts->Apply(uv_of_corner, &mesh.uv_faces);
   mesh.uvs.resize(std::ssize(uvs), 2);
   for (std::size_t i = 0; i < uvs.size(); ++i)
     mesh.uvs.row(static_cast<Eigen::Index>(i)) = uvs[i].transpose();
@@ -187,7 +202,7 @@ void ReadVertexUvs(const PlyElement& vertex, const fs::path& path, Mesh& mesh) {
 }
 
 /// Colours of the faces, where the vertices have none: each vertex gets the mean of its faces'.
-void ReadFaceColors(const PlyElement& face, const Polygons& polygons, Mesh& mesh) {
+void ReadFaceColors(const PlyElement& face, const PlyFaces& polygons, Mesh& mesh) {
   const ColorsX3 colors = ColorsOf(face);
   if (colors.rows() == 0 || mesh.colors.rows() > 0) return;
   Eigen::MatrixX3d sum = Eigen::MatrixX3d::Zero(mesh.points.rows(), 3);
@@ -224,7 +239,7 @@ FacesX3 StripFaces(const PlyList& list, const fs::path& path, Eigen::Index verti
 }
 
 /// The page of each triangle; empty where the file has one texture.
-std::vector<int> PagesOf(const PlyElement& face, const Polygons& polygons, const fs::path& path) {
+std::vector<int> PagesOf(const PlyElement& face, const PlyFaces& polygons, const fs::path& path) {
   if (!face.Has("texnumber")) return {};
   const std::vector<double>& numbers = face.scalars.at("texnumber");
   std::vector<int> pages;
@@ -259,12 +274,12 @@ PlyPages ReadPlyPages(const fs::path& path) {
   mesh.points = ColumnsToPoints(vertex, {"x", "y", "z"});
   ReadVertexExtras(vertex, mesh);
   const PlyElement* face = ElementOf(table, "face");
-  Polygons polygons;
+  PlyFaces polygons;
   if (face) polygons.corners = ListOf(*face, {"vertex_indices", "vertex_index"});
   if (face && face->count > 0 && !polygons.corners)
     Fail(path, "has faces without a list vertex_indices or vertex_index");
   if (polygons.corners) {
-    mesh.faces = FannedFaces(*polygons.corners, path, mesh.points.rows(), &polygons);
+    mesh.faces = FacesOf(*polygons.corners, path, mesh.points, &polygons);
     ReadCornerUvs(*face, polygons, path, mesh);
     ReadFaceColors(*face, polygons, mesh);
     pages.page_of_face = PagesOf(*face, polygons, path);

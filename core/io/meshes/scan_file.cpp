@@ -12,6 +12,7 @@
 #include "core/io/meshes/obj_look.h"
 #include "core/io/meshes/ply_io.h"
 #include "core/io/meshes/ply_mesh.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/meshes/texture_pages.h"
 #include "core/io/meshes/zipped_scan.h"
 #include "core/io/text/files.h"
@@ -53,8 +54,10 @@ Scan FromGltf(const fs::path& path, bool join_seams) {
 }
 
 Scan FromObj(const fs::path& path) {
-  ObjLook look = LookOfObj(path, ReadObj(path));
+  ObjFile obj = ReadObj(path);
   Scan scan;
+  if (!obj.polygons.only_triangles()) scan.polygons = std::move(obj.polygons);
+  ObjLook look = LookOfObj(path, std::move(obj));
   scan.changed = look.moved;
   scan.warnings = std::move(look.warnings);
   TakeLook(path, std::move(look.paged), look.files, &scan);
@@ -174,7 +177,9 @@ Scan ReadScanWithoutLook(const fs::path& path, bool join_seams) {
     return FromZip(path,
                    [&](const fs::path& mesh) { return ReadScanWithoutLook(mesh, join_seams); });
   Scan scan;
-  scan.mesh = ReadMesh(path);
+  PolygonMesh read = ReadPolygonMesh(path);
+  scan.mesh = std::move(read.mesh);
+  scan.polygons = std::move(read.polygons);
   return scan;
 }
 

@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "core/values/mesh.h"
+#include "core/values/polygons.h"
 
 namespace keypose {
 
 struct Scan {
   Mesh mesh;
+  Polygons polygons;           ///< of an OBJ that has any but triangles; else empty
   std::string texture;         ///< the picture file's bytes; empty: none that can be used
   std::string texture_ending;  ///< ".png" and so on
   /// Where the texture is a file of its own and stays as it is. Empty: it was inside, or was made.
