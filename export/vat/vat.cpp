@@ -137,6 +137,33 @@ nlohmann::json Description(const Scene& scene, const std::vector<int>& shown,
   return out;
 }
 
+/// Tells Godot's texture importer that pixels are numbers: kept without loss, and never filtered,
+/// shrunk, or taken for colours. Settings that a version does not have are passed over: `flags` are
+/// of Godot 3, `mipmaps`, `roughness` and `detect_3d/compress_to` of Godot 4.
+std::string GodotImport() {
+  return R"([remap]
+
+importer="texture"
+
+[params]
+
+compress/mode=0
+compress/normal_map=2
+detect_3d=false
+detect_3d/compress_to=0
+flags/filter=false
+flags/mipmaps=false
+flags/repeat=0
+flags/srgb=0
+mipmaps/generate=false
+process/fix_alpha_border=false
+process/premult_alpha=false
+process/size_limit=0
+roughness/mode=1
+size_limit=0
+)";
+}
+
 }  // namespace
 
 FormatFiles MakeVat(const Scene& scene, Progress* progress) {
@@ -155,6 +182,8 @@ FormatFiles MakeVat(const Scene& scene, Progress* progress) {
   add("_normals.png", PngOf8Bits(images.normals));
   add("_positions.png", PngOf16Bits(images.positions));
   add("_positions.exr", ExrOfFloats(images.exact_positions));
+  for (const char* picture : {"_normals.png", "_positions.exr", "_positions.png"})
+    made.files.push_back({"vat/" + scene.name + picture + ".import", GodotImport()});
   const double diagonal = SceneDiagonal(scene);
   made.error_over_diagonal = errors.position / diagonal;
   made.measured = {{"quantum_over_diagonal", 0.5 * bounds.extent().norm() / kMost16 / diagonal},

@@ -15,6 +15,7 @@ namespace keypose::exporting {
 /// | NAME_positions.png | 16 bits: 0 is `minimum`, 65535 is `maximum`, per axis |
 /// | NAME_positions.exr | the same positions as single-precision numbers, without bounds |
 /// | NAME_normals.png | 8 bits: 0 is -1, 255 is 1; they need normalizing |
+/// | PICTURE.import | of each picture: how Godot reads it |
 ///
 /// There is a frame for each picture of the film (RoundOf), so a shader that shows frame
 /// floor(seconds * fps) shows what the film shows.

@@ -4,11 +4,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "export/caches/testing/run_reader.h"
 #include "export/caches/testing/test_scene.h"
 #include "export/vat/vat_layout.h"
@@ -52,6 +55,45 @@ TEST(MakeVat, DescribesFramesAndKeys) {
   EXPECT_EQ(json["keys"][1], (nlohmann::json{{"pose", "bent"}, {"frame", 5}}));
   EXPECT_EQ(json["loop"], false);
   EXPECT_EQ(json["mesh"], "cat.glb");
+}
+
+TEST(MakeVat, GodotKeepsPixelsAsNumbersByTheFilesBesideThem) {
+  if (!HasReader("godot3-server")) GTEST_SKIP() << "godot3-server is missing: run ./dev setup";
+  const TestingFolder folder;
+  const Scene scene = TestScene();
+  WriteFiles(MakeVat(scene, nullptr), scene, folder.path());
+  WriteFile(folder.path() / "project.godot", "config_version=4\n");
+  WriteFile(folder.path() / "check.gd", R"(extends SceneTree
+func _init():
+	for kind in ["positions.exr", "normals.png"]:
+		var texture = load("res://vat/character_" + kind)
+		var image = texture.get_data()
+		image.lock()
+		var pixel = image.get_pixel(7, 2)
+		var name = kind.split(".")[0]
+		print(name, "_flags=", texture.flags, " ", name, "_mipmaps=", int(image.has_mipmaps()))
+		print(name, "_r=", pixel.r, " ", name, "_g=", pixel.g, " ", name, "_b=", pixel.b)
+	quit()
+)");
+  const std::string project = folder.path().string();
+  RunReader({"env", "HOME=" + project, "godot3-server", "--path", project, "--editor", "--quit"});
+  const ReaderResult read =
+      RunReader({"env", "HOME=" + project, "godot3-server", "--path", project, "-s", "check.gd"});
+  for (const char* kind : {"positions", "normals"}) {
+    EXPECT_EQ(FigureOf(read.output, kind + std::string("_flags")), 0) << read.output;
+    EXPECT_EQ(FigureOf(read.output, kind + std::string("_mipmaps")), 0);
+  }
+  const int rows = MakeVatLayout(SizeOf(scene.split.source_vertex), 4).rows_per_frame;
+  ASSERT_EQ(rows, 1) << "row 2 is frame 2";
+  const Eigen::RowVector3d point = WithYUp(scene.split.points[2], true).row(7),
+                           normal = WithYUp(scene.split.normals[2], true).row(7);
+  const std::string axes[] = {"_r", "_g", "_b"};
+  for (int c = 0; c < 3; ++c) {
+    // Godot 3 halves the precision of an EXR: 11 bits.
+    EXPECT_NEAR(FigureOf(read.output, "positions" + axes[c]), point[c],
+                std::abs(point[c]) / 2048 + 1e-6);
+    EXPECT_NEAR(FigureOf(read.output, "normals" + axes[c]) * 2 - 1, normal[c], 1.0 / 255 + 1e-6);
+  }
 }
 
 TEST(MakeVat, ALoopHasNoPictureTwiceAtItsSeam) {
