@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
@@ -79,6 +83,111 @@ TEST_F(MeshProject, PosesOfTheSameFacesAreNotRegistered) {
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, Not(HasSubstr("register")));
   EXPECT_THAT(ReadFile(Out("animation/animation.json")), HasSubstr("\"frame_0004\""));
+}
+
+/// A tube of 16 x 30 quads between two faces of 16 corners, as an artist's OBJ.
+class QuadProject : public MeshProject {
+ protected:
+  static constexpr int kSides = 16, kRings = 31;
+
+  void SetUp() override {
+    MeshProject::SetUp();
+    WriteFile(folder_ / "rest pose.obj", Tube(0, 0) + Faces());
+    WriteFile(folder_ / "wave.obj", Tube(0.5, 0) + Faces());
+  }
+
+  /// @param dent  how far one vertex slides towards the opposite corner of its quad
+  static std::string Tube(double lean, double dent) {
+    std::string text;
+    for (int ring = 0; ring < kRings; ++ring)
+      for (int side = 0; side < kSides; ++side) {
+        const bool slides = ring == 15 && side == 3;
+        const double turn = 2 * M_PI * (side + (slides ? dent : 0)) / kSides,
+                     z = 30 * (ring + (slides ? dent : 0));
+        text += "v " + std::to_string(120 * std::cos(turn) + lean * std::max(0.0, z - 450)) + " " +
+                std::to_string(120 * std::sin(turn)) + " " + std::to_string(z) + "\n";
+      }
+    return text;
+  }
+
+  static std::string Faces() {
+    std::string text, floor = "f", lid = "f";
+    for (int ring = 0; ring < kRings; ++ring)
+      for (int side = 0; side <= kSides; ++side)
+        text += "vt " + std::to_string(0.9 * side / kSides) + " " +
+                std::to_string(0.9 * ring / kRings) + "\n";
+    const auto corner = [](int ring, int side) {
+      return " " + std::to_string(kSides * ring + side % kSides + 1) + "/" +
+             std::to_string((kSides + 1) * ring + side + 1);
+    };
+    for (int ring = 0; ring + 1 < kRings; ++ring)
+      for (int side = 0; side < kSides; ++side)
+        text += "f" + corner(ring, side) + corner(ring, side + 1) + corner(ring + 1, side + 1) +
+                corner(ring + 1, side) + "\n";
+    for (int side = 0; side < kSides; ++side) {
+      floor += corner(0, kSides - 1 - side);
+      lid += corner(kRings - 1, side);
+    }
+    return text + floor + "\n" + lid + "\n";
+  }
+
+  /// Vertices of the faces, a line each.
+  static std::string FaceLines(const std::string& obj) {
+    std::string lines;
+    std::istringstream in(obj);
+    for (std::string line; std::getline(in, line);) {
+      if (!line.starts_with("f ")) continue;
+      std::istringstream words(line.substr(2));
+      for (std::string word; words >> word;) lines += word.substr(0, word.find('/')) + " ";
+      lines += "\n";
+    }
+    return lines;
+  }
+};
+
+TEST_F(QuadProject, ATemplateThatKeepsItsTextureKeepsItsNet) {
+  const RunResult init = Init({"--texture", "skin.png"});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_THAT(init.output, HasSubstr("the quads and polygons of 'rest' will be the faces"));
+  const RunResult run = Run({"--set", "cleanup.faces=1500", "--set", "export.formats=obj,usda"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  const std::string given = FaceLines(ReadFile(folder_ / "rest pose.obj"));
+  EXPECT_EQ(std::count(given.begin(), given.end(), '\n'), 16 * 30 + 2);
+  for (const char* frame : {"frame_0000.obj", "frame_0004.obj"})
+    EXPECT_EQ(FaceLines(ReadFile(Out("animation/obj") / frame)), given) << frame;
+  EXPECT_THAT(ReadFile(Out("animation/character.usda")), HasSubstr(", 4, 4, 4, 16, 16]\n"));
+  EXPECT_THAT(ReadFile(Out("animation/animation.json")), HasSubstr("\"polygons\": 482"));
+}
+
+TEST_F(QuadProject, PosesOfTheSamePolygonsAreCutAlike) {
+  WriteFile(folder_ / "wave.obj", Tube(0.5, 0.7) + Faces());
+  ASSERT_FALSE(
+      SameFaces(ReadMesh(folder_ / "wave.obj").faces, ReadMesh(folder_ / "rest pose.obj").faces))
+      << "a concave quad is cut another way";
+  ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
+  const RunResult run =
+      Run({"--set", "interpolate.align=none", "--set", "export.formats=obj", "--until", "export"});
+  ASSERT_EQ(run.exit_code, kOk) << run.output;
+  EXPECT_EQ(FaceLines(ReadFile(Out("animation/obj/frame_0004.obj"))),
+            FaceLines(ReadFile(folder_ / "rest pose.obj")));
+}
+
+TEST_F(QuadProject, WhereTheTemplateIsMeshedAnewThatIsSaid) {
+  const RunResult init = Init({});
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_THAT(init.output, HasSubstr("the quads and polygons of 'rest' become triangles"));
+  EXPECT_THAT(ReadFile(folder_ / "fox/pipeline.yaml"), Not(HasSubstr("polygons")));
+}
+
+TEST_F(QuadProject, PolygonsOfAnotherMeshAreRefused) {
+  ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
+  WriteFile(folder_ / "other.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  std::string yaml = ReadFile(folder_ / "fox/pipeline.yaml");
+  yaml.replace(yaml.find("polygons: ./meshes/rest.obj"), 27, "polygons: ../other.obj");
+  WriteFile(folder_ / "fox/pipeline.yaml", yaml);
+  const RunResult run = Run({"--set", "interpolate.align=none", "--until", "export"});
+  EXPECT_EQ(run.exit_code, kInput) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("do not belong to the frames"));
 }
 
 TEST_F(MeshProject, WithoutATextureTheTemplateIsCleanedAndUnwrapped) {
