@@ -102,7 +102,7 @@ class QuadProject : public MeshProject {
     for (int ring = 0; ring < kRings; ++ring)
       for (int side = 0; side < kSides; ++side) {
         const bool slides = ring == 15 && side == 3;
-        const double turn = 2 * M_PI * (side + (slides ? dent : 0)) / kSides,
+        const double turn = 2 * M_PI * (side - (slides ? dent : 0)) / kSides,
                      z = 30 * (ring + (slides ? dent : 0));
         text += "v " + std::to_string(120 * std::cos(turn) + lean * std::max(0.0, z - 450)) + " " +
                 std::to_string(120 * std::sin(turn)) + " " + std::to_string(z) + "\n";
