@@ -6,7 +6,8 @@ every frame that shows.
 
 The animation: a clay figure of about 1,500 vertices that is held, bends its limbs, and straightens
 them on twos, with a texture for each pose; the first and the last frame are held by the export.
-Programs: Blender, three.js, the Khronos validator. A corner may be 1e-5 of the diagonal away from
+Programs: Blender, three.js, the Khronos validator, and
+Autodesk's FBX reader in FBX2glTF. A corner may be 1e-5 of the diagonal away from
 its place in the frames; in `vat` half a step of its 16 bits more, in `glb-few` the bound that the
 export claims. --all: a format that keypose-export does not offer is a failure, else it is skipped
 by name. --markdown writes the table. Needs Python with numpy.
@@ -31,7 +32,7 @@ PROGRAMS = {
     "glb-few": ["Khronos validator", "Blender", "three.js"],
     "obj": ["Blender"],
     "ply": ["Blender"],
-    "fbx": ["Blender"],
+    "fbx": ["Blender", "FBX2glTF"],
     "pc2": ["Blender"],
     "mdd": ["Blender", "three.js"],
     "vat": ["Khronos validator", "three.js"],
@@ -56,6 +57,7 @@ TEXTURED = {
     ("glb-few", "three.js"),
     ("obj", "Blender"),
     ("fbx", "Blender"),
+    ("fbx", "FBX2glTF"),
     ("pc2", "Blender"),
     ("mdd", "Blender"),
     ("vat", "three.js"),
@@ -273,6 +275,19 @@ def main_file(name, note, work):
     return work / "animation" / files[0]
 
 
+def convert_fbx(file, work):
+    """The GLB that Autodesk's reader makes of an FBX file, its animation sampled at 24 frames a
+    second. npm unpacks the program without the right to run it, so a copy of it is run, on a copy of
+    the file, since it puts textures beside that."""
+    program, source = work / "FBX2glTF", work / "fbx2gltf.fbx"
+    shutil.copy(file, source)
+    shutil.copy(ROOT / "node_modules/fbx2gltf/bin/Linux/FBX2glTF", program)
+    program.chmod(0o755)
+    converted = work / "fbx2gltf.glb"
+    run([program, "--binary", "--anim-framerate", "bake24", "-i", source, "-o", converted])
+    return converted
+
+
 def read_back(program, name, note, work):
     result = work / f"{name}-{program.split()[0]}.json"
     file = main_file(name, note, work)
@@ -298,6 +313,9 @@ def read_back(program, name, note, work):
                 result,
             ]
         )
+    elif program == "FBX2glTF":
+        converted = convert_fbx(file, work)
+        run(["node", HERE / "read_in_three.mjs", "fbx2gltf", converted, work / "truth", result])
     else:
         run(["node", HERE / "read_in_three.mjs", name, file, work / "truth", result])
     return json.loads(result.read_text())
@@ -389,8 +407,8 @@ def table(rows):
 def document(rows, truth):
     blender = run(["blender", "--version"]).splitlines()[0]
     lock = json.loads((ROOT / "package-lock.json").read_text())["packages"]
-    three, validator = (
-        lock[f"node_modules/{name}"]["version"] for name in ("three", "gltf-validator")
+    three, validator, fbx = (
+        lock[f"node_modules/{name}"]["version"] for name in ("three", "gltf-validator", "fbx2gltf")
     )
     return f"""# Formats, read by other programs
 
@@ -398,7 +416,7 @@ def document(rows, truth):
 {truth['faceCount']} faces that is held, bends, and straightens on twos, at {FPS} frames a second;
 {truth['shown']} frames show. Every corner of every face is compared in every frame that shows,
 after the axes and the unit of the program: {blender}, three.js {three}, Khronos validator
-{validator}. Corner k of face f is compared with corner k of face f; the texture coordinates of all
+{validator}, FBX2glTF {fbx} with Autodesk's reader. Corner k of face f is compared with corner k of face f; the texture coordinates of all
 corners agree to {UV_TOLERANCE:g}. Frame rates agree wherever a file or a program has one.
 
 {table(rows)}

@@ -11,7 +11,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 import { strToU8, zipSync } from 'three/addons/libs/fflate.module.js';
-import { AnimationMixer } from 'three';
+import { AnimationMixer, Vector3 } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MDDLoader } from 'three/addons/loaders/MDDLoader.js';
@@ -66,14 +66,18 @@ function distance(frame, corner) {
   return worst / truth.diagonal;
 }
 
-/// The largest difference of a corner's texture coordinate; `v_down` as in glTF.
-function uvDifference(geometry, vDown) {
+/// The largest difference of a corner's texture coordinate; `v_down` as in glTF. `vertexOf(c)` is
+/// where the geometry has corner c.
+function uvDifference(
+  geometry,
+  vDown,
+  vertexOf = (c) => (geometry.index ? geometry.index.getX(c) : c),
+) {
   const uv = geometry.getAttribute('uv');
-  const index = geometry.index;
   if (!uv) return null;
   let worst = 0;
   for (let c = 0; c < truth.faces.length; ++c) {
-    const at = index ? index.getX(c) : c;
+    const at = vertexOf(c);
     const v = vDown ? 1 - uv.getY(at) : uv.getY(at);
     worst = Math.max(
       worst,
@@ -105,7 +109,8 @@ async function loadGltf(path) {
   );
 }
 
-/// base + sum of weight times target, as in three.js's morphtarget_vertex.
+/// base + sum of weight times target, as in three.js's morphtarget_vertex, where the mesh's node
+/// puts it.
 function morphed(mesh) {
   const base = mesh.geometry.getAttribute('position');
   const targets = mesh.geometry.morphAttributes.position;
@@ -114,12 +119,55 @@ function morphed(mesh) {
     if (weight === 0) return;
     for (let i = 0; i < points.length; ++i) points[i] += weight * targets[t].array[i];
   });
+  const place = new Vector3();
+  for (let i = 0; i < points.length; i += 3)
+    place.fromArray(points, i).applyMatrix4(mesh.matrixWorld).toArray(points, i);
   return points;
 }
 
-async function gltf() {
+/// Which of these points, with y up, is at each vertex of the first frame; -1: none is there.
+function nearestVertices(points) {
+  const nearest = new Int32Array(points.length / 3).fill(-1);
+  const close = (1e-5 * truth.diagonal) ** 2;
+  for (let p = 0; p < nearest.length; ++p) {
+    const [x, y, z] = points.subarray(3 * p, 3 * p + 3);
+    for (let v = 0; v < truth.vertices && nearest[p] < 0; ++v) {
+      const [a, b, c] = truth.positions.subarray(3 * v, 3 * v + 3);
+      if ((x - a) ** 2 + (-z - b) ** 2 + (y - c) ** 2 < close) nearest[p] = v;
+    }
+  }
+  return nearest;
+}
+
+/// For a program that gives the faces in an order of its own: the mesh's vertex of each corner of
+/// the frames' faces, found by where the first frame has them. Winding counts, the first corner not.
+function cornersInOrder(mesh) {
+  const vertexOf = nearestVertices(morphed(mesh));
+  const turned = (corners, key) => {
+    const first = corners.indexOf(corners.reduce((a, b) => (key(a) < key(b) ? a : b)));
+    return [0, 1, 2].map((k) => corners[(first + k) % 3]);
+  };
+  const found = new Map();
+  for (let f = 0; f < mesh.geometry.index.count; f += 3) {
+    const corners = [0, 1, 2].map((k) => mesh.geometry.index.getX(f + k));
+    const face = turned(corners, (c) => vertexOf[c]);
+    found.set(face.map((c) => vertexOf[c]).join(), face);
+  }
+  const order = new Int32Array(truth.faces.length);
+  for (let f = 0; f < truth.faces.length; f += 3) {
+    const face = turned([0, 1, 2], (k) => truth.faces[f + k]);
+    const corners = found.get(face.map((k) => truth.faces[f + k]).join());
+    if (!corners) throw new Error(`face ${f / 3} of the frames is not there`);
+    face.forEach((k, i) => (order[f + k] = corners[i]));
+  }
+  return order;
+}
+
+/// @param keepsOrder  whether corner k of face f is the frames' corner k of face f
+async function gltf(keepsOrder = true) {
   const loaded = await loadGltf(file);
   const mesh = onlyMesh(loaded.scene);
+  const order = keepsOrder ? mesh.geometry.index.array : cornersInOrder(mesh);
   const mixer = new AnimationMixer(loaded.scene);
   mixer.clipAction(loaded.animations[0]).play();
   let worst = 0;
@@ -129,15 +177,13 @@ async function gltf() {
     const points = morphed(mesh);
     worst = Math.max(
       worst,
-      distance(i, (c) =>
-        points.subarray(3 * mesh.geometry.index.getX(c), 3 * mesh.geometry.index.getX(c) + 3),
-      ),
+      distance(i, (c) => points.subarray(3 * order[c], 3 * order[c] + 3)),
     );
   }
   return {
     frames: truth.shown,
     worst,
-    uv: uvDifference(mesh.geometry, true),
+    uv: uvDifference(mesh.geometry, true, (c) => order[c]),
     texture: Boolean(mesh.material.map),
     targets: mesh.morphTargetInfluences.length,
     last: loaded.animations[0].duration * truth.fps,
@@ -328,6 +374,13 @@ function mdd() {
   };
 }
 
-const readers = { glb: gltf, 'glb-few': gltf, vat, usda, mdd };
+const readers = {
+  glb: gltf,
+  'glb-few': gltf,
+  fbx2gltf: () => gltf(false),
+  vat,
+  usda,
+  mdd,
+};
 writeFileSync(resultName, JSON.stringify(await readers[format]()));
 process.exit(0);

@@ -61,7 +61,13 @@ TEST(MakeVat, GodotKeepsPixelsAsNumbersByTheFilesBesideThem) {
   if (!HasReader("godot3-server")) GTEST_SKIP() << "godot3-server is missing: run ./dev setup";
   const TestingFolder folder;
   const Scene scene = TestScene();
-  WriteFiles(MakeVat(scene, nullptr), scene, folder.path());
+  FormatFiles made = MakeVat(scene, nullptr);
+  // After it has imported a mesh, this Godot does not end.
+  std::erase_if(made.files, [](const FormatFile& file) { return file.path.ends_with(".glb"); });
+  for (const FormatFile& file : made.files) {
+    std::filesystem::create_directories((folder.path() / file.path).parent_path());
+    WriteFile(folder.path() / file.path, file.bytes);
+  }
   WriteFile(folder.path() / "project.godot", "config_version=4\n");
   WriteFile(folder.path() / "check.gd", R"(extends SceneTree
 func _init():
@@ -76,9 +82,10 @@ func _init():
 	quit()
 )");
   const std::string project = folder.path().string();
-  RunReader({"env", "HOME=" + project, "godot3-server", "--path", project, "--editor", "--quit"});
-  const ReaderResult read =
-      RunReader({"env", "HOME=" + project, "godot3-server", "--path", project, "-s", "check.gd"});
+  RunReader({"env", "HOME=" + project, "godot3-server", "--path", project, "--editor", "--quit"},
+            60);
+  const ReaderResult read = RunReader(
+      {"env", "HOME=" + project, "godot3-server", "--path", project, "-s", "check.gd"}, 60);
   for (const char* kind : {"positions", "normals"}) {
     EXPECT_EQ(FigureOf(read.output, kind + std::string("_flags")), 0) << read.output;
     EXPECT_EQ(FigureOf(read.output, kind + std::string("_mipmaps")), 0);
@@ -89,9 +96,9 @@ func _init():
                            normal = WithYUp(scene.split.normals[2], true).row(7);
   const std::string axes[] = {"_r", "_g", "_b"};
   for (int c = 0; c < 3; ++c) {
-    // Godot 3 halves the precision of an EXR: 11 bits.
+    // Godot 3 cuts the numbers of an EXR off after 11 bits.
     EXPECT_NEAR(FigureOf(read.output, "positions" + axes[c]), point[c],
-                std::abs(point[c]) / 2048 + 1e-6);
+                std::abs(point[c]) / 1024 + 1e-6);
     EXPECT_NEAR(FigureOf(read.output, "normals" + axes[c]) * 2 - 1, normal[c], 1.0 / 255 + 1e-6);
   }
 }
