@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/obj_file.h"
@@ -98,6 +99,37 @@ TEST(CutOfPolygon, TheLettersLAndEAndASpiralAreCovered) {
   for (Eigen::Index i = 0, n = points.rows(); i < n; ++i)
     area += (points(i, 0) * points((i + 1) % n, 1) - points(i, 1) * points((i + 1) % n, 0)) / 2;
   ExpectCovers(points, CutOf(points), area);
+}
+
+TEST(CutOfPolygon, StarsOfAnyFormAreCovered) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0, 1);
+  int fans = 0;
+  for (int round = 0; round < 500; ++round) {
+    const int count = 4 + round % 37;
+    std::vector<std::array<double, 3>> star;
+    double area = 0;
+    for (int i = 0; i < count; ++i) {
+      const double turn = 2 * M_PI * (i + 0.6 * share(random)) / count, r = 0.1 + share(random);
+      star.push_back({r * std::cos(turn), r * std::sin(turn), 0});
+    }
+    for (int i = 0; i < count; ++i) {
+      const auto &a = star[i], &b = star[(i + 1) % count];
+      area += (a[0] * b[1] - a[1] * b[0]) / 2;
+    }
+    const PointsX3 points = Points(star);
+    const LocalTriangles cut = CutOf(points);
+    fans += cut.empty();
+    if (cut.empty()) continue;
+    ASSERT_THAT(cut, SizeIs(count - 2));
+    double sum = 0;
+    for (const auto& triangle : cut) {
+      ASSERT_GT(AreaOf(points, triangle).z(), 0) << round;
+      sum += AreaOf(points, triangle).z();
+    }
+    ASSERT_NEAR(sum, area, 1e-12) << round;
+  }
+  EXPECT_LT(fans, 150) << "most are concave";
 }
 
 TEST(CutOfPolygon, ACornerOnAStraightEdgeIsNoTriangleOfItsOwn) {
