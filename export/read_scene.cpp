@@ -50,7 +50,9 @@ void TakePolygons(StageContext& stage, Scene& scene) {
   if (!stage.Has("polygons")) return;
   const fs::path path = stage.Input("polygons");
   scene.polygons = ReadPolygonMesh(path).polygons;
-  if (scene.polygons.sizes.empty()) return;
+  if (scene.polygons.sizes.empty())
+    return stage.Warn(PrintableName(path) +
+                      " gives no polygons, which are read of OBJ files: triangles are exported");
   try {
     const FaceNet net = NetOf(scene.frames[0], scene.polygons);
     if (net.taken_apart > 0)
