@@ -127,8 +127,12 @@ class Cameras : public RunTest {
         WriteImage(folder / image.name, Image8(64, 48, 3, 128));
         WriteImage(folder / image.mask, Image8(64, 48, 1, stage == "masks" ? 255 : 0));
       }
-      WriteImageSet(
-          {.folder = folder, .images = images, .camera_model = {}, .board = {}, .floor = {}});
+      WriteImageSet({.folder = folder,
+                     .images = images,
+                     .camera_model = {},
+                     .board = {},
+                     .board_print = {},
+                     .floor = {}});
     }
   }
   /// Runs the project as SetUp made it, once for all tests.
