@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/values/image16.h"
+
 namespace keypose {
 namespace {
 
@@ -66,6 +68,7 @@ ImageT<T> Oriented(ImageT<T> image, int orientation) {
 
 template Image8 Oriented(Image8 image, int orientation);
 template ImageF Oriented(ImageF image, int orientation);
+template Image16 Oriented(Image16 image, int orientation);
 
 Image8 TurnedOver(const Image8& image) { return Turned(image, 3); }
 Image8 QuarterTurned(const Image8& image) { return Turned(image, 6); }

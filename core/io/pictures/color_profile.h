@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/values/image.h"
+#include "core/values/image16.h"
 
 namespace keypose {
 
@@ -15,6 +16,8 @@ namespace keypose {
 /// @param profile  the bytes of an ICC profile
 /// Source: ICC.1:2010; by Little CMS.
 Image8 InSrgb(Image8 image, const std::string& profile);
+/// The same of 16 bits, to a few of their steps. What 8 bits take for sRGB is sRGB here too.
+Image16 InSrgb(Image16 image, const std::string& profile);
 
 /// The bytes of a profile with sRGB's transfer function, white point D65 and these primaries, as
 /// chromaticities x, y. For containers that say primaries without a profile.

@@ -52,6 +52,27 @@ TEST(InSrgb, DisplayP3IsConvertedByThePrimaries) {
   for (int p = 0; p < 256; ++p) ExpectSrgbOfP3(&p3.data[3 * p], &srgb.data[3 * p]);
 }
 
+TEST(InSrgb, SixteenBitsAreConvertedToAHundredthOfALevel) {
+  Image16 p3(16, 16, 3);
+  for (std::size_t i = 0; i < p3.data.size(); ++i)
+    p3.data[i] = static_cast<std::uint16_t>(i * 40503 % 65536);
+  const Image16 srgb = InSrgb(p3, DisplayP3Profile());
+  constexpr double kMatrix[3][3] = {
+      {1.2249401, -0.2249404, 0}, {-0.0420569, 1.0420571, 0}, {-0.0196376, -0.0786361, 1.0982735}};
+  double sum = 0;
+  for (std::size_t i = 0; i < p3.data.size(); ++i) {
+    double linear = 0;
+    for (int k = 0; k < 3; ++k)
+      linear += kMatrix[i % 3][k] * Linear(p3.data[i / 3 * 3 + k] / 257.0);
+    const double off = std::abs(srgb.data[i] - 257 * Level(linear));
+    // The profile's numbers have 16 bits after the point, which the steep curve near black shows.
+    EXPECT_LT(off, 26) << i;
+    sum += off;
+  }
+  EXPECT_LT(sum / static_cast<double>(p3.data.size()), 1.5);
+  EXPECT_EQ(InSrgb(p3, ProfileOf({0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06})).data, p3.data);
+}
+
 TEST(InSrgb, SrgbAndWhatIsNoProfileOfRgbStayToTheBit) {
   const std::string srgb = ProfileOf({0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06});
   EXPECT_EQ(InSrgb(Colours(), srgb).data, Colours().data);
@@ -73,8 +94,12 @@ class ProfiledPicture : public ::testing::Test, public TestingFolder {
 
 TEST_F(ProfiledPicture, IsReadAsSrgbFromPngAndTiff) {
   for (const char* name : {"p3.png", "p3.tif"}) {
+    WriteLevels(path() / name, levels(), 16, DisplayP3Profile());
+    const Image16 deep = ReadAsStored(path() / name).sixteen;
     WriteLevels(path() / name, levels(), 8, DisplayP3Profile());
     const Image8 read = ReadImage(path() / name, 3), p3 = Colours();
+    for (std::size_t i = 0; i < read.data.size(); ++i)
+      ASSERT_NEAR(deep.data[i] / 257.0, read.data[i], 1.5) << name;
     for (int p = 0; p < 256; ++p) ExpectSrgbOfP3(&p3.data[3 * p], &read.data[3 * p]);
     EXPECT_EQ(ReadLevels(path() / name, 3).data, levels().data)
         << "filmed pictures keep their levels";

@@ -189,6 +189,9 @@ std::optional<double> SensorSize(const ImageSpec& spec) {
 std::uint8_t LumaOf(const std::uint8_t* p) {
   return static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
 }
+std::uint16_t LumaOf(const std::uint16_t* p) {
+  return static_cast<std::uint16_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+}
 float LumaOf(const float* p) { return 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2]; }
 
 template <class T>
@@ -269,6 +272,14 @@ ImageT<T> ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec
   return raw;
 }
 
+/// Upright and in sRGB.
+template <class T>
+ImageT<T> ReadSrgb(const fs::path& path, ImageInput& input, int channels) {
+  const ImageSpec spec = input.spec();
+  ImageT<T> image = WithChannels(ReadRaw<T>(path, input, spec), channels);
+  return Oriented(InSrgb(std::move(image), ProfileIn(spec)), OrientationOf(spec));
+}
+
 }  // namespace
 
 Image8 ReadAlpha(const fs::path& path) {
@@ -291,10 +302,18 @@ Image8 ReadImage(const fs::path& path, int channels) try {
     return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
   }
   const auto input = Open(path);
-  const ImageSpec spec = input->spec();
-  const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
-  Image8 image = WithChannels(ReadRaw(path, *input, spec), wanted);
-  return Oriented(InSrgb(std::move(image), ProfileIn(spec)), OrientationOf(spec));
+  const int wanted = channels > 0 ? channels : (input->spec().nchannels >= 3 ? 3 : 1);
+  return ReadSrgb<std::uint8_t>(path, *input, wanted);
+} catch (const std::bad_alloc&) {
+  ThrowNoMemory(path);
+}
+
+StoredPicture ReadAsStored(const fs::path& path) try {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return {ReadImage(path, 3), {}};
+  const auto input = Open(path);
+  if (input->spec().format.size() == 1) return {ReadSrgb<std::uint8_t>(path, *input, 3), {}};
+  return {{}, ReadSrgb<std::uint16_t>(path, *input, 3)};
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
@@ -367,13 +386,17 @@ void AddPixelPitch(const ExifToWrite& exif, ImageSpec* spec) {
   spec->attribute("Exif:FocalPlaneResolutionUnit", 3);
 }
 
-}  // namespace
-
-void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
-  ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
+template <class T>
+void WritePicture(const fs::path& path, const ImageT<T>& image, int quality,
+                  const ExifToWrite* exif) {
+  const TypeDesc type(OIIO::BaseTypeFromC<T>::value);
+  ImageSpec spec(image.width, image.height, image.channels, type);
+  // A TIFF of 8 bits may be a JPEG within.
+  const std::string extension = LowerExtension(path);
+  const bool deep = type != TypeDesc::UINT8 && extension != ".jpg" && extension != ".jpeg";
   spec.attribute("CompressionQuality", quality);
   spec.attribute("Compression",
-                 path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
+                 path.extension() == ".png" || deep ? "zip" : "jpeg:" + std::to_string(quality));
   spec.attribute("png:compressionLevel", 4);
   if (image.channels == 3) spec.attribute("oiio:ColorSpace", "sRGB");
   if (exif) {
@@ -385,7 +408,17 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
       spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
     AddPixelPitch(*exif, &spec);
   }
-  WriteAll(path, spec, TypeDesc::UINT8, image.data.data());
+  WriteAll(path, spec, type, image.data.data());
+}
+
+}  // namespace
+
+void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
+  WritePicture(path, image, quality, exif);
+}
+
+void WriteImage(const fs::path& path, const Image16& image, int quality, const ExifToWrite* exif) {
+  WritePicture(path, image, quality, exif);
 }
 
 bool CanWriteLinear(const fs::path& path, int bits) {
@@ -416,50 +449,6 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
     for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
   });
   WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
-}
-
-Image8 Resized(const Image8& image, int width, int height) {
-  Image8 out(width, height, image.channels);
-  const double sx = static_cast<double>(image.width) / width,
-               sy = static_cast<double>(image.height) / height;
-  const double rx = std::max(1.0, sx) / 2, ry = std::max(1.0, sy) / 2;
-  // Separable weights: a tent of one source pixel when enlarging, a box of the footprint when
-  // shrinking.
-  const auto taps = [](double center, double radius, int size) {
-    std::vector<std::pair<int, double>> weights;
-    double total = 0;
-    const int first = static_cast<int>(std::floor(center - radius)),
-              last = static_cast<int>(std::ceil(center + radius));
-    for (int i = first; i <= last; ++i) {
-      const double overlap =
-          std::min(i + 1.0, center + radius) - std::max<double>(i, center - radius);
-      if (overlap <= 0) continue;
-      weights.emplace_back(std::clamp(i, 0, size - 1), overlap);
-      total += overlap;
-    }
-    for (auto& w : weights) w.second /= total;
-    return weights;
-  };
-  std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(width));
-  for (int x = 0; x < width; ++x) columns[x] = taps((x + 0.5) * sx, rx, image.width);
-  ParallelFor(height, [&](std::int64_t row) {
-    const int y = static_cast<int>(row);
-    const std::vector<std::pair<int, double>> rows = taps((y + 0.5) * sy, ry, image.height);
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < image.channels; ++c) {
-        double sum = 0;
-        for (const auto& [j, wy] : rows)
-          for (const auto& [i, wx] : columns[x]) sum += wy * wx * image.at(i, j)[c];
-        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
-      }
-  });
-  return out;
-}
-
-Image8 ResizedMask(const Image8& mask, int width, int height) {
-  Image8 resized = Resized(mask, width, height);
-  for (std::uint8_t& pixel : resized.data) pixel = pixel > 127 ? 255 : 0;
-  return resized;
 }
 
 }  // namespace keypose

@@ -70,6 +70,37 @@ TEST_F(ImageIo, LevelsOfSixteenBitsAreNotRounded) {
     ASSERT_EQ(whole.data[i], std::round(levels.data[i]));
 }
 
+TEST_F(ImageIo, PhotographsOfSixteenBitsAreReadAsTheyAreStoredAndRoundedToEight) {
+  Image16 deep(256, 256, 3);
+  for (std::size_t i = 0; i < deep.data.size(); ++i)
+    deep.data[i] = static_cast<std::uint16_t>(i / 3);
+  for (const char* name : {"deep.png", "deep.tif"}) {
+    WriteImage(folder_ / name, deep);
+    const StoredPicture read = ReadAsStored(folder_ / name);
+    EXPECT_TRUE(read.eight.empty());
+    EXPECT_TRUE(read.sixteen.data == deep.data) << name;
+    const Image8 rounded = ReadImage(folder_ / name, 3);
+    for (std::size_t i = 0; i < deep.data.size(); ++i)
+      ASSERT_EQ(rounded.data[i], std::lround(deep.data[i] / 257.0)) << name;
+  }
+  WriteImage(folder_ / "eight.png", Gradient(40, 30));
+  EXPECT_EQ(ReadAsStored(folder_ / "eight.png").eight.data, Gradient(40, 30).data);
+  EXPECT_TRUE(ReadAsStored(folder_ / "eight.png").sixteen.empty());
+  WriteImage(folder_ / "deep.jpg", deep, 95);
+  EXPECT_TRUE(ReadAsStored(folder_ / "deep.jpg").sixteen.empty()) << "JPEG has 8 bits";
+}
+
+TEST_F(ImageIo, GreyOfSixteenBitsBecomesThreeEqualChannels) {
+  WriteLevels(folder_ / "grey.tif", ImageF(5, 3, 1, 100.5f), 16);
+  EXPECT_EQ(ReadAsStored(folder_ / "grey.tif").sixteen.data, Image16(5, 3, 3, 25829).data);
+}
+
+TEST_F(ImageIo, SixteenBitsAreAveragedWhereTheyAreResized) {
+  Image16 steps(4, 2, 1);
+  for (std::size_t i = 0; i < 8; ++i) steps.data[i] = static_cast<std::uint16_t>(60000 + 10 * i);
+  EXPECT_EQ(Resized(steps, 2, 1).data, (std::vector<std::uint16_t>{60025, 60045}));
+}
+
 TEST_F(ImageIo, LevelsAreNotMultipliedByAlpha) {
   ImageF levels(4, 4, 4, 200);
   for (std::size_t i = 3; i < levels.data.size(); i += 4) levels.data[i] = i % 8 == 3 ? 0 : 128;

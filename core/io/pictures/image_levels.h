@@ -6,8 +6,11 @@
 #include <string>
 
 #include "core/values/image.h"
+#include "core/values/image16.h"
 
 namespace keypose {
+
+struct ExifToWrite;  // image_io.h
 
 /// How a file stores its pixels.
 struct StoredLevels {
@@ -32,5 +35,19 @@ ImageF ReadLevels(const std::filesystem::path& path, int channels = 3);
 /// @throws DiskError
 void WriteLevels(const std::filesystem::path& path, const ImageF& levels, int bits,
                  const std::string& profile = {});
+
+/// A photograph as RGB with the levels of its file. One of the two is empty.
+struct StoredPicture {
+  Image8 eight;
+  Image16 sixteen;  ///< where the file has more than 8 bits a channel
+};
+/// As ReadImage (upright, in sRGB, without alpha), but more than 8 bits are kept, as 16.
+StoredPicture ReadAsStored(const std::filesystem::path& path);
+
+/// As WriteImage, with 16 bits where the format has them; JPEG has 8, rounded.
+void WriteImage(const std::filesystem::path& path, const Image16& image, int quality = 92,
+                const ExifToWrite* exif = nullptr);
+
+Image16 Resized(const Image16& image, int width, int height);
 
 }  // namespace keypose

@@ -1,0 +1,25 @@
+#include "core/pictures/srgb16.h"
+
+#include <gtest/gtest.h>
+
+#include "core/pictures/srgb.h"
+
+namespace keypose::srgb16_test {
+
+TEST(Srgb16, EachOf65536ValuesComesBack) {
+  const float* linear = LinearTable16();
+  for (int i = 0; i < 65536; ++i) ASSERT_EQ(Srgb16Of(linear[i]), i);
+}
+
+TEST(Srgb16, ValuesOfEightBitsHaveTheSameLight) {
+  for (int i = 0; i < 256; ++i)
+    ASSERT_EQ(LinearTable16()[257 * i], LinearOf(static_cast<std::uint8_t>(i))) << i;
+}
+
+TEST(Srgb16, LightOutsideTheRangeIsClamped) {
+  EXPECT_EQ(Srgb16Of(-0.1f), 0);
+  EXPECT_EQ(Srgb16Of(7.0f), 65535);
+  EXPECT_NEAR(Srgb16Of(0.2140411f), 32767.5, 0.5) << "sRGB 0.5";
+}
+
+}  // namespace keypose::srgb16_test
