@@ -1,9 +1,12 @@
 // keypose-bake: photographs into the texture of a mesh.
 #include <algorithm>
+#include <atomic>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
@@ -22,7 +25,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "10";
+  spec.version = "11";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
   spec.title = "Textures";
@@ -64,12 +67,15 @@ std::vector<int> MatchImages(const Scene& scene, const ImageSet& images) {
 
 Photograph Load(const ImageSet& images, int index) {
   Photograph photograph;
-  photograph.image = ReadImage(images.ImagePath(index), 3);
+  StoredPicture stored = ReadAsStored(images.ImagePath(index));
+  photograph.image = std::move(stored.eight);
+  photograph.deep = std::move(stored.sixteen);
   if (!images.images[index].mask.empty()) photograph.mask = ReadImage(images.MaskPath(index), 1);
   photograph.sharpness = images.images[index].sharpness;
   // Nothing is painted from an outlier photograph.
   if (!images.images[index].trusted)
-    photograph.mask = Image8(photograph.image.width, photograph.image.height, 1, 0);
+    photograph.mask = Image8(std::max(photograph.image.width, photograph.deep.width),
+                             std::max(photograph.image.height, photograph.deep.height), 1, 0);
   return photograph;
 }
 
@@ -227,14 +233,22 @@ void RunPhotographs(StageContext& stage, const Mesh& mesh, const BakeOptions& op
   const Scene scene = ReadColmapModel(stage.Input("model"));
   const ImageSet images = ReadImageSet(stage.Input("images"));
   const std::vector<int> index = MatchImages(scene, images);
-  constexpr double kBytesAPixel = 5;  // measured
-  RequireMemoryForViews("bake", scene.views, 1, kBytesAPixel);
-  const BakeResult result = Bake(
-      mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
+  // One photograph tells of all: to look at each takes time where they are PNG.
+  const bool large = !index.empty() && StoredLevelsOf(images.ImagePath(index[0])).bits > 8;
+  constexpr double kBytesAPixel = 5;  // measured, of 8 bits
+  RequireMemoryForViews("bake", scene.views, 1, large ? 2 * kBytesAPixel : kBytesAPixel);
+  std::atomic<bool> deep = false;
+  const auto load = [&](int v) {
+    Photograph photograph = Load(images, index[v]);
+    if (!photograph.deep.empty()) deep = true;
+    return photograph;
+  };
+  const BakeResult result = Bake(mesh, scene.views, load, options, stage.progress());
   ReportTexels(stage, result);
   ReportQuality(stage, scene, result, options.leave_out);
   ReportColors(stage, scene, result.colors);
-  Write(stage, result, options.bits);
+  const bool png = stage.Output("texture").extension() == ".png";
+  Write(stage, result, options.bits == 0 && deep && png ? 16 : options.bits);
 }
 
 void Run(StageContext& stage, const BakeOptions& options) {

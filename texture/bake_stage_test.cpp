@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
@@ -29,24 +31,26 @@ int RunBake(const std::filesystem::path& folder, const std::string& texture = "t
   return std::system(command.c_str()) >> 8;
 }
 
-TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
-  const TestingFolder own;
-  const std::filesystem::path folder = own.path();
+/// Writes mesh, photographs with masks, and cameras as the stage takes them.
+Scene WriteInputs(const std::filesystem::path& folder, const Paint& paint, bool deep) {
   std::filesystem::create_directories(folder / "images/masks");
   const Mesh mesh = PatchSphere(6);
   Scene scene{AllRound(90, 4), {}};
-  const std::vector<Photograph> photographs = Shoot(mesh, scene.views, Smooth);
+  const std::vector<Photograph> photographs = Shoot(mesh, scene.views, paint, deep);
   ImageSet set;
   set.folder = folder / "images";
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const std::string name = scene.views[v].name, mask = "masks/" + name + ".png";
-    WriteImage(set.folder / name, photographs[v].image);
+    if (deep)
+      WriteImage(set.folder / name, photographs[v].deep);
+    else
+      WriteImage(set.folder / name, photographs[v].image);
     WriteImage(set.folder / mask, photographs[v].mask);
     CapturedImage image;
     image.name = name;
     image.mask = mask;
-    image.width = photographs[v].image.width;
-    image.height = photographs[v].image.height;
+    image.width = scene.views[v].camera.width;
+    image.height = scene.views[v].camera.height;
     set.images.push_back(image);
   }
   std::sort(set.images.begin(), set.images.end(),
@@ -55,8 +59,17 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   WriteMesh(folder / "mesh.obj", mesh);
   std::filesystem::create_directories(folder / "model");
   WriteColmapModel(folder / "model", scene);
+  return scene;
+}
+
+TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
+  Scene scene = WriteInputs(folder, Smooth, false);
+  const Mesh mesh = PatchSphere(6);
   ASSERT_EQ(RunBake(folder), 0) << ReadFile(folder / "log");
   EXPECT_GT(PsnrAgainst(mesh, ReadImage(folder / "texture.png", 3), Smooth), 34);
+  EXPECT_EQ(StoredLevelsOf(folder / "texture.png").bits, 8);
   EXPECT_THAT(ReadFile(folder / "report.json"), ::testing::HasSubstr("\"unseen_fraction\""));
   ASSERT_EQ(RunBake(folder, "texture.exr"), 0) << ReadFile(folder / "log");
   EXPECT_EQ(ReadFile(folder / "texture.exr").substr(0, 4), "v/1\x01");
@@ -69,6 +82,38 @@ TEST(BakeStage, PaintsFromFilesAndNamesTheViewThatHasNoImage) {
   EXPECT_EQ(RunBake(folder), 3);
   EXPECT_THAT(ReadFile(folder / "log"), ::testing::HasSubstr("elsewhere.png"));
   EXPECT_FALSE(std::filesystem::exists(folder / "texture.png"));
+}
+
+TEST(BakeStage, SixteenBitsOfPhotographsReachTheCompletedTexture) {
+  const TestingFolder own;
+  const std::filesystem::path folder = own.path();
+  // Two of 255 levels, from below to above.
+  WriteInputs(
+      folder,
+      [](const Vector3d& x, const Vector3d&) -> Vector3f {
+        return Vector3f::Constant(0.13f + 0.003f * static_cast<float>(x.z()));
+      },
+      true);
+  const std::string confidence = " --confidence " + (folder / "sure.png").string();
+  ASSERT_EQ(RunBake(folder, "texture.png", confidence), 0) << ReadFile(folder / "log");
+  const std::string f = folder.string();
+  ASSERT_EQ(std::system((BinFolder() + "/keypose-complete --mesh " + f + "/mesh.obj --texture " +
+                         f + "/texture.png --confidence " + f + "/sure.png --completed " + f +
+                         "/completed.png > " + f + "/log 2>&1")
+                            .c_str()),
+            0)
+      << ReadFile(folder / "log");
+  const Image16 texture = ReadAsStored(folder / "texture.png").sixteen,
+                completed = ReadAsStored(folder / "completed.png").sixteen;
+  ASSERT_EQ(texture.width, 128);
+  EXPECT_GT(std::set<int>(texture.data.begin(), texture.data.end()).size(), 200u);
+  const Image8 sure = ReadImage(folder / "sure.png", 1);
+  for (std::size_t i = 0; i < completed.data.size(); ++i)
+    if (sure.data[i / 3] == 255) {
+      ASSERT_EQ(completed.data[i], texture.data[i]) << i;
+    }
+  ASSERT_EQ(RunBake(folder, "texture.png", "--bits 8"), 0) << ReadFile(folder / "log");
+  EXPECT_EQ(StoredLevelsOf(folder / "texture.png").bits, 8);
 }
 
 TEST(BakeStage, TakesTheColoursOfAScanInPlaceOfPhotographs) {

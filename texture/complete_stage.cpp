@@ -1,9 +1,11 @@
 // keypose-complete: fills unseen parts of a pose's texture from the other poses' textures.
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/stage/stage.h"
 #include "core/values/errors.h"
 #include "texture/bake/complete.h"
@@ -15,7 +17,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "complete";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary =
       "Fills surface that a pose's photographs do not show from the other poses' textures, in "
       "the pose's own light.";
@@ -34,13 +36,27 @@ StageSpec Spec() {
 }
 
 PoseTexture Read(const std::filesystem::path& texture, const std::filesystem::path& confidence) {
-  return {ReadImage(texture, 3), ReadImage(confidence, 1)};
+  StoredPicture stored = ReadAsStored(texture);
+  return {std::move(stored.eight), ReadImage(confidence, 1), std::move(stored.sixteen)};
 }
 
 /// All poses share one UV layout, so a texture of another size only needs to be resampled.
 void AtSize(int width, int height, PoseTexture* texture) {
-  for (Image8* image : {&texture->texture, &texture->confidence})
-    if (image->width != width || image->height != height) *image = Resized(*image, width, height);
+  const auto fit = [&](auto& image) {
+    if (!image.empty() && (image.width != width || image.height != height))
+      image = Resized(image, width, height);
+  };
+  fit(texture->texture);
+  fit(texture->deep);
+  fit(texture->confidence);
+}
+
+/// With 16 bits where the pose's own texture has them.
+void Write(const std::filesystem::path& path, const Completed& completed, bool deep) {
+  if (deep && CanWriteLinear(path, 16))
+    WriteLinearImage(path, completed.linear, 16);
+  else
+    WriteImage(path, completed.texture);
 }
 
 void Run(StageContext& stage, const CompleteOptions& options) {
@@ -55,7 +71,7 @@ void Run(StageContext& stage, const CompleteOptions& options) {
   std::vector<PoseTexture> others;
   for (std::size_t i = 0; i < textures.size(); ++i) {
     others.push_back(Read(textures[i], confidences[i]));
-    AtSize(own.texture.width, own.texture.height, &others.back());
+    AtSize(own.confidence.width, own.confidence.height, &others.back());
   }
   ReportProgress(stage.progress(), 0.2, "completing the texture");
   const Completed completed = CompleteTexture(mesh, own, others, options.gutter);
@@ -66,7 +82,7 @@ void Run(StageContext& stage, const CompleteOptions& options) {
   stage.Report("own_fraction", share(completed.own_texels));
   stage.Report("filled_fraction", share(completed.filled_texels));
   stage.Report("unseen_fraction", share(completed.unseen_texels()));
-  WriteImage(stage.Output("completed"), completed.texture);
+  Write(stage.Output("completed"), completed, !own.deep.empty());
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct BakeOptions {
     visit(
         "bits", bits,
         {"bits per channel: 8 or 16 for .png and .tif (sRGB), 16 or 32 for .exr (linear light); 0: "
-         "8 for .png, 16 for others",
+         "16, but 8 for .png where no photograph has more",
          "bits", 0, 32});
     visit("gutter", gutter, {"width by which colours continue around each chart", "px", 0, 256});
     visit(

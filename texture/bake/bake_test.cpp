@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/numbers/parallel.h"
 #include "core/values/errors.h"
@@ -38,6 +39,73 @@ TEST(Bake, CheckerComesBack) {
   EXPECT_GT(FootprintPsnrAgainst(mesh, result.texture, Checker, 1), 41);
   EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker), 34);
   EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker, AwayFromCheckerEdges), 60);
+}
+
+/// The light of four of 255 levels, from below to above.
+Vector3f FaintRamp(const Vector3d& x, const Vector3d&) {
+  return Vector3f::Constant(0.13f + 0.006f * static_cast<float>(x.z()));
+}
+
+/// Levels of 65535 between the texture in linear light and the ramp, inside of triangles, and how
+/// many different ones the texture has.
+struct RampError {
+  double largest = 0, mean = 0;
+  std::set<int> levels;
+};
+RampError ErrorOfRamp(const Mesh& mesh, const ImageF& linear) {
+  const Atlas atlas = RasterizeAtlas(mesh, linear.width);
+  RampError error;
+  int texels = 0;
+  for (std::size_t texel = 0; texel < atlas.face.size(); ++texel) {
+    if (!atlas.inside[texel]) continue;
+    const Vector3d w = atlas.Weights(texel).cast<double>();
+    Vector3d x = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      x += w[k] * mesh.points.row(mesh.faces(atlas.face[texel], k)).transpose();
+    const int level = Srgb16Of(linear.data[3 * texel + 1]);
+    const double off = std::abs(level - Srgb16Of(FaintRamp(x, x)[1]));
+    error.levels.insert(level);
+    error.largest = std::max(error.largest, off);
+    error.mean += off;
+    ++texels;
+  }
+  error.mean /= texels;
+  return error;
+}
+
+TEST(Bake, LevelsBetweenThoseOfEightBitsComeFromPhotographsOfSixteen) {
+  const Mesh mesh = PatchSphere(8);
+  const std::vector<View> views = AllRound(120, 6);
+  BakeOptions options = Small();
+  options.texture_size = 256;
+  const auto error = [&](bool deep) {
+    return ErrorOfRamp(mesh,
+                       BakeAll(mesh, views, Shoot(mesh, views, FaintRamp, deep), options).linear);
+  };
+  const RampError deep = error(true), eight = error(false);
+  // Where faces meet, a pixel's mean over the edge is not the ramp at its centre.
+  EXPECT_LE(deep.largest, 8);
+  EXPECT_LT(deep.mean, 1.5);
+  EXPECT_GT(deep.levels.size(), 1000u) << "of the 1130 that the ramp has";
+  EXPECT_GT(eight.largest, 100) << "half a step of 8 bits is 128, or this test shows nothing";
+  EXPECT_GT(eight.mean, 30);
+}
+
+TEST(Bake, PhotographsOfBothDepthsAreOfOneColour) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  std::vector<Photograph> photographs = SharedPhotographs(false);
+  for (std::size_t v = 0; v < views.size(); v += 2) {
+    Photograph& photograph = photographs[v];
+    photograph.deep = Image16(photograph.image.width, photograph.image.height, 3);
+    for (std::size_t i = 0; i < photograph.image.data.size(); ++i)
+      photograph.deep.data[i] = static_cast<std::uint16_t>(257 * photograph.image.data[i]);
+    photograph.image = {};
+  }
+  const BakeResult result = BakeAll(mesh, views, photographs);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Smooth), 42);
+  for (const Vector3f& gain : result.gains)
+    EXPECT_LT((gain - Vector3f::Ones()).cwiseAbs().maxCoeff(), 0.01f);
 }
 
 /// Mean squared difference of neighbouring texels of one chart: lower for a blurred edge than for a

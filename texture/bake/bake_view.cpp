@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/pictures/srgb.h"
+#include "core/pictures/srgb16.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -25,7 +27,7 @@ constexpr double kDepthStepInCells = 6;
 constexpr int kRayStep = 8;
 
 void CheckSizes(const View& view, const Photograph& photograph) {
-  const auto check = [&](const Image8& image, const char* what) {
+  const auto check = [&](const auto& image, const char* what) {
     if (image.width == view.camera.width && image.height == view.camera.height) return;
     throw InputError("bake: " + std::string(what) + " '" + view.name + "' has " +
                      std::to_string(image.width) + " x " + std::to_string(image.height) +
@@ -33,15 +35,24 @@ void CheckSizes(const View& view, const Photograph& photograph) {
                      " x " + std::to_string(view.camera.height) +
                      "; pass the images that the model was made from");
   };
-  check(photograph.image, "image");
-  if (photograph.image.channels != 3)
+  const bool deep = !photograph.deep.empty();
+  deep ? check(photograph.deep, "image") : check(photograph.image, "image");
+  if ((deep ? photograph.deep.channels : photograph.image.channels) != 3)
     throw InputError("bake: image '" + view.name + "' is not RGB");
   if (!photograph.mask.empty()) check(photograph.mask, "the mask of image");
 }
 
+/// Stored values to linear light, and back.
+const float* TableOf(std::uint8_t) { return kLinear.data(); }
+const float* TableOf(std::uint16_t) { return LinearTable16(); }
+void Store(float linear, std::uint8_t* srgb) { *srgb = SrgbOf(linear); }
+void Store(float linear, std::uint16_t* srgb) { *srgb = Srgb16Of(linear); }
+
 /// Half the size. A pixel without object pixels has no colour, and background is never averaged.
-Image8 Halved(const Image8& fine) {
-  Image8 coarse((fine.width + 1) / 2, (fine.height + 1) / 2, 4);
+template <class T>
+ImageT<T> Halved(const ImageT<T>& fine) {
+  const float* light = TableOf(T{});
+  ImageT<T> coarse((fine.width + 1) / 2, (fine.height + 1) / 2, 4);
   for (int y = 0; y < coarse.height; ++y)
     for (int x = 0; x < coarse.width; ++x) {
       Vector3f sum = Vector3f::Zero();
@@ -49,13 +60,14 @@ Image8 Halved(const Image8& fine) {
       for (int k = 0; k < 4; ++k) {
         const int fx = 2 * x + k % 2, fy = 2 * y + k / 2;
         if (fx >= fine.width || fy >= fine.height) continue;
-        const std::uint8_t* p = fine.at(fx, fy);
-        sum += static_cast<float>(p[3]) * Vector3f(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2]));
-        alpha += p[3];
+        const T* p = fine.at(fx, fy);
+        sum += static_cast<float>(p[3]) * Vector3f(light[p[0]], light[p[1]], light[p[2]]);
+        alpha += static_cast<float>(p[3]);
       }
-      std::uint8_t* out = coarse.at(x, y);
-      for (int k = 0; k < 3; ++k) out[k] = alpha > 0 ? SrgbOf(sum[k] / alpha) : 0;
-      out[3] = static_cast<std::uint8_t>(std::lround(alpha / 4));
+      T* out = coarse.at(x, y);
+      for (int k = 0; k < 3; ++k)
+        if (alpha > 0) Store(sum[k] / alpha, &out[k]);
+      out[3] = static_cast<T>(std::lround(alpha / 4));
     }
   return coarse;
 }
@@ -107,23 +119,38 @@ BakeView::BakeView(const View& view, const Photograph& photograph, const Mesh& m
   BuildDepth(photograph, scene, options);
 }
 
-void BakeView::BuildPyramid(const Photograph& photograph, const BakeViewOptions& options) {
-  Image8 base(box_.x1 - box_.x0, box_.y1 - box_.y0, 4);
+template <class T>
+std::vector<ImageT<T>> BakeView::Pyramid(const ImageT<T>& image, const Image8& mask,
+                                         const BakeViewOptions& options) {
+  ImageT<T> base(box_.x1 - box_.x0, box_.y1 - box_.y0, 4);
   double object_pixels = 0;
   for (int y = 0; y < base.height; ++y)
     for (int x = 0; x < base.width; ++x) {
-      std::copy_n(photograph.image.at(box_.x0 + x, box_.y0 + y), 3, base.at(x, y));
-      base.at(x, y)[3] = IsObject(photograph.mask, box_.x0 + x, box_.y0 + y) ? 255 : 0;
+      std::copy_n(image.at(box_.x0 + x, box_.y0 + y), 3, base.at(x, y));
+      base.at(x, y)[3] =
+          IsObject(mask, box_.x0 + x, box_.y0 + y) ? std::numeric_limits<T>::max() : T{0};
       object_pixels += base.at(x, y)[3] > 0;
     }
   for (; object_pixels > options.pixels_per_texel * options.texels; object_pixels /= 4) {
     base = Halved(base);
     ++base_level_;
   }
-  levels_.push_back(std::move(base));
-  for (int i = 0; i < 5; ++i) levels_.push_back(Halved(levels_.back()));
-  for (std::size_t i = 0; i < levels_.size(); ++i)
-    scales_.push_back(1.0f / static_cast<float>(1 << (base_level_ + static_cast<int>(i))));
+  std::vector<ImageT<T>> levels;
+  levels.push_back(std::move(base));
+  for (int i = 0; i < 5; ++i) levels.push_back(Halved(levels.back()));
+  return levels;
+}
+
+void BakeView::BuildPyramid(const Photograph& photograph, const BakeViewOptions& options) {
+  if (photograph.deep.empty()) {
+    levels_ = Pyramid(photograph.image, photograph.mask, options);
+  } else {
+    deep_levels_ = Pyramid(photograph.deep, photograph.mask, options);
+    deep_linear_ = LinearTable16();
+  }
+  const int count = std::max(SizeOf(levels_), SizeOf(deep_levels_));
+  for (int i = 0; i < count; ++i)
+    scales_.push_back(1.0f / static_cast<float>(1 << (base_level_ + i)));
 }
 
 void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene,
@@ -210,26 +237,31 @@ Sighting BakeView::See(const Vector3d& x_in_world) const {
   return sighting;
 }
 
-ImageF BakeView::Detail(int level) const {
+template <class T>
+ImageF BakeView::DetailOf(const ImageT<T>& fine, int level, const float* linear) const {
   constexpr int kBandLevels = 3;
-  const Image8& fine = levels_[level];
-  const int low = std::min(level + kBandLevels, SizeOf(levels_) - 1);
+  const int low = std::min(level + kBandLevels, SizeOf(scales_) - 1);
   const double size = 1 << (base_level_ + level);
   ImageF detail(fine.width, fine.height, 1, std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {
-      const std::uint8_t* p = fine.at(x, y);
-      if (p[3] < 128) continue;
+      const T* p = fine.at(x, y);
+      if (2 * p[3] <= std::numeric_limits<T>::max()) continue;
       const Sample around = Bilinear(
           low, Vector2d(box_.x0 + (x + 0.5) * size, box_.y0 + (y + 0.5) * size).cast<float>());
       if (!(around.alpha > 0)) continue;
       const auto luma = [](float r, float g, float b) {
         return std::sqrt(0.299f * r + 0.587f * g + 0.114f * b);
       };
-      *detail.at(x, y) = luma(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2])) -
+      *detail.at(x, y) = luma(linear[p[0]], linear[p[1]], linear[p[2]]) -
                          luma(around.color[0], around.color[1], around.color[2]);
     }
   return detail;
+}
+
+ImageF BakeView::Detail(int level) const {
+  return deep_levels_.empty() ? DetailOf(levels_[level], level, kLinear.data())
+                              : DetailOf(deep_levels_[level], level, deep_linear_);
 }
 
 float BakeView::RayLevel() const { return static_cast<float>(std::log2(cell_px_)); }

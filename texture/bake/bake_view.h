@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/surfaces/ray_scene.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
+#include "core/values/image16.h"
 #include "core/values/mesh.h"
 #include "core/values/size_of.h"
 
@@ -22,6 +24,7 @@ namespace keypose::texture {
 /// Pixels of one view, as read from disk.
 struct Photograph {
   Image8 image;          ///< 3 channels, of the view's camera size
+  Image16 deep;          ///< in place of `image`, where the file has more than 8 bits a channel
   Image8 mask;           ///< 1 channel, above 127 is object; empty: everything is object
   double sharpness = 0;  ///< any unit, comparable between the views; 0 when unknown
 };
@@ -106,10 +109,18 @@ class BakeView {
 
  private:
   void BuildPyramid(const Photograph& photograph, const BakeViewOptions& options);
+  template <class T>
+  std::vector<ImageT<T>> Pyramid(const ImageT<T>& image, const Image8& mask,
+                                 const BakeViewOptions& options);
   void BuildDepth(const Photograph& photograph, const RayScene& scene,
                   const BakeViewOptions& options);
   void MarkEdges(const Photograph& photograph, const BakeViewOptions& options);
   Sample Bilinear(int level, const Eigen::Vector2f& pixel) const;
+  template <class T>
+  Sample BilinearOf(const ImageT<T>& image, float scale, const Eigen::Vector2f& pixel,
+                    const float* linear) const;
+  template <class T>
+  ImageF DetailOf(const ImageT<T>& fine, int level, const float* linear) const;
   float Trust(float cell_x, float cell_y) const;
 
   View view_;
@@ -121,9 +132,11 @@ class BakeView {
   int base_level_ = 0;  ///< number of fine levels that are not stored
   /// 4 channels: sRGB and alpha; level i is of 2^(base_level + i) pixels
   std::vector<Image8> levels_;
-  std::vector<float> scales_;  ///< for each level: its pixels per pixel of the photograph
-  double cell_px_ = 1;         ///< photograph pixels per depth ray, in each direction
-  float cells_per_px_ = 1;     ///< its inverse
+  std::vector<Image16> deep_levels_;    ///< in place of `levels_`, of a photograph of 16 bits
+  const float* deep_linear_ = nullptr;  ///< LinearTable16
+  std::vector<float> scales_;           ///< for each level: its pixels per pixel of the photograph
+  double cell_px_ = 1;                  ///< photograph pixels per depth ray, in each direction
+  float cells_per_px_ = 1;              ///< its inverse
   /// points behind the depth map by more than this share of its depth are occluded
   float depth_step_ = 0;
   int cell_x0_ = 0, cell_y0_ = 0;
@@ -158,9 +171,10 @@ inline float BakeView::TrustAt(const Eigen::Vector2f& pixel, float depth) const 
   return depth - surface < depth_step_ * depth ? Trust(x, y) : 0;
 }
 
-inline Sample BakeView::Bilinear(int level, const Eigen::Vector2f& pixel) const {
-  const Image8& image = levels_[level];
-  const float scale = scales_[level];
+/// @param linear  light of each stored value
+template <class T>
+Sample BakeView::BilinearOf(const ImageT<T>& image, float scale, const Eigen::Vector2f& pixel,
+                            const float* linear) const {
   const float x = std::clamp((pixel.x() - static_cast<float>(box_.x0)) * scale - 0.5f, 0.0f,
                              static_cast<float>(image.width - 1)),
               y = std::clamp((pixel.y() - static_cast<float>(box_.y0)) * scale - 0.5f, 0.0f,
@@ -169,22 +183,28 @@ inline Sample BakeView::Bilinear(int level, const Eigen::Vector2f& pixel) const 
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
   const std::ptrdiff_t right = x0 + 1 < image.width ? 4 : 0,
                        below = y0 + 1 < image.height ? 4 * image.width : 0;
-  const std::uint8_t* first = image.at(x0, y0);
-  const std::uint8_t* p[4] = {first, first + right, first + below, first + below + right};
+  const T* first = image.at(x0, y0);
+  const T* p[4] = {first, first + right, first + below, first + below + right};
   const float w[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
   Sample sample;
   for (int k = 0; k < 4; ++k) {
     const float a = w[k] * p[k][3];
-    sample.color += a * Eigen::Vector3f(kLinear[p[k][0]], kLinear[p[k][1]], kLinear[p[k][2]]);
+    sample.color += a * Eigen::Vector3f(linear[p[k][0]], linear[p[k][1]], linear[p[k][2]]);
     sample.alpha += a;
   }
   if (sample.alpha > 0) sample.color *= 1 / sample.alpha;
-  sample.alpha *= 1 / 255.0f;
+  sample.alpha *= 1 / static_cast<float>(std::numeric_limits<T>::max());
   return sample;
 }
 
+inline Sample BakeView::Bilinear(int level, const Eigen::Vector2f& pixel) const {
+  return deep_levels_.empty()
+             ? BilinearOf(levels_[level], scales_[level], pixel, kLinear.data())
+             : BilinearOf(deep_levels_[level], scales_[level], pixel, deep_linear_);
+}
+
 inline Sample BakeView::ColorAt(const Eigen::Vector2f& pixel, float level) const {
-  const int coarsest = SizeOf(levels_) - 1;
+  const int coarsest = SizeOf(scales_) - 1;
   const float stored =
       std::clamp(level - static_cast<float>(base_level_), 0.0f, static_cast<float>(coarsest));
   const int fine = static_cast<int>(stored);

@@ -9,6 +9,8 @@
 
 #include "core/numbers/parallel.h"
 #include "core/numbers/statistics.h"
+#include "core/pictures/srgb.h"
+#include "core/pictures/srgb16.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/mesh_checks.h"
 #include "core/values/errors.h"
@@ -39,20 +41,39 @@ struct CompletionTuning {
 constexpr double kSmoothingGrain = 1e-4;
 constexpr int kRobustRounds = 4;
 
-Painting PaintingOf(const PoseTexture& pose) {
-  Painting painting(pose.texture.width);
-  painting.sure = pose.confidence.data;
-  ParallelBlocks(std::ssize(pose.texture.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      painting.color.data[i] = LinearOf(pose.texture.data[i]);
+/// Width, height and channels of a pose's texture, of 8 or 16 bits.
+struct TextureShape {
+  int width, height, channels;
+};
+TextureShape ShapeOf(const PoseTexture& pose) {
+  const auto of = [](const auto& image) {
+    return TextureShape{image.width, image.height, image.channels};
+  };
+  return pose.deep.empty() ? of(pose.texture) : of(pose.deep);
+}
+
+template <class T>
+void ToLinear(const ImageT<T>& srgb, const float* light, ImageF* linear) {
+  ParallelBlocks(std::ssize(srgb.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) linear->data[i] = light[srgb.data[i]];
   });
+}
+
+Painting PaintingOf(const PoseTexture& pose) {
+  Painting painting(ShapeOf(pose).width);
+  painting.sure = pose.confidence.data;
+  if (pose.deep.empty())
+    ToLinear(pose.texture, kLinear.data(), &painting.color);
+  else
+    ToLinear(pose.deep, LinearTable16(), &painting.color);
   return painting;
 }
 
 void RequireSquare(const PoseTexture& pose, int size, const std::string& what) {
-  if (pose.texture.width != size || pose.texture.height != size || pose.texture.channels != 3)
-    throw InputError("complete: " + what + " is " + std::to_string(pose.texture.width) + " x " +
-                     std::to_string(pose.texture.height) + ", but the pose's own is " +
+  const TextureShape shape = ShapeOf(pose);
+  if (shape.width != size || shape.height != size || shape.channels != 3)
+    throw InputError("complete: " + what + " is " + std::to_string(shape.width) + " x " +
+                     std::to_string(shape.height) + ", but the pose's own is " +
                      std::to_string(size) +
                      " px wide; textures must be square and of one size: bake all "
                      "poses with one `texture_size`");
@@ -258,6 +279,7 @@ std::vector<SourcePose> GiversOf(const Mesh& mesh, const Atlas& atlas, const Pos
   for (std::size_t i = 0; i < others.size(); ++i) {
     RequireSquare(others[i], atlas.size, "texture " + std::to_string(i + 1) + " of the others");
     if (others[i].texture.data == own_pose.texture.data &&
+        others[i].deep.data == own_pose.deep.data &&
         others[i].confidence.data == own_pose.confidence.data)
       continue;
     SourcePose giver{PaintingOf(others[i]), {}, {}, static_cast<int>(i)};
@@ -274,7 +296,7 @@ std::vector<SourcePose> GiversOf(const Mesh& mesh, const Atlas& atlas, const Pos
 Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
                           const std::vector<PoseTexture>& others, int gutter) {
   RequireUsable(mesh, "complete: mesh");
-  const int size = own.texture.width;
+  const int size = ShapeOf(own).width;
   RequireSquare(own, size, "the pose's own texture");
   const Atlas atlas = RasterizeAtlas(mesh, size);
   Painting painting = PaintingOf(own);
@@ -295,7 +317,8 @@ Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
   for (std::size_t texel = 0; texel < painting.sure.size(); ++texel)
     if (painting.sure[texel] == 0) painting.At(texel).setZero();
   InpaintUnseen(mesh, atlas, painting);
-  completed.texture = SrgbImage(FinishTexture(atlas, std::move(painting), gutter));
+  completed.linear = FinishTexture(atlas, std::move(painting), gutter);
+  completed.texture = SrgbImage(completed.linear);
   return completed;
 }
 

@@ -6,19 +6,22 @@
 #include <vector>
 
 #include "core/values/image.h"
+#include "core/values/image16.h"
 #include "core/values/mesh.h"
 
 namespace keypose::texture {
 
 /// A baked texture, and how well photographs show each of its texels.
 struct PoseTexture {
-  Image8 texture;     ///< RGB, sRGB, square
+  Image8 texture;     ///< RGB, sRGB, square; empty where there is `deep`
   Image8 confidence;  ///< 1 channel of the same size: 255 seen well, 0 not seen (the texel is then
                       ///< inpainted)
+  Image16 deep = {};  ///< in place of `texture`: the same with 16 bits
 };
 
 struct Completed {
-  Image8 texture;
+  ImageF linear;                    ///< RGB in linear light
+  Image8 texture;                   ///< the same as 8-bit sRGB
   std::int64_t texels = 0;          ///< of the surface
   std::int64_t own_texels = 0;      ///< seen in the pose's own photographs
   std::int64_t filled_texels = 0;   ///< copied from other poses

@@ -111,6 +111,33 @@ TEST_F(CompleteTextureTest, WhatTheOwnPhotographsShowStaysAsItIs) {
   }
 }
 
+/// The same pose with 16 bits, each level moved by up to half a step of 8.
+PoseTexture Deep(const PoseTexture& pose) {
+  PoseTexture deep{{}, pose.confidence, Image16(kSize, kSize, 3)};
+  for (std::size_t i = 0; i < pose.texture.data.size(); ++i)
+    deep.deep.data[i] = static_cast<std::uint16_t>(
+        std::clamp<int>(257 * pose.texture.data[i] + static_cast<int>(i % 257) - 128, 0, 65535));
+  return deep;
+}
+
+TEST_F(CompleteTextureTest, SixteenBitsStayAndFillAsEightDo) {
+  const PoseTexture own = Pose(upper_, kWhite), other = Pose(lower_, kWhite);
+  const PoseTexture deep = Deep(own);
+  const Completed eight = CompleteTexture(mesh_, own, {own, other}, 4),
+                  completed = CompleteTexture(mesh_, deep, {deep, Deep(other)}, 4);
+  for (std::size_t texel = 0; texel < atlas_.face.size(); ++texel) {
+    if (!atlas_.inside[texel] || own.confidence.data[texel] < 255) continue;
+    for (std::size_t i = 3 * texel; i < 3 * texel + 3; ++i)
+      ASSERT_EQ(Srgb16Of(completed.linear.data[i]), deep.deep.data[i]) << texel;
+  }
+  EXPECT_EQ(completed.filled_texels, eight.filled_texels);
+  EXPECT_EQ(completed.taken[0], 0) << "the own texture gives nothing to itself";
+  EXPECT_LT(ErrorOf(completed.texture, [](const Vector3d&) { return true; }).mean,
+            ErrorOf(eight.texture, [](const Vector3d&) { return true; }).mean + 0.5);
+  EXPECT_NO_THROW(CompleteTexture(mesh_, own, {Deep(other)}, 4));
+  EXPECT_NO_THROW(CompleteTexture(mesh_, Deep(own), {other}, 4));
+}
+
 TEST_F(CompleteTextureTest, SpotsThatShowSomethingElseDoNotTintWhatIsTaken) {
   // In the overlap a spot of the other pose is in deep shadow: a cast shadow.
   const auto shade = [](const Vector3d& x) {

@@ -12,6 +12,7 @@
 
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
+#include "core/pictures/srgb16.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/values/size_of.h"
@@ -134,25 +135,29 @@ inline std::vector<View> AllRound(int size, int around = 8) {
 
 /// Photographs with 2 x 2 rays per pixel on the mesh; the background is white, so that its
 /// influence would be visible.
+/// @param deep  of 16 bits, not 8
 inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& views,
-                                     const Paint& paint) {
+                                     const Paint& paint, bool deep = false) {
   const RayScene scene(mesh.points, mesh.faces);
   std::vector<Photograph> photographs(views.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& c = views[v].camera;
     Photograph& photograph = photographs[v];
-    photograph.image = Image8(c.width, c.height, 3);
+    if (deep)
+      photograph.deep = Image16(c.width, c.height, 3);
+    else
+      photograph.image = Image8(c.width, c.height, 3);
     photograph.mask = Image8(c.width, c.height, 1);
     const Vector3d eye = views[v].Center();
     const Eigen::Matrix3d world_from_camera =
         views[v].camera_from_world.rotation.conjugate().toRotationMatrix();
-    ParallelFor(c.height, [&](std::int64_t y) {
+    ParallelFor(c.height, [&](std::int64_t row) {
+      const int y = static_cast<int>(row);
       for (int x = 0; x < c.width; ++x) {
         Vector3f sum = Vector3f::Zero();
         int hits = 0;
         // Lens distortion is linear within a pixel, so it is solved for one ray of the pixel only.
-        const Vector3d middle =
-            world_from_camera * c.Unproject({x + 0.5, static_cast<double>(y) + 0.5});
+        const Vector3d middle = world_from_camera * c.Unproject({x + 0.5, y + 0.5});
         for (int s = 0; s < 4; ++s) {
           const Vector3d direction =
               middle + world_from_camera *
@@ -162,8 +167,11 @@ inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& 
           hits += hit.face >= 0;
         }
         for (int k = 0; k < 3; ++k)
-          photograph.image.at(x, static_cast<int>(y))[k] = SrgbOf(sum[k] / 4);
-        *photograph.mask.at(x, static_cast<int>(y)) = hits >= 2 ? 255 : 0;
+          if (deep)
+            photograph.deep.at(x, y)[k] = Srgb16Of(sum[k] / 4);
+          else
+            photograph.image.at(x, y)[k] = SrgbOf(sum[k] / 4);
+        *photograph.mask.at(x, y) = hits >= 2 ? 255 : 0;
       }
     });
   }
