@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,8 +13,10 @@
 #include "capture/testing/capture_program.h"
 #include "capture/testing/test_images.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/text/files.h"
+#include "core/pictures/image_turns.h"
 #include "core/pictures/srgb.h"
 #include "core/testing/dng.h"
 #include "core/values/exif_focal.h"
@@ -41,6 +44,39 @@ TEST_F(CaptureProgram, ReadsPngAndTiffAndTurnsPortraits) {
   ASSERT_EQ(set.images.size(), 9U);
   for (const CapturedImage& image : set.images) EXPECT_EQ(image.width, 180) << image.name;
   EXPECT_EQ(ReadImageInfo(images / "s.jpg").height, 120);
+}
+
+/// A test photograph with 16 bits: each level moved by up to half a step of 8.
+Image16 DeepPhoto(int index) {
+  const Image8 eight = MakeTestPhoto(index, 180, 120, TestWall::kDark).image;
+  Image16 deep(180, 120, 3);
+  for (std::size_t i = 0; i < deep.data.size(); ++i)
+    deep.data[i] = static_cast<std::uint16_t>(
+        std::clamp<int>(257 * eight.data[i] + static_cast<int>(i % 257) - 128, 0, 65535));
+  return deep;
+}
+
+TEST_F(CaptureProgram, SixteenBitsStayWhereAPhotographIsTurnedOrMadeSmaller) {
+  WritePhotos(6);
+  ExifToWrite turned;
+  turned.orientation = 3;
+  WriteImage(photos / "q.tif", DeepPhoto(6), 92, &turned);
+  WriteImage(photos / "r.png", DeepPhoto(7));
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_EQ(ReadFile(images / "r.png"), ReadFile(photos / "r.png"));
+  const Image16 upright = ReadAsStored(images / "q.tif").sixteen;
+  EXPECT_EQ(upright.data, Oriented(DeepPhoto(6), 3).data);
+  EXPECT_EQ(ReadImageInfo(images / "q.tif").orientation, 1);
+  ASSERT_EQ(Run("--max_size 90").code, 0);
+  const Image16 half = ReadAsStored(images / "r.png").sixteen, whole = DeepPhoto(7);
+  ASSERT_EQ(half.width, 90);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(
+        half.at(20, 30)[c],
+        (whole.at(40, 60)[c] + whole.at(41, 60)[c] + whole.at(40, 61)[c] + whole.at(41, 61)[c]) /
+            4.0,
+        0.51);
+  EXPECT_EQ(ReadAsStored(images / "q.tif").sixteen.width, 90);
 }
 
 TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {

@@ -10,6 +10,7 @@
 #include "capture/shoot/develop/photograph.h"
 #include "capture/shoot/develop/white_balance.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/painted_masks.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/png_io.h"
@@ -40,6 +41,9 @@ Image8 ReadBalanced(const fs::path& file, const shoot::SideFile* side) {
   return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
 }
 
+/// Whether the file has more than 8 bits a channel that are kept: RAW files are developed to 8.
+bool IsDeep(const fs::path& file) { return !IsRawName(file) && StoredLevelsOf(file).bits > 8; }
+
 /// Whether the photograph's file is no picture that later stages read.
 bool IsDeveloped(const PhotographImport& import, std::size_t i) {
   const shoot::SideFile* side = SideFileOf(import, i);
@@ -51,7 +55,7 @@ bool IsDeveloped(const PhotographImport& import, std::size_t i) {
 /// bytes each, where it is encoded). If there is not enough memory for one per core, fewer are
 /// processed at a time; the result is the same.
 void FitIntoMemory(StageContext& stage, const PhotographImport& import) {
-  constexpr std::int64_t kBytesADetail = 90, kBytesAPixel = 9;
+  constexpr std::int64_t kBytesADetail = 90, kBytesAPixel = 9, kBytesADeepPixel = 18;
   std::size_t largest = 0;
   const auto pixels = [&](std::size_t i) {
     return std::int64_t{import.photographs[i].width} * import.photographs[i].height;
@@ -60,8 +64,9 @@ void FitIntoMemory(StageContext& stage, const PhotographImport& import) {
     if (pixels(i) > pixels(largest)) largest = i;
   const Photograph& photograph = import.photographs[largest];
   const std::int64_t eighths = EighthsFor(photograph.width, photograph.height, kDetail_px);
+  const std::int64_t each = IsDeep(import.files[largest]) ? kBytesADeepPixel : kBytesAPixel;
   const std::int64_t need = kBytesADetail * pixels(largest) * eighths * eighths / 64 +
-                            (eighths < 8 ? kBytesAPixel * pixels(largest) : 0);
+                            (eighths < 8 ? each * pixels(largest) : 0);
   RequireMemory(need, "capture: photograph " + photograph.name + " (" +
                           std::to_string(photograph.width) + " x " +
                           std::to_string(photograph.height) + " pixels)");
@@ -283,6 +288,18 @@ void CopyPhotograph(const fs::path& from, const fs::path& to) {
     throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
 }
 
+/// As LoadUpright, with the levels of a file of more than 8 bits; empty for others.
+Image16 LoadUprightDeep(const PhotographImport& import, std::size_t i) {
+  const fs::path& file = import.files[i];
+  if (!IsDeep(file)) return {};
+  Image16 image = ReadAsStored(file).sixteen;
+  const shoot::SideFile* side = SideFileOf(import, i);
+  if (side && side->white) image = shoot::WithGains(image, side->white->gains);
+  if (import.quarter_turns[i]) image = Oriented(std::move(image), 6);
+  const Size size = WrittenSize(import, i);
+  return import.factors[i] == 1 ? image : Resized(image, size.width, size.height);
+}
+
 /// Writes the photograph: its file where nothing changed, else its pixels with its EXIF data.
 /// @return what it is looked at with
 Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::path& to,
@@ -293,12 +310,14 @@ Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::
     CopyPhotograph(import.files[i], to);
     return LoadReduced(import, i, DetailEighths(import, i));
   }
-  Image8 image = LoadUpright(import, i);
   ExifToWrite exif;
   exif.focal_mm = info.focal_mm.value_or(0);
   exif.focal_35mm = info.focal_35mm.value_or(0);
   exif.model = info.camera_model;
-  WriteImage(to, image, quality, &exif);
+  const Image16 deep = LoadUprightDeep(import, i);
+  if (!deep.empty()) WriteImage(to, deep, quality, &exif);
+  Image8 image = LoadUpright(import, i);
+  if (deep.empty()) WriteImage(to, image, quality, &exif);
   return Reduced(std::move(image), DetailEighths(import, i));
 }
 

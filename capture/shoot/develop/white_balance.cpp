@@ -1,9 +1,12 @@
 #include "capture/shoot/develop/white_balance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <vector>
 
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
@@ -111,16 +114,26 @@ std::optional<PixelBox> FindCard(const Image8& image) {
   return PixelBox{up(box.x), up(box.y), std::max(4, up(box.width)), std::max(4, up(box.height))};
 }
 
-Image8 WithGains(const Image8& image, const WhiteGains& gains) {
-  std::array<std::array<std::uint8_t, 256>, 3> table{};
+namespace {
+
+template <class T>
+ImageT<T> Balanced(const ImageT<T>& image, const WhiteGains& gains) {
+  constexpr int kMost = std::numeric_limits<T>::max();
+  std::array<std::vector<T>, 3> table;
   for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < 256; ++i) {
-      const double value = SrgbFromLinear(std::min(1.0, gains[c] * LinearFromSrgb(i / 255.0)));
-      table[c][i] = static_cast<std::uint8_t>(std::lround(255 * value));
+    for (int i = 0; i <= kMost; ++i) {
+      const double value =
+          SrgbFromLinear(std::min(1.0, gains[c] * LinearFromSrgb(i / double{kMost})));
+      table[c].push_back(static_cast<T>(std::lround(kMost * value)));
     }
-  Image8 out = image;
+  ImageT<T> out = image;
   for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] = table[i % 3][out.data[i]];
   return out;
 }
+
+}  // namespace
+
+Image8 WithGains(const Image8& image, const WhiteGains& gains) { return Balanced(image, gains); }
+Image16 WithGains(const Image16& image, const WhiteGains& gains) { return Balanced(image, gains); }
 
 }  // namespace keypose::capture::shoot

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/values/image.h"
+#include "core/values/image16.h"
 
 namespace keypose::capture::shoot {
 
@@ -28,5 +29,6 @@ std::optional<PixelBox> FindCard(const Image8& image);
 
 /// The image with the gains applied in linear light.
 Image8 WithGains(const Image8& image, const WhiteGains& gains);
+Image16 WithGains(const Image16& image, const WhiteGains& gains);
 
 }  // namespace keypose::capture::shoot
