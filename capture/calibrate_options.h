@@ -8,6 +8,7 @@
 #include "capture/board/board_survey.h"
 #include "capture/board/board_words.h"
 #include "core/values/options.h"
+#include "views/shot/clock_wish.h"
 
 namespace keypose::capture {
 
@@ -17,6 +18,7 @@ struct CalibrateOptions {
   double board_square_mm = 1000 * BoardLayout{}.square_m;
   int every = 5;
   int floor_frame = 0;
+  std::string clock_offsets = "auto";
 
   /// What was said of a ChArUco board in one word; none: it is to be found.
   std::optional<SaidBoard> Said() const {
@@ -60,8 +62,10 @@ struct CalibrateOptions {
            0,
            1e6,
            {}});
+    visit("clock_offsets", clock_offsets, {.help = kClockOffsetsHelp});
   }
   std::vector<std::string> Problems() const {
+    if (const auto problems = ClockWishProblems(clock_offsets); !problems.empty()) return problems;
     if (board != "charuco" && board != "checkerboard") {
       if (SaysNo(board)) return {"--board says what the board is; calibrate needs one"};
       if (const auto problems = BoardWordProblems(board); !problems.empty()) return problems;

@@ -36,14 +36,14 @@ constexpr int kLensPictures = 60;  // of a camera
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "calibrate";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary =
       "Lenses and places of fixed cameras, from films of a calibration board or from points of "
       "known place.";
   spec.title = "Cameras of the films";
   spec.inputs = {
       {"video", "folder",
-       "films of a moved board that begin together: one folder of numbered pictures, or one video, "
+       "films of a moved board: one folder of numbered pictures, or one video, "
        "for each camera",
        "", true, false},
       {"lenses", "path",
@@ -422,7 +422,8 @@ int FloorFrame(StageContext& stage, const CalibrateOptions& options, const Board
 
 std::vector<View> PlacedByBoard(StageContext& stage, const CalibrateOptions& options,
                                 const std::vector<View>& lenses) {
-  const Shot shot = OpenShot(stage.Input("video"), FilmGaps::kLeftOut);
+  const Shot shot = OpenShot(stage.Input("video"), FilmGaps::kLeftOut,
+                             ParseClockWish(options.clock_offsets), stage.progress());
   for (const std::string& note : shot.join.notes) stage.Note(note);
   if (shot.join.frames_per_second > 0) stage.Report("film_mismatch_ms", 1000 * shot.join.worst_s);
   BoardFinder finder(stage, shot.cameras, 0.8);

@@ -42,7 +42,7 @@ constexpr double kTurnGain = 0.9;                      // of the outlines' cost,
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "11";
+  spec.version = "12";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.title = "Tracked body";
   spec.measurements = {{"frames", "frames"},
@@ -441,7 +441,7 @@ void Run(StageContext& stage, const TrackOptions& options) {
   CompareOthers(stage, input, actor.shape, frames, at);
   WriteFrames(stage, input, actor.shape, frames, fps);
   if (const auto clocks = stage.Output("clocks"); !clocks.empty())
-    WriteFile(clocks, ClocksText(input.offsets(), input.cameras()));
+    WriteFile(clocks, ClocksText(input.offsets(), input.cameras(), input.film_clocks()));
   if (const auto rig = stage.Output("rig"); !rig.empty()) WriteFile(rig, CamerasText(input));
   WritePicture(stage, input, actor.shape, frames);
 }

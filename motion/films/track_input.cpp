@@ -44,8 +44,9 @@ double UnitOfHeight(double height) {
 }
 
 /// The shot, with masks from another folder where the stage has them.
-Shot ShotWithMasks(StageContext& stage, const std::filesystem::path& folder) {
-  Shot shot = OpenShot(folder);
+Shot ShotWithMasks(StageContext& stage, const std::filesystem::path& folder,
+                   const ClockWish& clocks) {
+  Shot shot = OpenShot(folder, FilmGaps::kRefused, clocks, stage.progress());
   for (const std::string& note : shot.join.notes) stage.Note(note);
   if (shot.join.frames_per_second > 0) stage.Report("film_mismatch_ms", 1000 * shot.join.worst_s);
   if (!stage.Has("masks")) return shot;
@@ -70,7 +71,7 @@ TrackInput::~TrackInput() = default;
 
 TrackInput::TrackInput(StageContext& stage, const std::filesystem::path& shot_folder,
                        const TrackInputOptions& options)
-    : shot_(ShotWithMasks(stage, shot_folder)) {
+    : shot_(ShotWithMasks(stage, shot_folder, options.clocks)) {
   Match(stage, options);
   if (!shot_.has_masks())
     throw InputError(

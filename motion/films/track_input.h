@@ -22,6 +22,7 @@ struct TrackInputOptions {
   double height_m = 0;      ///< of the actor; 0: not known
   int sync_frames = 10;     ///< largest offset between clocks that is looked for; 0: none
   int at_frame = 0;         ///< the frame in which cameras are compared
+  ClockWish clocks;         ///< of films
 };
 
 /// A shot whose cameras are matched to a calibration.
@@ -35,6 +36,8 @@ class TrackInput {
   ~TrackInput();
 
   int frames() const { return frames_; }
+  /// Of the films, by cameras, where they are not as the time stamps say.
+  const std::map<std::string, FilmClock>& film_clocks() const { return shot_.join.clocks; }
   double frames_per_second() const { return shot_.frames_per_second; }
   double metres_per_unit() const { return metres_per_unit_; }
   const Eigen::Quaterniond& up_from_world() const { return up_from_world_; }

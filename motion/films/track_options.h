@@ -17,6 +17,7 @@ struct TrackOptions {
   double fps = 0;
   int sync_frames = 10;
   double calm = 1;
+  std::string clock_offsets = "auto";
 
   void Describe(OptionVisitor& visit) {
     visit("actor_frame", actor_frame,
@@ -58,8 +59,12 @@ struct TrackOptions {
            0,
            10,
            {}});
+    visit("clock_offsets", clock_offsets, {.help = kClockOffsetsHelp});
   }
-  TrackInputOptions Input() const { return {cameras, up, height_m, sync_frames, actor_frame}; }
+  std::vector<std::string> Problems() const { return ClockWishProblems(clock_offsets); }
+  TrackInputOptions Input() const {
+    return {cameras, up, height_m, sync_frames, actor_frame, ParseClockWish(clock_offsets)};
+  }
 };
 
 }  // namespace keypose::motion

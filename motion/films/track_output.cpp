@@ -60,12 +60,15 @@ std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, d
 }
 
 std::string ClocksText(const std::vector<int>& offsets,
-                       const std::vector<SilhouetteCamera>& cameras) {
+                       const std::vector<SilhouetteCamera>& cameras,
+                       const std::map<std::string, FilmClock>& films) {
   nlohmann::ordered_json json;
   json["schema"] = 1;
   json["offsets"] = nlohmann::ordered_json::object();
   for (std::size_t c = 0; c < offsets.size(); ++c)
     json["offsets"][cameras[c].view().name] = offsets[c];
+  for (const auto& [name, clock] : films)
+    json["films"][name] = {{"begin_s", clock.begin_s}, {"rate", clock.rate}};
   return json.dump(1) + "\n";
 }
 

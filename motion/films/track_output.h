@@ -1,11 +1,13 @@
 // What the stage `track` writes besides meshes: numbers of the poses, the actor, a picture.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/values/image.h"
 #include "motion/tracking/tracker.h"
+#include "views/clocks/clock_network.h"
 
 namespace keypose::motion {
 
@@ -19,9 +21,10 @@ std::string AnglesCsv(const std::vector<TrackedFrame>& frames, double fps, doubl
 std::vector<std::string> UnseenAngles(const std::vector<TrackedFrame>& frames, double most_deg);
 
 /// {"schema": 1, "offsets": {"cam1": 0, ...}}: frame f of the result is frame f + offset of the
-/// film.
+/// film; where the films' clocks were set, also "films": {"cam1": {"begin_s": 0, "rate": 1}, ...}.
 std::string ClocksText(const std::vector<int>& offsets,
-                       const std::vector<SilhouetteCamera>& cameras);
+                       const std::vector<SilhouetteCamera>& cameras,
+                       const std::map<std::string, FilmClock>& films);
 
 /// Bone lengths and girths as JSON, in metres.
 std::string ActorText(const BodyShape& shape);

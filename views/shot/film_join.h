@@ -1,9 +1,11 @@
 // Films of several cameras joined by their times: frame N of each is the same moment.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
+#include "views/clocks/clock_network.h"
 #include "views/shot/shot_camera.h"
 
 namespace keypose {
@@ -15,10 +17,17 @@ enum class FilmGaps {
   kLeftOut,  ///< the moment is left out: where only pictures of one moment matter, not their rate
 };
 
+/// Where the frames of several films end.
+enum class FilmEnds {
+  kEach,    ///< each where it does
+  kCommon,  ///< all where the first one does, if they are not left in their order
+};
+
 struct FilmJoin {
-  double frames_per_second = 0;    ///< of the frames; 0: no camera has a video
-  double worst_s = 0;              ///< how far a picture lies from its frame's moment
-  std::vector<std::string> notes;  ///< sentences for the user
+  double frames_per_second = 0;             ///< of the frames; 0: no camera has a video
+  double worst_s = 0;                       ///< how far a picture lies from its frame's moment
+  std::map<std::string, FilmClock> clocks;  ///< by cameras, where they were set; else empty
+  std::vector<std::string> notes;           ///< sentences for the user
 };
 
 /// Films whose pictures of the same number lie within half a frame of each other stay as they are,
@@ -29,7 +38,8 @@ struct FilmJoin {
 /// @throws InputError  gaps (unless they are left out); films that have no moment in common; films
 /// that would have to be joined with numbered pictures, which have no times. Names camera, time and
 /// cure
-FilmJoin JoinFilms(std::vector<ShotCamera>& cameras, FilmGaps gaps = FilmGaps::kRefused);
+FilmJoin JoinFilms(std::vector<ShotCamera>& cameras, FilmGaps gaps = FilmGaps::kRefused,
+                   FilmEnds ends = FilmEnds::kEach);
 
 /// Gives the camera these masks; those that are one for each picture of its film follow its frames.
 void TakeMasks(const FrameSource& masks, ShotCamera* camera);

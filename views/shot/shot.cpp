@@ -15,6 +15,7 @@
 #include "core/values/file_names.h"
 #include "core/values/size_of.h"
 #include "views/decode/film_decoder.h"
+#include "views/shot/film_clocks.h"
 #include "views/shot/sync_check.h"
 
 namespace keypose {
@@ -91,6 +92,19 @@ void RequireMaskForEach(const ShotCamera& camera) {
                    " masks; a mask for each frame is needed");
 }
 
+FilmJoin JoinByClocks(std::vector<ShotCamera>& cameras, FilmGaps gaps, const ClockWish& wish,
+                      const Progress* progress) {
+  FilmClocks clocks;
+  if (wish.how == ClockWish::How::kFound) clocks = FindFilmClocks(cameras, progress);
+  if (wish.how == ClockWish::How::kGiven) clocks = GivenFilmClocks(cameras, wish);
+  SetClocks(clocks.clocks, &cameras);
+  FilmJoin join =
+      JoinFilms(cameras, gaps, clocks.clocks.empty() ? FilmEnds::kEach : FilmEnds::kCommon);
+  join.clocks = std::move(clocks.clocks);
+  join.notes.insert(join.notes.begin(), clocks.notes.begin(), clocks.notes.end());
+  return join;
+}
+
 }  // namespace
 
 bool Shot::has_masks() const {
@@ -104,7 +118,8 @@ std::vector<std::string> Shot::names() const {
   return all;
 }
 
-Shot OpenShot(const fs::path& folder, FilmGaps gaps) {
+Shot OpenShot(const fs::path& folder, FilmGaps gaps, const ClockWish& clocks,
+              const Progress* progress) {
   Shot shot;
   std::map<std::string, FrameSource> pictures = SourcesIn(folder);
   std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks");
@@ -123,7 +138,7 @@ Shot OpenShot(const fs::path& folder, FilmGaps gaps) {
         " has no camera; it needs a folder of numbered pictures, or a video, for each" +
         WordsOnLight(folder));
   RequireSameGaps(shot.cameras);
-  shot.join = JoinFilms(shot.cameras, gaps);
+  shot.join = JoinByClocks(shot.cameras, gaps, clocks, progress);
   shot.frames_per_second = shot.join.frames_per_second;
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   for (const ShotCamera& camera : shot.cameras) RequireMaskForEach(camera);

@@ -14,6 +14,7 @@
 
 #include "core/values/image.h"
 #include "core/values/progress.h"
+#include "views/shot/clock_wish.h"
 #include "views/shot/film_join.h"
 #include "views/shot/shot_camera.h"
 
@@ -27,10 +28,13 @@ struct Shot {
   std::vector<std::string> names() const;
 };
 
-/// Films are joined by their times (JoinFilms).
+/// Films are joined by their times (JoinFilms), after their clocks are set as wished.
+/// @param progress  asked for cancel while clocks are looked for; may be null
 /// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are
-/// needed; films that do not run together (JoinFilms, RequireSameGaps)
-Shot OpenShot(const std::filesystem::path& folder, FilmGaps gaps = FilmGaps::kRefused);
+/// needed; films that do not run together (JoinFilms, RequireSameGaps,
+/// FindFilmClocks)
+Shot OpenShot(const std::filesystem::path& folder, FilmGaps gaps = FilmGaps::kRefused,
+              const ClockWish& clocks = {}, const Progress* progress = nullptr);
 
 /// Films or pictures of several cameras that need not run together, sorted by name.
 /// @throws InputError  no camera; a video that cannot be read

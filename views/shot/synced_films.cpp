@@ -62,7 +62,7 @@ SyncedFilms::SyncedFilms(StageContext& stage, const FilmsRequest& request) : req
 }
 
 void SyncedFilms::Open(StageContext& stage) {
-  Shot shot = OpenShot(stage.Input("video"));
+  Shot shot = OpenShot(stage.Input("video"), FilmGaps::kRefused, ReadFilmClocks(stage));
   for (const std::string& note : shot.join.notes) stage.Note(note);
   const RigCalibration rig = ReadRigCalibration(stage.Input("calibration"));
   for (const std::string& note : rig.notes) stage.Note(note);
@@ -97,13 +97,39 @@ void SyncedFilms::Open(StageContext& stage) {
   }
 }
 
+nlohmann::json SyncedFilms::ClocksJson(StageContext& stage) const {
+  nlohmann::json root = nlohmann::json::parse(ReadFile(stage.Input("clocks")), nullptr, false);
+  if (!root.is_object() || !root.contains("offsets") || !root["offsets"].is_object())
+    throw InputError(ClocksName(stage) + " is not JSON with an object `offsets`");
+  return root;
+}
+
+std::string SyncedFilms::ClocksName(StageContext& stage) const {
+  return request_.stage + ": " + stage.Input("clocks").filename().string();
+}
+
+ClockWish SyncedFilms::ReadFilmClocks(StageContext& stage) const {
+  ClockWish wish;
+  if (!stage.Has("clocks")) return wish;
+  const nlohmann::json root = ClocksJson(stage);
+  if (!root.contains("films")) return wish;
+  const auto number = [](const nlohmann::json& of, const char* key) {
+    return of.is_object() && of.contains(key) && of[key].is_number();
+  };
+  for (const auto& [camera, clock] : root["films"].items()) {
+    if (!number(clock, "begin_s") || !number(clock, "rate") || !(clock["rate"] > 0))
+      throw InputError(ClocksName(stage) + ": the film of " + camera +
+                       " has no number `begin_s`, or no `rate` above 0");
+    wish.named[camera] = {clock["begin_s"], clock["rate"]};
+  }
+  wish.how = ClockWish::How::kGiven;
+  return wish;
+}
+
 void SyncedFilms::ReadClocks(StageContext& stage) {
   if (!stage.Has("clocks")) return;
-  const std::string name = request_.stage + ": " + stage.Input("clocks").filename().string();
-  const nlohmann::json root =
-      nlohmann::json::parse(ReadFile(stage.Input("clocks")), nullptr, false);
-  if (!root.is_object() || !root.contains("offsets") || !root["offsets"].is_object())
-    throw InputError(name + " is not JSON with an object `offsets`");
+  const std::string name = ClocksName(stage);
+  const nlohmann::json root = ClocksJson(stage);
   for (CameraFilm& film : films_) {
     if (!root["offsets"].contains(film.files.name)) continue;
     const nlohmann::json& offset = root["offsets"][film.files.name];

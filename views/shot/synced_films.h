@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/stage/stage.h"
 #include "core/values/camera.h"
 #include "core/values/image.h"
@@ -51,6 +53,9 @@ class SyncedFilms {
  private:
   FilmedPictures Read(int frame, bool pictures);
   void Open(StageContext& stage);
+  nlohmann::json ClocksJson(StageContext& stage) const;
+  std::string ClocksName(StageContext& stage) const;
+  ClockWish ReadFilmClocks(StageContext& stage) const;  // of their time stamps, before frames
   void ReadClocks(StageContext& stage);
   void CheckLengths(StageContext& stage);
   void CheckSizes(StageContext& stage);

@@ -9,6 +9,8 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
@@ -35,6 +37,7 @@ struct TestFilmKind {
   AVRational aspect{0, 1};
   AVFieldOrder fields = AV_FIELD_UNKNOWN;
   DisplayMatrix turn{};  ///< all 0: none is written
+  int sound_rate = 0;    ///< samples a second of one channel, 16 bits (PCM); 0: no sound
 };
 
 class TestFilm {
@@ -77,6 +80,23 @@ class TestFilm {
         for (int i = 0; i < frame.linesize[plane] * frame.height / 2; ++i)
           frame.data[plane][i] = 128;
     });
+  }
+  /// All of the sound, from time 0 on, before any picture; samples in [-1, 1].
+  void AddSound(const std::vector<double>& samples) {
+    for (std::size_t begin = 0; begin < samples.size(); begin += 1024) {
+      const int count = static_cast<int>(std::min<std::size_t>(1024, samples.size() - begin));
+      Need(av_new_packet(packet_.get(), 2 * count));
+      for (int i = 0; i < count; ++i) {
+        const int level = static_cast<int>(std::lround(32767 * samples[begin + i]));
+        packet_->data[2 * i] = static_cast<std::uint8_t>(level & 255);
+        packet_->data[2 * i + 1] = static_cast<std::uint8_t>(level >> 8 & 255);
+      }
+      packet_->stream_index = 1;
+      packet_->pts = packet_->dts = static_cast<std::int64_t>(begin);
+      packet_->duration = count;
+      av_packet_rescale_ts(packet_.get(), {1, kind_.sound_rate}, file_->streams[1]->time_base);
+      Need(av_interleaved_write_frame(file_, packet_.get()));
+    }
   }
   void Finish() {
     Send(nullptr);
@@ -122,12 +142,25 @@ class TestFilm {
     if (kind_.turn != DisplayMatrix{})
       *reinterpret_cast<DisplayMatrix*>(av_stream_new_side_data(
           stream_, AV_PKT_DATA_DISPLAYMATRIX, sizeof(DisplayMatrix))) = kind_.turn;
+    if (kind_.sound_rate > 0) BeginSound();
     AVDictionary* options = nullptr;
     for (const auto& [key, value] : kind_.format_options)
       av_dict_set(&options, key.c_str(), value.c_str(), 0);
     const int code = avformat_write_header(file_, &options);
     av_dict_free(&options);
     Need(code);
+  }
+  void BeginSound() {
+    AVStream* sound = avformat_new_stream(file_, nullptr);
+    sound->codecpar->codec_type = AVMEDIA_TYPE_AUDIO;
+    sound->codecpar->codec_id = AV_CODEC_ID_PCM_S16LE;
+    sound->codecpar->format = AV_SAMPLE_FMT_S16;
+    sound->codecpar->sample_rate = kind_.sound_rate;
+    sound->codecpar->bits_per_coded_sample = 16;
+    sound->codecpar->block_align = 2;
+    av_channel_layout_default(&sound->codecpar->ch_layout, 1);
+    sound->time_base = {1, kind_.sound_rate};
+    file_->max_interleave_delta = 0;  // the sound waits for the pictures
   }
   void Send(const AVFrame* frame) {
     Need(avcodec_send_frame(encoder_.get(), frame));

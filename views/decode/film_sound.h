@@ -1,0 +1,23 @@
+// The sound of a film, as loud as it is in each millisecond.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/values/progress.h"
+
+namespace keypose {
+
+struct FilmSound {
+  double first_s = 0;            ///< begin of the first millisecond, by the clock of FilmIndex
+  std::vector<float> per_milli;  ///< mean square of all channels' samples, which lie in [-1, 1]
+};
+
+/// Decodes the first sound of a film. What cannot be decoded counts as no sound.
+/// @param most_s    what comes later is not read
+/// @param progress  asked for cancel; may be null
+/// @return empty if it has none
+FilmSound ReadFilmSound(const std::filesystem::path& path, double most_s,
+                        const Progress* progress = nullptr);
+
+}  // namespace keypose
