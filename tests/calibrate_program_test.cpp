@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <random>
+#include <regex>
 
 #include "capture/board/testing/seen_board.h"
 #include "core/io/pictures/image_io.h"
@@ -15,6 +17,7 @@
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
 #include "tests/run_program.h"
+#include "views/decode/testing/test_film.h"
 
 namespace keypose::tests::calibrate_program_test {
 
@@ -175,6 +178,80 @@ TEST(CalibrateProgram, AnInvertedBoardInFourWebcamsTwoOfThemTurnedPlacesThem) {
   const Similarity3 moved = FitSimilarity(centers, expected, {}, false);
   // squares of 11 to 25 pixels tell a webcam's distance to half a percent
   EXPECT_LT((Transformed(moved, centers) - expected).rowwise().norm().maxCoeff(), 0.012);
+}
+
+/// A board that is moved through the room for seven seconds, and a clap in the third, as two
+/// webcams of ten pictures a second film it; the second one is started `late_s` after the first.
+void FilmMovedBoard(const std::vector<View>& webcams, const fs::path& shot, double late_s) {
+  constexpr int kRate = 10, kSound = 16000;
+  fs::create_directories(shot);
+  for (int c = 0; c < 2; ++c) {
+    TestFilmKind kind;
+    kind.width = 640, kind.height = 480, kind.rate = kRate, kind.sound_rate = kSound;
+    TestFilm film(shot / (webcams[c].name + ".mkv"), kind);
+    std::mt19937 random(static_cast<unsigned>(c));
+    std::normal_distribution<double> noise(0, 1);
+    std::vector<double> sound;
+    for (int i = 0; i < 7 * kSound; ++i) {
+      const double after = c * late_s + static_cast<double>(i) / kSound - 3;
+      sound.push_back(0.1 * (after > 0 ? std::exp(-after / 0.05) : 0) + 0.001);
+      sound.back() *= std::clamp(noise(random), -3.0, 3.0);
+    }
+    film.AddSound(sound);
+    for (int f = 0; f < 7 * kRate; ++f) {
+      const double t = c * late_s + static_cast<double>(f) / kRate;
+      Rigid3 world_from_board;
+      world_from_board.rotation =
+          Eigen::AngleAxisd(0.5 * std::sin(1.7 * t), Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(1.0 + 0.4 * std::sin(0.9 * t), Eigen::Vector3d::UnitX()) *
+          Eigen::AngleAxisd(0.4 * std::cos(1.3 * t), Eigen::Vector3d::UnitY());
+      world_from_board.translation = {0.3 * std::sin(0.7 * t), 0.25 * std::cos(1.1 * t) - 0.2,
+                                      0.75 + 0.3 * std::sin(0.5 * t)};
+      capture::Seeing seeing;
+      seeing.view = webcams[c], seeing.noise = 3, seeing.blur_px = 0.8;
+      seeing.view.camera_from_world = Compose(webcams[c].camera_from_world, world_from_board);
+      const Image8 picture = capture::Photograph(capture::Charuco(4, 5, 0), seeing, 2 * f + c);
+      film.Add(std::int64_t{f} * kind.unit / kRate, [&](AVFrame& frame) {
+        for (int y = 0; y < 480; ++y)
+          for (int x = 0; x < 640; ++x)
+            frame.data[0][y * frame.linesize[0] + x] =
+                static_cast<std::uint8_t>(16 + *picture.at(x, y) * 219 / 255);
+        for (int plane = 1; plane < 3; ++plane)
+          std::fill_n(frame.data[plane], frame.linesize[plane] * 240, std::uint8_t{128});
+      });
+    }
+    film.Finish();
+  }
+}
+
+TEST(CalibrateProgram, WebcamsThatWereStartedByHandAreJoinedByAClap) {
+  constexpr double kLate_s = 1.204;
+  const TestingFolder folder;
+  std::vector<View> truth = Webcams();
+  truth.erase(truth.begin() + 1), truth.resize(2);  // neither lies on its side
+  FilmMovedBoard(truth, folder.path() / "shot", kLate_s);
+  const auto calibrate = [&](const std::string& offsets) {
+    return RunProgram({"keypose-calibrate", "--video", "shot", "--calibration", "rig.yml",
+                       "--every", "2", "--board_square_mm", "50", "--clock_offsets", offsets},
+                      folder.path());
+  };
+  const RunResult run = calibrate("auto");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  std::smatch said;
+  ASSERT_TRUE(std::regex_search(run.output, said,
+                                std::regex("by sound: port_0 at 0.000 s, port_2 at ([0-9.]+) s")))
+      << run.output;
+  EXPECT_NEAR(std::stod(said[1]), kLate_s, 0.002);
+  const auto distance_of = [](const std::vector<View>& views) {
+    return (views.at(0).Center() - views.at(1).Center()).norm();
+  };
+  // pictures lie up to 4 ms apart, in which the board moves by 2 mm
+  EXPECT_NEAR(distance_of(ReadRigCalibration(folder.path() / "rig.yml").views), distance_of(truth),
+              0.02);
+  const std::string joined = ReadFile(folder.path() / "rig.yml");
+  ASSERT_EQ(calibrate("0,1.204").exit_code, 0);
+  EXPECT_EQ(ReadFile(folder.path() / "rig.yml"), joined) << "the same pictures";
+  EXPECT_EQ(calibrate("soon").exit_code, 2);
 }
 
 TEST(CalibrateProgram, NothingToCalibrateFromIsAUsageError) {
