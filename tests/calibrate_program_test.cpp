@@ -180,7 +180,7 @@ TEST(CalibrateProgram, AnInvertedBoardInFourWebcamsTwoOfThemTurnedPlacesThem) {
   EXPECT_LT((Transformed(moved, centers) - expected).rowwise().norm().maxCoeff(), 0.012);
 }
 
-/// A board that is moved through the room for seven seconds, and a clap in the third, as two
+/// A board that is moved through the room for five seconds, and a clap in it, as two
 /// webcams of ten pictures a second film it; the second one is started `late_s` after the first.
 void FilmMovedBoard(const std::vector<View>& webcams, const fs::path& shot, double late_s) {
   constexpr int kRate = 10, kSound = 16000;
@@ -192,13 +192,13 @@ void FilmMovedBoard(const std::vector<View>& webcams, const fs::path& shot, doub
     std::mt19937 random(static_cast<unsigned>(c));
     std::normal_distribution<double> noise(0, 1);
     std::vector<double> sound;
-    for (int i = 0; i < 7 * kSound; ++i) {
+    for (int i = 0; i < 5 * kSound; ++i) {
       const double after = c * late_s + static_cast<double>(i) / kSound - 3;
       sound.push_back(0.1 * (after > 0 ? std::exp(-after / 0.05) : 0) + 0.001);
       sound.back() *= std::clamp(noise(random), -3.0, 3.0);
     }
     film.AddSound(sound);
-    for (int f = 0; f < 7 * kRate; ++f) {
+    for (int f = 0; f < 5 * kRate; ++f) {
       const double t = c * late_s + static_cast<double>(f) / kRate;
       Rigid3 world_from_board;
       world_from_board.rotation =

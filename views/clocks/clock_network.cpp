@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/values/size_of.h"
 
@@ -55,6 +56,21 @@ std::pair<double, double> SameMoment(const ClockDrift& drift) {
 }
 
 }  // namespace
+
+std::vector<bool> ConfirmedByThird(const std::vector<ClockLink>& links, double within_s) {
+  std::map<std::pair<int, int>, int> at;
+  for (int l = 0; l < SizeOf(links); ++l) at[{links[l].a, links[l].b}] = l;
+  std::vector<bool> confirmed(links.size(), false);
+  for (const auto& [first, i] : at)
+    for (const auto& [second, j] : at) {
+      const auto whole = at.find({first.first, second.second});
+      if (first.second != second.first || whole == at.end()) continue;
+      const auto seconds = [&](int l) { return links[l].drift.whole.seconds; };
+      if (std::abs(seconds(i) + seconds(j) - seconds(whole->second)) > within_s) continue;
+      confirmed[i] = confirmed[j] = confirmed[whole->second] = true;
+    }
+  return confirmed;
+}
 
 std::vector<int> LinkedGroups(int films, const std::vector<ClockLink>& links) {
   std::vector<int> group(static_cast<std::size_t>(films));

@@ -25,6 +25,10 @@ struct ClockNetwork {
   int worst_link = -1;
 };
 
+/// Which of these links say the same as two others by way of a third film.
+/// @param links  a < b in each, a pair once
+std::vector<bool> ConfirmedByThird(const std::vector<ClockLink>& links, double within_s);
+
 /// Numbers films so that those which links join have the same one, counted from 0 in the films'
 /// order.
 std::vector<int> LinkedGroups(int films, const std::vector<ClockLink>& links);

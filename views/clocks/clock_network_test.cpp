@@ -26,6 +26,12 @@ TEST(LinkedGroups, AreNumberedInTheFilmsOrder) {
   EXPECT_EQ(LinkedGroups(2, {}), (std::vector<int>{0, 1}));
 }
 
+TEST(ConfirmedByThird, NeedsTwoOthersThatSayTheSame) {
+  const std::vector<ClockLink> links{Link(0, 1, 1), Link(1, 2, 2), Link(0, 2, 3.01), Link(1, 3, 1),
+                                     Link(2, 3, 1)};
+  EXPECT_EQ(ConfirmedByThird(links, 0.03), (std::vector<bool>{true, true, true, false, false}));
+}
+
 TEST(SolveClocks, FilmsThatBeganLaterHaveLaterBegins) {
   // film 1 began 2 s after film 0, film 2 half a second before it
   const ClockNetwork found = SolveClocks(3, {Link(0, 1, -2), Link(1, 2, 2.5)}, 0.02);

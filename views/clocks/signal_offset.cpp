@@ -14,6 +14,7 @@ constexpr double kWholeEnergy = 0.1;  // of the signal, that is added to the ove
 constexpr double kThirdsReach_s = 2;  // about the offset of the whole
 constexpr double kMostDrift_s = 0.3;  // of a third from the whole
 constexpr double kSame = 0.9999;      // correlation; Fisher's measure of 1 is infinite
+constexpr double kLikely = 2.0 / 3;   // of the sigmas of what is sure
 constexpr double kLeastThird_s = 4;
 
 /// sums[i]: of the first i values.
@@ -113,9 +114,10 @@ void Judge(const Lags& lags, const std::vector<int>& looked_at, int peak,
   }
   const double spread = others > 0 ? std::sqrt(squares / others) : 0;
   offset->sigmas = spread > 0 ? std::atanh(std::min(offset->peak, kSame)) / spread : 0;
-  offset->confident = others > 0 && offset->peak >= options.least_peak &&
-                      offset->peak >= options.least_ratio * offset->second_peak &&
-                      offset->sigmas >= options.least_sigmas;
+  const bool stands_out = others > 0 && offset->peak >= options.least_peak &&
+                          offset->peak >= options.least_ratio * offset->second_peak;
+  offset->confident = stands_out && offset->sigmas >= options.least_sigmas;
+  offset->likely = stands_out && offset->sigmas >= kLikely * options.least_sigmas;
 }
 
 /// What lies between two times.

@@ -28,6 +28,7 @@ struct ClockOffset {
   double peak = 0, second_peak = 0;  ///< correlations, at most 1
   double sigmas = 0;
   bool confident = false;
+  bool likely = false;   ///< at two thirds of the sigmas: to be trusted where others confirm it
   double overlap_s = 0;  ///< that both have in common at this offset
   double middle_s = 0;   ///< of the overlap, by the first clock
 };

@@ -52,6 +52,7 @@ class Comparing {
 
   FilmClocks Find() {
     Compare(SoundOf, kSound);
+    by_sound_ = links_.size();
     sound_ = Joined();
     if (!sound_) Compare(MotionOf, kMotion);
     if (!Joined()) return Unjoined();
@@ -84,8 +85,12 @@ class Comparing {
       if (progress_ && progress_->cancelled()) throw Cancelled();
       pairs[p].drift = CorrelateDrifting(signals[pairs[p].a], signals[pairs[p].b], options);
     });
+    std::vector<ClockLink> likely;
     for (const ClockLink& pair : pairs)
-      (pair.drift.whole.confident ? links_ : unclear_).push_back(pair);
+      (pair.drift.whole.likely ? likely : unclear_).push_back(pair);
+    const std::vector<bool> confirmed = ConfirmedByThird(likely, picture_s_);
+    for (std::size_t l = 0; l < likely.size(); ++l)
+      (likely[l].drift.whole.confident || confirmed[l] ? links_ : unclear_).push_back(likely[l]);
   }
 
   /// How exactly offsets are told.
@@ -106,8 +111,8 @@ class Comparing {
         unclear_.begin(), unclear_.end(),
         [](const auto& a, const auto& b) { return a.drift.whole.sigmas < b.drift.whole.sigmas; });
     if (clearest != unclear_.end()) best = "the clearest is camera " + PairText(*clearest);
-    for (const ClockLink& link : links_)
-      if (std::abs(link.drift.whole.seconds) > Least_s()) RefuseUnjoined(link, best);
+    for (std::size_t l = 0; l < by_sound_; ++l)
+      if (std::abs(links_[l].drift.whole.seconds) > Least_s()) RefuseUnjoined(links_[l], best);
     return {{},
             {"the films are joined by their time stamps alone: neither sound nor motion clearly "
              "tells offsets between the cameras' clocks (" +
@@ -173,7 +178,8 @@ class Comparing {
   const std::vector<const ShotCamera*>& films_;
   const Progress* progress_;
   double picture_s_;
-  bool sound_ = false;
+  bool sound_ = false;        // joins all films
+  std::size_t by_sound_ = 0;  // of the links
   std::vector<ClockLink> links_, unclear_;
 };
 

@@ -23,8 +23,8 @@ struct FilmClocks {
 /// says so.
 ///
 /// @param progress  asked for cancel; may be null
-/// @throws InputError  some films are offset and others cannot be joined with them; a clock that
-/// runs faster than another by more than 0.2 %. Names cameras and numbers
+/// @throws InputError  by sound some films are offset, and others cannot be joined with them; a
+/// clock that runs faster than another by more than 0.2 %. Names cameras and numbers
 FilmClocks FindFilmClocks(const std::vector<ShotCamera>& cameras, const Progress* progress);
 
 /// As a person or an earlier stage said.
