@@ -56,7 +56,7 @@ class Comparing {
     sound_ = Joined();
     if (!sound_) Compare(MotionOf, kMotion);
     if (!Joined()) return Unjoined();
-    const double least_drift_s = (sound_ ? 0.5 : kMotionPictures) * picture_s_;
+    const double least_drift_s = (sound_ ? 0.5 : 1) * picture_s_;
     const ClockNetwork network = SolveClocks(SizeOf(films_), links_, least_drift_s);
     if (network.worst_s > picture_s_) return Contradicted(network);
     RequireLittleDrift(network);
