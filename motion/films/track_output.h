@@ -7,7 +7,7 @@
 
 #include "core/values/image.h"
 #include "motion/tracking/tracker.h"
-#include "views/clocks/clock_network.h"
+#include "views/shot/clock_wish.h"
 
 namespace keypose::motion {
 
