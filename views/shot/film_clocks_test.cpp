@@ -187,6 +187,18 @@ TEST_F(FilmClocksOf, GivenBeginsAreTaken) {
   EXPECT_THAT(Fault("0,20"), HasSubstr("a ends at 11.96 s, before b begins at 20.00 s"));
 }
 
+TEST_F(FilmClocksOf, ThoseThatAnEarlierStageFoundJoinTheSamePictures) {
+  Film("a", {}, {});
+  Film("b", {}, {.begin_s = 1.71});
+  const Shot found = Opened("auto");
+  ClockWish named{.how = ClockWish::How::kGiven, .begins_s = {}, .named = found.join.clocks};
+  const Shot again = OpenShot(folder_ / "shot", FilmGaps::kRefused, named);
+  for (int c = 0; c < 2; ++c)
+    EXPECT_EQ(again.cameras[c].pictures.order, found.cameras[c].pictures.order);
+  named.named.erase("b");
+  EXPECT_THROW(OpenShot(folder_ / "shot", FilmGaps::kRefused, named), InputError);
+}
+
 TEST_F(FilmClocksOf, AClockThatRunsMuchFasterIsRefusedAndALittleFasterIsCorrected) {
   Film("a", {}, {.begin_s = 0.0, .seconds = 60, .sound = false});
   Film("b", {}, {.begin_s = 1.5, .seconds = 60, .sound = false, .clock = 1.003});
