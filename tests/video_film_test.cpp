@@ -185,8 +185,8 @@ TEST_F(Video, AlphaStaysAndWhatIsLeftOutTakesTime) {
 }
 
 TEST_F(Video, FoldersStayWhatTheyAre) {
-  WriteImage(folder_ / "a_0003.png", Image8(8, 8, 3)),
-      WriteImage(folder_ / "a_0007.png", {8, 8, 3});
+  WriteImage(folder_ / "a_0003.png", Image8(8, 8, 3));
+  WriteImage(folder_ / "a_0007.png", Image8(8, 8, 3));
   FilmFiles film(folder_);
   EXPECT_FALSE(film.is_video());
   film.DecodeAll();
