@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/io/pictures/image_io.h"
+#include "core/io/project/frame_names.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/shot_io.h"
 #include "core/io/text/files.h"
@@ -84,6 +85,21 @@ fs::path PlateOf(const fs::path& folder, const std::string& camera) {
   return {};
 }
 
+/// On pictures whose names do not tell their order; empty: they do.
+std::string WordsOnOrder(const ShotCamera& camera) {
+  const std::vector<fs::path>& pictures = camera.pictures.pictures;
+  std::vector<std::string> stems;
+  for (const fs::path& picture : pictures) stems.push_back(picture.stem().string());
+  const FrameNumbering numbering = NumberNames(stems);
+  std::string fault = numbering.fault;
+  for (std::size_t i = 1; fault.empty() && i < numbering.numbers.size(); ++i)
+    if (numbering.numbers[i] == numbering.numbers[i - 1])
+      fault = stems[i] + " has the frame number of " + stems[i - 1];
+  if (fault.empty()) return "";
+  return "camera " + camera.name + ": the picture " + WithoutOddBytes(fault) +
+         "; the pictures are taken in the order of their names";
+}
+
 void RequireMaskForEach(const ShotCamera& camera) {
   if (camera.masks.empty() || camera.pictures.empty()) return;
   if (camera.masks.frames == camera.pictures.frames) return;
@@ -141,7 +157,11 @@ Shot OpenShot(const fs::path& folder, FilmGaps gaps, const ClockWish& clocks,
   shot.join = JoinByClocks(shot.cameras, gaps, clocks, progress);
   shot.frames_per_second = shot.join.frames_per_second;
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
-  for (const ShotCamera& camera : shot.cameras) RequireMaskForEach(camera);
+  for (const ShotCamera& camera : shot.cameras) {
+    RequireMaskForEach(camera);
+    if (const std::string words = WordsOnOrder(camera); !words.empty())
+      shot.join.notes.push_back(words);
+  }
   return shot;
 }
 

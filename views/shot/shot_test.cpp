@@ -49,6 +49,31 @@ TEST_F(ShotTest, CamerasAndFramesAreSortedByNumber) {
   EXPECT_THROW(reader.Read(2, 1), UsageError);
 }
 
+TEST_F(ShotTest, PicturesWhoseNamesTellNoOrderAreSaid) {
+  for (const char* name : {"DF_0001_X1", "DF_0001_X2", "DF_0002_X1", "DF_0002_X2"})
+    PutPicture(std::string("cam1/") + name + ".png", 5);
+  for (const char* name : {"1", "01", "2", "3"})
+    PutPicture(std::string("cam2/") + name + ".png", 5);
+  for (const char* name : {"1", "2", "3", "4"}) PutPicture(std::string("cam3/") + name + ".png", 5);
+  const std::vector<std::string> notes = OpenShot(folder_).join.notes;
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_NE(notes[0].find("camera cam1: the picture "), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("0001 and 1"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[1].find("has the frame number of"), std::string::npos) << notes[1];
+}
+
+TEST_F(ShotTest, BroadcastsAndCamcordersStreamsAreFilms) {
+  if (!TestFilm::CanWrite("libx264")) GTEST_SKIP() << "libavcodec has no x264 here";
+  fs::create_directories(folder_);
+  TestFilmKind kind;
+  kind.codec = "libx264";
+  for (const char* name : {"cam1.ts", "cam2.MTS", "cam3.m2ts"})
+    WriteTestFilm(folder_ / name, kind, EvenTimes(5, 3000));
+  const Shot shot = OpenShot(folder_);
+  EXPECT_EQ(shot.names(), (std::vector<std::string>{"cam1", "cam2", "cam3"}));
+  for (const ShotCamera& camera : shot.cameras) EXPECT_EQ(camera.frames(), 5) << camera.name;
+}
+
 TEST_F(ShotTest, MasksAloneAreAShot) {
   PutPicture("masks/a/0.png", 255);
   PutPicture("masks/b/0.png", 255);

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -305,6 +306,14 @@ RigCalibration ReadCalibration(const fs::path& path, bool lens_only) {
   return rig;
 }
 
+/// A camera's name as a key: plain where it may be, since OpenCV's own reader takes no quotes round
+/// keys (4.6 finds no such node, or refuses the file).
+std::string KeyOf(const std::string& name) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  if (!name.empty() && name[0] != '-' && std::all_of(name.begin(), name.end(), plain)) return name;
+  return '"' + name + '"';
+}
+
 std::string YamlOf(const std::vector<View>& views, bool places, bool metres) {
   std::string text = std::string("%YAML:1.0\n---\n") + (metres ? "unit: m\n" : "");
   const auto matrix = [&](const char* name, int rows, int cols, const std::vector<double>& data) {
@@ -317,7 +326,7 @@ std::string YamlOf(const std::vector<View>& views, bool places, bool metres) {
   };
   for (const View& view : views) {
     const Camera& c = view.camera;
-    text += fmt::format("\"{}\":\n  image_width: {}\n  image_height: {}\n", view.name, c.width,
+    text += fmt::format("{}:\n  image_width: {}\n  image_height: {}\n", KeyOf(view.name), c.width,
                         c.height);
     matrix("camera_matrix", 3, 3, {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1});
     matrix("distortion_coefficients", 1, 4, {c.k1, c.k2, c.p1, c.p2});

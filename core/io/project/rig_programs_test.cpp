@@ -209,6 +209,26 @@ TEST_F(RigPrograms, OpenCvsYamlAndJson) {
   }
 }
 
+TEST_F(RigPrograms, OpenCvItselfReadsWhatIsWritten) {
+  const auto ring = Ring();
+  const cv::FileStorage storage(Put("rig.yml", OpenCvYaml(ring)).string(), cv::FileStorage::READ);
+  for (const View& view : ring) {
+    cv::Mat matrix, translation;
+    storage[view.name]["camera_matrix"] >> matrix;
+    storage[view.name]["translation"] >> translation;
+    ASSERT_EQ(matrix.rows, 3) << view.name;
+    EXPECT_EQ(matrix.at<double>(0, 2), 509.75);
+    EXPECT_EQ(translation.at<double>(2), view.camera_from_world.translation.z());
+  }
+}
+
+TEST_F(RigPrograms, NamesThatAreNoPlainWordsReadBack) {
+  auto ring = Ring();
+  const std::vector<std::string> names{"01", "cam: 1", "left #2", "-3"};
+  for (std::size_t i = 0; i < 4; ++i) ring[i].name = names[i];
+  ExpectSame(ReadRigCalibration(Put("rig.yml", OpenCvYaml(ring))).views, ring, 1e-9);
+}
+
 TEST_F(RigPrograms, LensesThatK1AndK2DoNotHoldAreNamed) {
   const auto file = [&](const std::string& coefficients, const std::string& word) {
     return Put("rig.yml",

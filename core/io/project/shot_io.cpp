@@ -409,8 +409,9 @@ std::vector<long> FrameNumbersOf(const std::vector<fs::path>& pictures) {
 }
 
 std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
-  static const std::set<std::string> videos{".mp4", ".mov", ".avi", ".mkv",
-                                            ".m4v", ".mpg", ".webm"};
+  static const std::set<std::string> videos{".mp4",  ".mov",  ".avi",  ".mkv", ".m4v",
+                                            ".mpg",  ".mpeg", ".webm", ".ts",  ".mts",
+                                            ".m2ts", ".mxf",  ".wmv"};
   std::vector<CameraFilm> films;
   if (!fs::is_directory(folder)) return films;
   for (const fs::path& path : NumberedContent(folder)) {
