@@ -234,6 +234,7 @@ void RequireOpaque(const CompositeInput& input) {
 void ReadFilm(StageContext& stage, const fs::path& path, std::unique_ptr<FilmFiles> files,
               CompositeInput* input) {
   input->film_files = std::move(files);
+  for (const std::string& note : input->film_files->notes()) stage.Note("composite: " + note);
   input->film_files->DecodeAll(stage.progress());
   input->film = input->film_files->pictures();
   for (const FilmPicture& picture : input->film)

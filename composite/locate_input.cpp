@@ -383,6 +383,7 @@ void RequireClicksEverywhere(const LocateInput& input) {
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
   const std::vector<fs::path> files = MeshFiles(stage);
   input.film = std::make_unique<FilmFiles>(stage.Input("plate"), ShowLightOf(stage, options));
+  for (const std::string& note : input.film->notes()) stage.Note("locate: " + note);
   const std::vector<FilmPicture>& pictures = input.film->pictures();
   SetRate(stage, options.fps, input);
   const std::vector<int> keys =

@@ -60,6 +60,14 @@ FilmFiles::~FilmFiles() {
   if (!scratch_.empty()) fs::remove_all(scratch_, ignored);
 }
 
+std::vector<std::string> FilmFiles::notes() const {
+  std::vector<std::string> notes;
+  if (is_video())
+    for (const std::string& note : index_->notes)
+      notes.push_back("the video " + PrintableName(film_.filename()) + " " + note);
+  return notes;
+}
+
 void FilmFiles::Decode(const std::vector<int>& frames, Progress* progress) {
   if (!is_video() && !show_) return;
   std::optional<FilmDecoder> decoder;

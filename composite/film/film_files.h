@@ -39,6 +39,8 @@ class FilmFiles {
   /// Whether its pictures are OpenEXR or DPX.
   bool is_light() const { return is_light_; }
   double fps() const { return fps_; }  ///< of a video; 0: not known
+  /// Sentences on what was taken for granted of a video, such as of its colours.
+  std::vector<std::string> notes() const;
   /// All, in order; `frame` is by their times, so that what a video leaves out takes time. Those of
   /// a video lie at their paths only when they were decoded.
   const std::vector<FilmPicture>& pictures() const { return pictures_; }

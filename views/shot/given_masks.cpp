@@ -35,6 +35,17 @@ bool HasAlphaThatDiffers(const std::filesystem::path& file) {
                      [&](std::uint8_t value) { return value != alpha.data.front(); });
 }
 
+/// The alpha of a film's frame; no picture where it has none, or hides nothing.
+Image8 AlphaOfFilm(FrameReader* reader, const FrameSource& film, int frame) {
+  if (!film.index || !film.index->has_alpha) return {};
+  const Image8 shown = reader->Read(frame, 4);
+  Image8 alpha(shown.width, shown.height, 1);
+  for (std::size_t p = 0; p < alpha.data.size(); ++p) alpha.data[p] = shown.data[4 * p + 3];
+  const bool hides = std::any_of(alpha.data.begin(), alpha.data.end(),
+                                 [](std::uint8_t value) { return value != 255; });
+  return hides ? alpha : Image8();
+}
+
 ImageF LevelsOf(const Image8& image) {
   ImageF levels(image.width, image.height, 1);
   std::copy(image.data.begin(), image.data.end(), levels.data.begin());
@@ -70,10 +81,10 @@ std::filesystem::path GivenMasks::FileOf(int frame) const {
   return source_.pictures[static_cast<std::size_t>(picture)];
 }
 
-/// By the file's levels and alpha; a film's frame by its levels, whose noise is that of
-/// compression.
+/// By levels and alpha; the noise of a film's levels is that of compression.
 Image8 GivenMasks::Drawn(int frame) {
   if (!source_.video.empty()) {
+    if (Image8 alpha = AlphaOfFilm(&reader_, source_, frame); !alpha.data.empty()) return alpha;
     const Image8 plain = reader_.Read(frame, 1);
     return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
                                : MaskOfLevels(LevelsOf(plain), false, source_.video.filename());
@@ -85,7 +96,8 @@ void GivenMasks::LookAt(int frame, int* looked, int* empty, int* surround) {
   constexpr double kUnlike = 1e-3;
   const Image8 plain = reader_.Read(frame, 1), drawn = Drawn(frame);
   drawn_ |= ShareOfDifference(plain, drawn) > kUnlike ||
-            (source_.video.empty() && HasAlphaThatDiffers(FileOf(frame)));
+            (source_.video.empty() ? HasAlphaThatDiffers(FileOf(frame))
+                                   : !AlphaOfFilm(&reader_, source_, frame).data.empty());
   ++*looked;
   *empty += IsEmptyMatte(drawn);
   *surround += CoversBorder(drawn);

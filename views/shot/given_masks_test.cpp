@@ -9,6 +9,7 @@
 #include "core/io/pictures/png_io.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "views/decode/testing/test_film.h"
 
 namespace keypose::given_masks_test {
 namespace fs = std::filesystem;
@@ -63,6 +64,29 @@ TEST_F(GivenMasksTest, AlphaIsTheMask) {
     Put(frame, cutout);
   }
   ExpectBlocks(Open());
+}
+
+TEST_F(GivenMasksTest, AFilmsAlphaIsTheMask) {
+  if (!TestFilm::CanWrite("qtrle")) GTEST_SKIP() << "libavcodec has no qtrle here";
+  fs::create_directories(folder_ / "masks");
+  TestFilmKind kind;
+  kind.codec = "qtrle", kind.pixels = AV_PIX_FMT_ARGB;
+  kind.width = 32, kind.height = 24, kind.unit = 1000, kind.rate = 10;
+  TestFilm film(folder_ / "masks/a.mov", kind);
+  for (int i = 0; i < 3; ++i)
+    film.Add(100 * i, [&](AVFrame& frame) {
+      const Image8 alpha = Block(i, 0, 255);
+      for (int y = 0; y < 24; ++y)
+        for (int x = 0; x < 32; ++x) {
+          std::uint8_t* at = frame.data[0] + y * frame.linesize[0] + 4 * x;
+          std::fill_n(at, 4, std::uint8_t{90});
+          at[0] = *alpha.at(x, y);
+        }
+    });
+  film.Finish();
+  GivenMasks masks = Open();
+  EXPECT_EQ(masks.warnings().size(), 1u);
+  ExpectBlocks(std::move(masks));
 }
 
 TEST_F(GivenMasksTest, WhiteRoundTheActorIsTurnedRound) {
