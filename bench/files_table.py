@@ -18,10 +18,13 @@ import sys
 import tempfile
 import time
 
-from files_cases import CASES, Bench, Skip
+try:
+    from files_cases import CASES, Bench, Skip
 
-for module in ('meshes', 'cameras', 'rigs', 'photographs', 'films'):
-    importlib.import_module('files_' + module)  # adds its cases
+    for module in ('meshes', 'cameras', 'rigs', 'photographs', 'films'):
+        importlib.import_module('files_' + module)  # adds its cases
+except ImportError as missing:
+    sys.exit(f'files_table: no module {missing.name}; apt-get install python3-numpy python3-opencv python3-pil')
 
 COLUMNS = ('right', 'named', 'wrong', 'badly')
 HEAD = '| kind | read by | right | named | wrong without a word | refused badly | the right value, and ours |'
