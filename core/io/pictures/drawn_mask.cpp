@@ -47,7 +47,8 @@ bool HasLabels(const std::map<float, std::size_t>& counts, std::size_t pixels, b
   return std::any_of(counts.begin(), counts.end(), [&](const auto& entry) {
     const auto [level, count] = entry;
     if (level == lowest || level == highest) return false;
-    const bool noise = !lossless && (level < kNoise || level > 255 - kNoise);
+    // Hardly any program numbers its labels down from white, and some write a white of 250 too.
+    const bool noise = level > 255 - kNoise || (!lossless && level < kNoise);
     return !noise && static_cast<double>(count) >= kLabelShare * static_cast<double>(pixels);
   });
 }

@@ -77,6 +77,14 @@ TEST(MaskOfLevels, LabelsTrimapsAndDarkMasksAreNamed) {
   EXPECT_THAT(Refusal(dark), HasSubstr("brightest level is 90"));
 }
 
+TEST(MaskOfLevels, ASecondWhiteIsNoLabel) {
+  ImageF mask = Disc(0, 255);
+  const ImageF one_white = mask;
+  for (float& level : mask.data)
+    if (level > 0 && (&level - mask.data.data()) % 2 == 0) level = 250;
+  EXPECT_EQ(MaskOfLevels(mask, true, "m.png").data, MaskOfLevels(one_white, true, "m.png").data);
+}
+
 TEST(MaskOfLevels, NoiseOfAJpegIsNoLabel) {
   ImageF levels = Disc(0, 255);
   for (int x = 0; x < 40; ++x) *levels.at(x, 0) = x % 2 ? 3 : 0;
