@@ -66,12 +66,10 @@ constexpr double kRigid = 1e300;
 constexpr int kCoarseSamples = 1500, kSamples = 6000;  // target vertices that pull back
 // Above this number of vertices a level gets two searches instead of four.
 constexpr int kLargeLevel = 30000;
-constexpr int kPins = 60;              // that hold it
-constexpr double kPinWeight = 1000;    // of each, in units of the shape term
-constexpr double kHeldStiffness = 99;  // factor on the shape term of a part that did not move
-constexpr double kStaysInPlace = 0.7;  // share of that part from which on a result has not slid
-constexpr double kFurther = 1.25;      // factor by which the gap may grow where it has
-constexpr double kLandmarkOff = 0.01;  // of the diagonal: a landmark contradicts the part
+// A result that has slid is tried again from the parts that moved as rigid bodies.
+constexpr double kPinWeight = 1000;    // of each pin of a part, in units of the shape term
+constexpr double kStaysInPlace = 0.7;  // share of a part from which on a result has not slid
+constexpr double kFurther = 1.25;      // factor by which the gap may grow
 constexpr double kFirstRun = 0.95;     // of the progress
 
 /// The rounds on one level. Stiffness falls geometrically from round to round; so do the weights of
@@ -215,24 +213,12 @@ void AutoRegistration::Align() {
   place_.translation += kept - place_ * pivot;
 }
 
-/// Landmarks that hold a part where it lies, evenly by number.
-void AddPins(const RigidPart& part, std::vector<LandmarkGoal>& goals) {
-  const int pins = std::min(kPins, SizeOf(part.held));
-  for (int k = 0; k < pins; ++k) {
-    const int at = k * SizeOf(part.held) / pins;
-    LandmarkGoal pin;
-    pin.source.vertices.setConstant(part.held[at]);
-    pin.target = part.feet.row(at);
-    goals.push_back(pin);
-  }
-}
-
 void AutoRegistration::Prepare() {
   unit_ = BoundingDiagonal(target_.points) / 2;
   origin_ = target_.points.colwise().mean();
   goal_points_ = (target_.points.rowwise() - origin_) / unit_;
   goals_ = landmarks_;
-  for (const RigidPart& part : parts_) AddPins(part, goals_);
+  AddPins(parts_, goals_);
   for (LandmarkGoal& goal : goals_) goal.target = (goal.target - origin_.transpose()) / unit_;
   surface_.emplace(goal_points_, target_.faces);
   std::vector<int> counts;
@@ -514,31 +500,6 @@ AutoResult AutoRegistration::Run() {
   return std::move(result_);
 }
 
-/// The stiffness, larger where parts are held.
-Eigen::VectorXd Stiffened(const Eigen::VectorXd& stiffness, Eigen::Index vertices,
-                          const std::vector<RigidPart>& parts) {
-  Eigen::VectorXd stiff = stiffness.size() > 0 ? stiffness : Eigen::VectorXd::Ones(vertices);
-  for (const RigidPart& part : parts)
-    for (int v : part.held) stiff[v] = std::max(stiff[v], kHeldStiffness);
-  return stiff;
-}
-
-/// Whether no landmark contradicts the part.
-bool Agrees(const RigidPart& part, const std::vector<LandmarkGoal>& landmarks,
-            const PointsX3& source, double diagonal) {
-  const auto held = [&](int v) {
-    return std::binary_search(part.held.begin(), part.held.end(), v);
-  };
-  for (const LandmarkGoal& goal : landmarks) {
-    const Eigen::Vector3d put = part.target_from_source * PositionOf(goal.source, source);
-    const Eigen::Vector3i& at = goal.source.vertices;
-    if (held(at[0]) && held(at[1]) && held(at[2]) &&
-        (put - goal.target).norm() > kLandmarkOff * diagonal)
-      return false;
-  }
-  return true;
-}
-
 /// Registers again from the parts that moved as rigid bodies, if `result` has left the first: with
 /// all of them or, where that does not reach the target, with the first alone.
 void FromRigidParts(const Mesh& source, const Mesh& target,
@@ -549,8 +510,7 @@ void FromRigidParts(const Mesh& source, const Mesh& target,
   std::vector<RigidPart> parts = FindRigidParts(source, target, result.points);
   if (parts.empty() || ShareInPlace(parts[0], source, result.points, diagonal) > kStaysInPlace)
     return;
-  for (const RigidPart& part : parts)
-    if (!Agrees(part, landmarks, source.points, diagonal)) return;
+  if (Contradict(landmarks, parts, source.points, diagonal)) return;
   AutoOptions pinned = options;
   pinned.landmark_weight = pinned.landmark_weight_end = kPinWeight;
   const double farthest = std::max(kFurther * result.gap, options.good_fit);

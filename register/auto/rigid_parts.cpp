@@ -18,6 +18,10 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kMostParts = 4;
+constexpr int kFewestVertices = 12;  // that a further part is looked for in
+constexpr int kPins = 60;            // of a part
+constexpr double kHeldStiffness = 99;
+constexpr double kLandmarkOff = 0.01;  // over the diagonal
 constexpr int kSearchSamples = 120, kSettleSamples = 250, kPolishSamples = 2000;
 constexpr int kSearchRounds = 24, kSettleRounds = 24, kPolishRounds = 8;
 // Distances over the target's diagonal: at which a pull has a quarter of its weight in the first
@@ -300,7 +304,7 @@ std::vector<RigidPart> FindRigidParts(const Mesh& source, const Mesh& target,
   std::vector<RigidPart> parts;
   for (int k = 0; k < kMostParts; ++k) {
     const Rest rest = RestOf(finder.areas(), parts);
-    if (rest.area < kSmallest * whole || SizeOf(rest.vertices) < 12) break;
+    if (rest.area < kSmallest * whole || SizeOf(rest.vertices) < kFewestVertices) break;
     const bool scales = parts.empty();
     const std::vector<Similarity3> starts =
         scales ? StartsAbout(FitSimilarity(source.points, bent, finder.areas()),
@@ -331,6 +335,41 @@ double ShareInPlace(const RigidPart& part, const Mesh& source, const PointsX3& b
     in_place += (put - bent.row(v).transpose()).norm() < kInPlace * target_diagonal;
   }
   return part.held.empty() ? 1 : static_cast<double>(in_place) / SizeOf(part.held);
+}
+
+bool Contradict(const std::vector<LandmarkGoal>& landmarks, const std::vector<RigidPart>& parts,
+                const PointsX3& points, double target_diagonal) {
+  const auto off = [&](const RigidPart& part, const LandmarkGoal& goal) {
+    for (const int v : goal.source.vertices)
+      if (!std::binary_search(part.held.begin(), part.held.end(), v)) return false;
+    const Eigen::Vector3d put = part.target_from_source * PositionOf(goal.source, points);
+    return (put - goal.target).norm() > kLandmarkOff * target_diagonal;
+  };
+  for (const RigidPart& part : parts)
+    for (const LandmarkGoal& goal : landmarks)
+      if (off(part, goal)) return true;
+  return false;
+}
+
+void AddPins(const std::vector<RigidPart>& parts, std::vector<LandmarkGoal>& goals) {
+  for (const RigidPart& part : parts) {
+    const int pins = std::min(kPins, SizeOf(part.held));
+    for (int k = 0; k < pins; ++k) {
+      const int at = k * SizeOf(part.held) / pins;
+      LandmarkGoal pin;
+      pin.source.vertices.setConstant(part.held[at]);
+      pin.target = part.feet.row(at);
+      goals.push_back(pin);
+    }
+  }
+}
+
+Eigen::VectorXd Stiffened(const Eigen::VectorXd& stiffness, Eigen::Index vertices,
+                          const std::vector<RigidPart>& parts) {
+  Eigen::VectorXd stiff = stiffness.size() > 0 ? stiffness : Eigen::VectorXd::Ones(vertices);
+  for (const RigidPart& part : parts)
+    for (int v : part.held) stiff[v] = std::max(stiff[v], kHeldStiffness);
+  return stiff;
 }
 
 }  // namespace keypose::registration

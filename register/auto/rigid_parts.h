@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/values/camera.h"
+#include "core/values/landmark_goal.h"
 #include "core/values/mesh.h"
 
 namespace keypose::registration {
@@ -35,5 +36,19 @@ std::vector<RigidPart> FindRigidParts(const Mesh& source, const Mesh& target, co
 /// within 0.5 % of the target's diagonal.
 double ShareInPlace(const RigidPart& part, const Mesh& source, const PointsX3& bent,
                     double target_diagonal);
+
+/// Whether a landmark within a part wants to be elsewhere, by more than 1 % of the target's
+/// diagonal.
+/// @param points  V x 3, the source
+bool Contradict(const std::vector<LandmarkGoal>& landmarks, const std::vector<RigidPart>& parts,
+                const PointsX3& points, double target_diagonal);
+
+/// Adds landmarks that hold the parts where they lie, at most 60 a part, evenly by number.
+void AddPins(const std::vector<RigidPart>& parts, std::vector<LandmarkGoal>& goals);
+
+/// V factors on the shape term, large where parts are held, but below that of a rigid piece.
+/// @param stiffness  V, or empty: all 1
+Eigen::VectorXd Stiffened(const Eigen::VectorXd& stiffness, Eigen::Index vertices,
+                          const std::vector<RigidPart>& parts);
 
 }  // namespace keypose::registration
