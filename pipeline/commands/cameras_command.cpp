@@ -119,9 +119,10 @@ void RequireTogether(const Artifact& model, const Artifact& images, const Makers
           makers.images->id, makers.model->id));
 }
 
-/// What one unit of the cameras' world is, in words.
-std::string UnitText(const Artifact& model, Disk& disk) {
-  if (model.recipe.stage != "sfm") return "the unit is that of the template's cameras";
+/// The axes and the unit of the cameras' world, in words.
+std::string WorldText(const Artifact& model, Disk& disk) {
+  if (model.recipe.stage != "sfm")
+    return "the world and its unit are those of the template's cameras";
   const fs::path file = model.folder / "report.json";
   std::string source;
   if (disk.Stat(file)) {
@@ -129,9 +130,12 @@ std::string UnitText(const Artifact& model, Disk& disk) {
     if (report.is_object() && report.contains("measurements"))
       source = report["measurements"].value("scale_source", "");
   }
-  if (source == "board") return "the unit is a metre, from the printed board";
-  if (source == "poses") return "the unit is that of the cameras that were given";
-  return "the unit is the mean distance of the cameras";
+  if (source == "poses") return "the world and its unit are those of the cameras that were given";
+  if (source == "board") return "z is up, the unit is a metre, from the printed board";
+  const auto level = model.recipe.options.find("level");
+  if (level != model.recipe.options.end() && level->second == "false")
+    return "the world is neither upright nor scaled, since `level` of sfm is false";
+  return "z is up, the unit is the mean distance of the cameras";
 }
 
 /// Refuses a place where others' files would be lost.
@@ -141,13 +145,6 @@ void RequirePlace(const OpenedProject& opened, const fs::path& place, bool overw
   };
   if (IsWithin(place, WithoutLinks(opened.state())))
     refuse("lies in the project's cache; name another folder");
-  if (!fs::exists(place)) return;
-  if (!fs::is_directory(place)) refuse("is a file, but a folder goes there; name a folder");
-  if (fs::is_empty(place)) return;
-  if (!overwrite)
-    refuse(
-        "exists and is not empty; name another folder, or use --overwrite to replace it and all "
-        "that is in it");
   std::vector<fs::path> kept{fs::current_path(), opened.project()};
   if (const char* home = std::getenv("HOME"); home && *home) kept.emplace_back(home);
   for (const Step& step : opened.graph().steps)
@@ -158,6 +155,13 @@ void RequirePlace(const OpenedProject& opened, const fs::path& place, bool overw
           if (IsWithin(place, WithoutLinks(kept.back())))
             refuse("lies in what the project is made from; name another folder");
         }
+  if (!fs::exists(place)) return;
+  if (!fs::is_directory(place)) refuse("is a file, but a folder goes there; name a folder");
+  if (fs::is_empty(place)) return;
+  if (!overwrite)
+    refuse(
+        "exists and is not empty; name another folder, or use --overwrite to replace it and all "
+        "that is in it");
   for (const fs::path& path : kept)
     if (IsWithin(WithoutLinks(path), place))
       refuse(fmt::format("holds {}, which would be lost; name a folder of its own", path.string()));
@@ -258,9 +262,9 @@ ExitCode CamerasCommand(const CamerasOptions& options, Progress* progress) {
   FolderInWork work(opened.disk(), place);
   WriteCameraFolder(cameras, format, pose, work.path(), opened.disk(), progress);
   work.Place();
-  fmt::print("{}: {} photographs with cameras{}, {} points; z is up, {}\n", place.string(),
+  fmt::print("{}: {} photographs with cameras{}, {} points; {}\n", place.string(),
              cameras.scene.views.size(), cameras.HasMasks() ? " and masks" : ", without masks",
-             cameras.scene.points.size(), UnitText(model, opened.disk()));
+             cameras.scene.points.size(), WorldText(model, opened.disk()));
   PrintLeftOut(cameras);
   fmt::print("{}", NextText(cameras, format, place));
   std::fflush(stdout);

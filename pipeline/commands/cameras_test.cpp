@@ -340,7 +340,7 @@ TEST_F(Cameras, APoseOfFewPhotographsHasThoseThatFitFound) {
   MakeAll();
   const Ended ended = Write("transforms", {"--pose", "bent"});
   ASSERT_EQ(ended.code, 0) << ended.text;
-  EXPECT_THAT(ended.text, HasSubstr("the unit is that of the template's cameras"));
+  EXPECT_THAT(ended.text, HasSubstr("the world and its unit are those of the template's cameras"));
   ExpectSameCameras(Folder("transforms"), 1e-9);
   EXPECT_EQ(ReadFile(Folder("transforms") / "masks/IMG_3.png"),
             ReadFile(root_ / "made/capture/masks/IMG_3.jpg.png"));
@@ -357,26 +357,37 @@ TEST_F(Cameras, FoldersOfOthersStay) {
   ASSERT_EQ(Write("colmap", {"--overwrite"}).code, 0);
   EXPECT_THAT(NamesIn(Folder("colmap")), ElementsAre("images", "masks", "sparse"));
   ASSERT_EQ(Write("colmap", {"--force"}).code, 0);
-  for (const char* place : {"hero", "hero/photos", "hero/photos/rest", "hero/.keypose/cache", ""}) {
+  for (const char* place : {"hero", "hero/photos", "hero/photos/rest", "hero/photos/rest/new",
+                            "hero/.keypose/cache", ""}) {
     const Ended ended = Keypose({"cameras", "-C", (root_ / "hero").string(), "--to", "colmap",
                                  "--overwrite", "-o", (root_ / place).string()});
     EXPECT_EQ(ended.code, 4) << place << ended.text;
     EXPECT_TRUE(fs::exists(root_ / "hero/photos/rest/IMG_1.jpg"));
+    EXPECT_FALSE(fs::exists(root_ / "hero/photos/rest/new"));
   }
   for (const std::string& name : NamesIn(root_)) EXPECT_THAT(name, Not(HasSubstr("writing")));
 }
 
 TEST_F(Cameras, NothingIsLeftOfAFolderThatCannotBeWhole) {
-  MakeAll();
-  for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero"))
-    if (entry.path().filename() == "IMG_4.jpg" &&
-        entry.path().string().find(".keypose") != std::string::npos)
-      fs::remove(entry.path());
-  fs::remove_all(root_ / "hero/out");
-  const Ended ended = Write("colmap");
-  EXPECT_EQ(ended.code, 3);
-  EXPECT_FALSE(fs::exists(Folder("colmap")));
+  Scene scene = TwoLenses();
+  auto images = SixPhotographs();
+  scene.views[4].name = images[4].name = "a\x01.jpg";  // XML cannot hold it
+  images[4].mask = "masks/a.png";
+  PutModel("sfm", scene);
+  PutImages(images);
+  ASSERT_EQ(Run().code, 0);
+  const Ended ended = Write("metashape");
+  EXPECT_EQ(ended.code, 3) << ended.text;
+  EXPECT_THAT(ended.text, HasSubstr("XML cannot hold this name"));
+  EXPECT_FALSE(fs::exists(Folder("metashape")));
   for (const std::string& name : NamesIn(root_)) EXPECT_THAT(name, Not(HasSubstr("writing")));
+}
+
+TEST_F(Cameras, AProgramThatIsNotThereIsSaid) {
+  fs::remove(root_ / "bin/keypose-cameras");
+  const Ended ended = Write("colmap");
+  EXPECT_EQ(ended.code, 5);
+  EXPECT_THAT(ended.text, HasSubstr("keypose-cameras is not beside keypose"));
 }
 
 TEST_F(Cameras, WhatIsMissingIsSaidWithTheCommandThatHelps) {

@@ -69,9 +69,20 @@ bool MeansStage(int argc, char** argv) {
   throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
 }
 
+/// @throws ToolError  the word is a command whose program was not built or installed
+void RequireProgram(const std::string& word) {
+  for (const auto& [command, purpose] : kProgramCommands)
+    if (command == word)
+      throw ToolError(fmt::format(
+          "the program keypose-{} is not beside keypose, in {}; among the sources, `./dev build` "
+          "makes all programs",
+          word, ProgramFolder().string()));
+}
+
 [[noreturn]] void BecomeStage(char** argv) {
   const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
   if (!IsStage(argv[1])) {
+    RequireProgram(argv[1]);
     std::vector<std::string> known = kCommands;
     for (const auto& own : kProgramCommands) known.push_back(own.first);
     for (const std::string& stage : StageNames()) known.push_back(stage);
