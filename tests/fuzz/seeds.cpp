@@ -1,8 +1,11 @@
 // Writes one folder of small valid files per fuzz program: files from Keypose's own writers, and
 // files as written by hand.
+#include <zlib.h>
+
 #include <iostream>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/color_profile.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
@@ -300,6 +303,38 @@ void Films() {
             "  - {pose: rest, at: 3}\nposes: {}\n");
 }
 
+std::string LittleEndian(std::uint64_t number, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += static_cast<char>(number >> (8 * i) & 255);
+  return text;
+}
+
+/// One file, stored. Source: PKWARE's APPNOTE 6.3.
+std::string StoredZip(const std::string& name, const std::string& text) {
+  const auto sum =
+      ::crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
+  const std::string about = LittleEndian(0, 2) + LittleEndian(0, 2) + LittleEndian(0, 4) +
+                            LittleEndian(sum, 4) + LittleEndian(text.size(), 4) +
+                            LittleEndian(text.size(), 4) + LittleEndian(name.size(), 2) +
+                            LittleEndian(0, 2);
+  const std::string file = "PK\3\4" + LittleEndian(10, 2) + about + name + text;
+  const std::string list =
+      "PK\1\2" + LittleEndian(10, 2) + LittleEndian(10, 2) + about + std::string(14, 0) + name;
+  return file + list + "PK\5\6" + LittleEndian(0, 4) + LittleEndian(1, 2) + LittleEndian(1, 2) +
+         LittleEndian(list.size(), 4) + LittleEndian(file.size(), 4) + LittleEndian(0, 2);
+}
+
+void ZipsAndWords() {
+  WriteFile(In("zip", "scan.zip"), StoredZip("scan/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  WriteFile(In("words", "film"),
+            "8x11:22/16.5mm:DICT_4X4_50:legacy:inverted\nshot_0001.v2\nshot_0003.v2\n");
+  WriteFile(In("words", "day"), "11x8\nIMG_20260102_235959\nIMG_20260103_000001\n");
+  Image8 mask(8, 8, 1);
+  for (int i = 20; i < 44; ++i) mask.data[static_cast<std::size_t>(i)] = 1;
+  WriteImage(In("mask", "label.png"), mask);
+  WriteFile(In("mask", "p3.icc"), DisplayP3Profile());
+}
+
 std::string BigEndian(std::uint64_t number, int bytes) {
   std::string text;
   for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(number >> (8 * i) & 255);
@@ -345,6 +380,7 @@ int main(int argc, char** argv) {
   Projects();
   Armatures();
   Movies();
+  ZipsAndWords();
   Motions();
   RawFiles();
   Glb();

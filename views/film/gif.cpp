@@ -139,7 +139,7 @@ struct GifWriter::State {
     frame.pts = pictures[number].begin;
     const bool last = number + 1 == pictures.size();
     const std::int64_t next = last ? end : pictures[number + 1].begin;
-    file.Send(encoder, &frame, next - pictures[number].begin);
+    file.Send(0, encoder, &frame, next - pictures[number].begin);
   }
 };
 
@@ -175,12 +175,13 @@ void GifWriter::Finish() {
   const Palette palette = s.colors.Choose(kTransparent);
   const AvFrame frame = PaletteFrame(s.file, *encoder, palette);
   Ditherer ditherer(palette);
-  s.file.Begin(*encoder, nullptr, nullptr);
+  s.file.AddStream(*encoder);
+  s.file.Begin(nullptr, nullptr);
   const std::int64_t last =
       std::max<std::int64_t>(kShortestHundredths, s.end - s.pictures.back().begin);
   s.file.Encoded(av_opt_set_int(s.file.context()->priv_data, "final_delay", last, 0));
   for (std::size_t i = 0; i < s.pictures.size(); ++i) s.Write(*encoder, *frame, ditherer, i);
-  s.file.Send(*encoder, nullptr, 0);
+  s.file.Send(0, *encoder, nullptr, 0);
   s.file.End();
 }
 

@@ -33,11 +33,16 @@ AvFile::~AvFile() {
   avformat_free_context(context_);
 }
 
-void AvFile::Begin(const AVCodecContext& encoder, const char* key, const char* value) {
-  stream_ = avformat_new_stream(context_, nullptr);
-  Encoded(avcodec_parameters_from_context(stream_->codecpar, &encoder));
-  stream_->time_base = encoder.time_base;
-  stream_->avg_frame_rate = encoder.framerate;
+int AvFile::AddStream(const AVCodecContext& encoder) {
+  AVStream* stream = avformat_new_stream(context_, nullptr);
+  if (!stream) Encoded(AVERROR(ENOMEM));
+  Encoded(avcodec_parameters_from_context(stream->codecpar, &encoder));
+  stream->time_base = encoder.time_base;
+  stream->avg_frame_rate = encoder.framerate;
+  return stream->index;
+}
+
+void AvFile::Begin(const char* key, const char* value) {
   AVDictionary* options = nullptr;
   if (key) av_dict_set(&options, key, value, 0);
   const int code = avformat_write_header(context_, &options);
@@ -45,15 +50,16 @@ void AvFile::Begin(const AVCodecContext& encoder, const char* key, const char* v
   Written(code);
 }
 
-void AvFile::Send(AVCodecContext& encoder, const AVFrame* picture, std::int64_t duration) {
-  Encoded(avcodec_send_frame(&encoder, picture));
+void AvFile::Send(int stream, AVCodecContext& encoder, const AVFrame* frame,
+                  std::int64_t duration) {
+  Encoded(avcodec_send_frame(&encoder, frame));
   for (;;) {
     const int code = avcodec_receive_packet(&encoder, packet_.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     Encoded(code);
-    packet_->duration = duration;
-    av_packet_rescale_ts(packet_.get(), encoder.time_base, stream_->time_base);
-    packet_->stream_index = stream_->index;
+    if (duration > 0) packet_->duration = duration;
+    av_packet_rescale_ts(packet_.get(), encoder.time_base, context_->streams[stream]->time_base);
+    packet_->stream_index = stream;
     Written(av_interleaved_write_frame(context_, packet_.get()));
   }
 }

@@ -22,7 +22,7 @@ using AvPacket = std::unique_ptr<AVPacket, AvFree<AVPacket, av_packet_free>>;
 /// libav's words for one of its error codes.
 std::string AvText(int code);
 
-/// A file that encoded pictures are written to, without times and versions of its own.
+/// A file that encoded pictures and sound are written to, without times and versions of its own.
 class AvFile {
  public:
   /// @param format  libavformat's name: "mp4", "gif"
@@ -32,14 +32,17 @@ class AvFile {
   AvFile(const AvFile&) = delete;
   AvFile& operator=(const AvFile&) = delete;
 
-  /// Writes the header for what the encoder will send.
+  /// Makes room for what the encoder will send.
+  /// @return the number of the stream, for Send  @throws ToolError
+  int AddStream(const AVCodecContext& encoder);
+  /// Writes the header, after all streams were added.
   /// @param key, value  an option of the format; nullptr: none
+  /// @throws DiskError
+  void Begin(const char* key, const char* value);
+  /// Encodes and writes a picture or some sound; nullptr: what the encoder still holds.
+  /// @param duration  of a picture, in units of the encoder's time base; 0: the encoder knows
   /// @throws DiskError, ToolError
-  void Begin(const AVCodecContext& encoder, const char* key, const char* value);
-  /// Encodes and writes a picture that lasts `duration` units of the encoder's time base; nullptr:
-  /// what the encoder still holds.
-  /// @throws DiskError, ToolError
-  void Send(AVCodecContext& encoder, const AVFrame* picture, std::int64_t duration);
+  void Send(int stream, AVCodecContext& encoder, const AVFrame* frame, std::int64_t duration);
   /// @throws DiskError
   void End();
 
@@ -52,7 +55,6 @@ class AvFile {
 
   std::string path_;
   AVFormatContext* context_ = nullptr;
-  AVStream* stream_ = nullptr;
   AvPacket packet_;
 };
 

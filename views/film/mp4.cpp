@@ -5,9 +5,12 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <optional>
+
 #include "core/values/errors.h"
 #include "views/film/frame_painter.h"
 #include "views/film/libav.h"
+#include "views/film/sound_encoder.h"
 
 namespace keypose {
 namespace {
@@ -28,11 +31,14 @@ struct Mp4Writer::State {
   AvFrame frame;
   SwsContext* scaler = nullptr;
   std::int64_t count = 0;
+  int stream = -1;
+  double fps = 0;
+  std::optional<SoundEncoder> sound;
 
   explicit State(const std::string& path) : file(path, "mp4") {}
   ~State() { sws_freeContext(scaler); }
 
-  void OpenEncoder(int width, int height, double fps) {
+  void OpenEncoder(int width, int height) {
     const AVCodec* codec = H264Encoder();
     if (!codec)
       throw ToolError(
@@ -70,10 +76,14 @@ struct Mp4Writer::State {
   }
 };
 
-Mp4Writer::Mp4Writer(const std::filesystem::path& path, int width, int height, double fps)
+Mp4Writer::Mp4Writer(const std::filesystem::path& path, int width, int height, double fps,
+                     Sound sound)
     : state_(std::make_unique<State>(path.string())) {
-  state_->OpenEncoder(width, height, fps);
-  state_->file.Begin(*state_->encoder, "movflags", "+faststart");
+  state_->fps = fps;
+  state_->OpenEncoder(width, height);
+  state_->stream = state_->file.AddStream(*state_->encoder);
+  if (sound.length() > 0) state_->sound.emplace(&state_->file, std::move(sound));
+  state_->file.Begin("movflags", "+faststart");
   state_->OpenScaler();
 }
 
@@ -91,12 +101,14 @@ void Mp4Writer::Add(const Image8& picture) {
   const int stride[] = {3 * flat.width};
   sws_scale(s.scaler, rows, stride, 0, flat.height, s.frame->data, s.frame->linesize);
   s.frame->pts = s.count++;
-  s.file.Send(*s.encoder, s.frame.get(), 1);
+  s.file.Send(s.stream, *s.encoder, s.frame.get(), 1);
+  if (s.sound) s.sound->WriteUntil(static_cast<double>(s.count) / s.fps);
 }
 
 void Mp4Writer::Finish() {
   State& s = *state_;
-  s.file.Send(*s.encoder, nullptr, 1);
+  s.file.Send(s.stream, *s.encoder, nullptr, 1);
+  if (s.sound) s.sound->FinishAt(static_cast<double>(s.count) / s.fps);
   s.file.End();
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/values/image.h"
+#include "views/film/sound.h"
 
 namespace keypose {
 
@@ -17,9 +18,11 @@ bool CanWriteMp4();
 class Mp4Writer {
  public:
   /// @param width, height  size of all pictures [px]; even numbers
+  /// @param sound          heard from the first picture on, as AAC; what is longer than the film is
+  ///                       left out; empty: a film without sound
   /// @throws ToolError  no encoder, or it rejects these values
   /// @throws DiskError  the file cannot be written
-  Mp4Writer(const std::filesystem::path& path, int width, int height, double fps);
+  Mp4Writer(const std::filesystem::path& path, int width, int height, double fps, Sound sound = {});
   ~Mp4Writer();
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
