@@ -6,6 +6,7 @@
 #include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/image_io.h"
+#include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -29,35 +30,16 @@ double ShareOfDifference(const Image8& a, const Image8& b) {
          static_cast<double>(std::max<std::size_t>(1, a.data.size()));
 }
 
-bool HasAlphaThatDiffers(const std::filesystem::path& file) {
-  const Image8 alpha = ReadAlpha(file);
-  return std::any_of(alpha.data.begin(), alpha.data.end(),
-                     [&](std::uint8_t value) { return value != alpha.data.front(); });
-}
-
-/// The alpha of a film's frame; no picture where it has none, or hides nothing.
-Image8 AlphaOfFilm(FrameReader* reader, const FrameSource& film, int frame) {
-  if (!film.index || !film.index->has_alpha) return {};
-  const Image8 shown = reader->Read(frame, 4);
-  Image8 alpha(shown.width, shown.height, 1);
-  for (std::size_t p = 0; p < alpha.data.size(); ++p) alpha.data[p] = shown.data[4 * p + 3];
-  const bool hides = std::any_of(alpha.data.begin(), alpha.data.end(),
-                                 [](std::uint8_t value) { return value != 255; });
-  return hides ? alpha : Image8();
-}
-
-ImageF LevelsOf(const Image8& image) {
-  ImageF levels(image.width, image.height, 1);
-  std::copy(image.data.begin(), image.data.end(), levels.data.begin());
-  return levels;
-}
-
 }  // namespace
 
 GivenMasks::GivenMasks(const ShotCamera& camera, const std::string& stage)
     : name_(camera.name), stage_(stage), source_(camera.masks), reader_(camera.masks) {
+  const std::set<int> frames = FramesToLookAt(source_);
+  alpha_ = std::any_of(frames.begin(), frames.end(),
+                       [this](int frame) { return AlphaIsMask(AlphaOf(frame)); });
+  drawn_ = alpha_;
   int looked = 0, empty = 0, surround = 0;
-  for (const int frame : FramesToLookAt(source_)) LookAt(frame, &looked, &empty, &surround);
+  for (const int frame : frames) LookAt(frame, &looked, &empty, &surround);
   const std::string of = stage_ + ": the masks of camera " + name_;
   if (drawn_)
     warnings_.push_back(of +
@@ -81,23 +63,31 @@ std::filesystem::path GivenMasks::FileOf(int frame) const {
   return source_.pictures[static_cast<std::size_t>(picture)];
 }
 
+/// No picture where there is none.
+Image8 GivenMasks::AlphaOf(int frame) {
+  if (source_.video.empty()) return ReadAlpha(FileOf(frame));
+  if (!source_.index || !source_.index->has_alpha) return {};
+  const Image8 shown = reader_.Read(frame, 4);
+  Image8 alpha(shown.width, shown.height, 1);
+  for (std::size_t p = 0; p < alpha.data.size(); ++p) alpha.data[p] = shown.data[4 * p + 3];
+  return alpha;
+}
+
 /// By levels and alpha; the noise of a film's levels is that of compression.
 Image8 GivenMasks::Drawn(int frame) {
-  if (!source_.video.empty()) {
-    if (Image8 alpha = AlphaOfFilm(&reader_, source_, frame); !alpha.data.empty()) return alpha;
-    const Image8 plain = reader_.Read(frame, 1);
-    return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
-                               : MaskOfLevels(LevelsOf(plain), false, source_.video.filename());
-  }
-  return ReadDrawnMask(FileOf(frame));
+  const bool film = !source_.video.empty();
+  if (Image8 alpha = AlphaOf(frame); AlphaIsMask(alpha) || (alpha_ && !alpha.empty()))
+    return film ? alpha : MaskOfLevels(AsLevels(alpha), true, FileOf(frame).filename());
+  if (!film) return ReadDrawnMask(FileOf(frame));
+  const Image8 plain = reader_.Read(frame, 1);
+  return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
+                             : MaskOfLevels(AsLevels(plain), false, source_.video.filename());
 }
 
 void GivenMasks::LookAt(int frame, int* looked, int* empty, int* surround) {
   constexpr double kUnlike = 1e-3;
   const Image8 plain = reader_.Read(frame, 1), drawn = Drawn(frame);
-  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike ||
-            (source_.video.empty() ? HasAlphaThatDiffers(FileOf(frame))
-                                   : !AlphaOfFilm(&reader_, source_, frame).data.empty());
+  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike;
   ++*looked;
   *empty += IsEmptyMatte(drawn);
   *surround += CoversBorder(drawn);

@@ -14,7 +14,8 @@ namespace keypose {
 ///
 /// A few frames tell how they were made, as a program writes all of them alike. Masks that are
 /// white on black are read as they are, with soft borders; others frame by frame by their levels
-/// (see ReadDrawnMask). Not for use in several threads at once.
+/// (see ReadDrawnMask), or all by their alpha where that is a mask in one of those looked at. Not
+/// for use in several threads at once.
 class GivenMasks {
  public:
   /// @param stage  for messages
@@ -35,13 +36,15 @@ class GivenMasks {
 
  private:
   std::filesystem::path FileOf(int frame) const;
+  Image8 AlphaOf(int frame);
   Image8 Drawn(int frame);
   void LookAt(int frame, int* looked, int* empty, int* surround);
 
   std::string name_, stage_;  // of the camera, of the program
   FrameSource source_;
   FrameReader reader_;
-  bool drawn_ = false;     // must be read by levels
+  bool drawn_ = false;     // must be read by levels or alpha
+  bool alpha_ = false;     // alpha is the mask, also of frames that are opaque all over
   bool inverted_ = false;  // white is what is not the actor
   bool fitted_ = false;
   int width_ = 0, height_ = 0, orientation_ = 1;

@@ -9,6 +9,7 @@
 #include "core/io/pictures/png_io.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
+#include "core/values/size_of.h"
 #include "views/decode/testing/test_film.h"
 
 namespace keypose::given_masks_test {
@@ -66,27 +67,71 @@ TEST_F(GivenMasksTest, AlphaIsTheMask) {
   ExpectBlocks(Open());
 }
 
-TEST_F(GivenMasksTest, AFilmsAlphaIsTheMask) {
-  if (!TestFilm::CanWrite("qtrle")) GTEST_SKIP() << "libavcodec has no qtrle here";
-  fs::create_directories(folder_ / "masks");
-  TestFilmKind kind;
-  kind.codec = "qtrle", kind.pixels = AV_PIX_FMT_ARGB;
-  kind.width = 32, kind.height = 24, kind.unit = 1000, kind.rate = 10;
-  TestFilm film(folder_ / "masks/a.mov", kind);
-  for (int i = 0; i < 3; ++i)
-    film.Add(100 * i, [&](AVFrame& frame) {
-      const Image8 alpha = Block(i, 0, 255);
-      for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 32; ++x) {
-          std::uint8_t* at = frame.data[0] + y * frame.linesize[0] + 4 * x;
-          std::fill_n(at, 4, std::uint8_t{90});
-          at[0] = *alpha.at(x, y);
-        }
-    });
-  film.Finish();
+/// A picture in colours with this alpha.
+Image8 CutOut(const Image8& alpha) {
+  Image8 cutout(32, 24, 4);
+  for (std::size_t p = 0; p < alpha.data.size(); ++p) {
+    for (int c = 0; c < 3; ++c)
+      cutout.data[4 * p + c] = static_cast<std::uint8_t>((p * 7 + c * 50) % 256);
+    cutout.data[4 * p + 3] = alpha.data[p];
+  }
+  return cutout;
+}
+
+TEST_F(GivenMasksTest, ACutOutWithNobodyOrFilledByTheActorIsReadByItsAlphaToo) {
+  const Image8 all(32, 24, 1, 255), nobody(32, 24, 1), block = Block(0, 0, 255);
+  for (const auto& frames : {std::vector{block, nobody, all},
+                             {all, block, nobody},
+                             {nobody, all, block},
+                             {nobody, block, nobody, all, nobody}}) {
+    for (int frame = 0; frame < SizeOf(frames); ++frame) Put(frame, CutOut(frames[frame]));
+    GivenMasks masks = Open();
+    ASSERT_FALSE(masks.warnings().empty());
+    EXPECT_THAT(masks.warnings()[0], HasSubstr("or their alpha, is taken for the actor"));
+    for (int frame = 0; frame < SizeOf(frames); ++frame)
+      EXPECT_EQ(masks.Read(frame).data, frames[frame].data) << frame;
+  }
+}
+
+class GivenMaskFilm : public GivenMasksTest {
+ protected:
+  void SetUp() override {
+    if (!TestFilm::CanWrite("qtrle")) GTEST_SKIP() << "libavcodec has no qtrle here";
+  }
+  /// A film of this grey with these alphas.
+  void Film(const std::vector<Image8>& alphas, std::uint8_t grey) const {
+    fs::create_directories(folder_ / "masks");
+    TestFilmKind kind;
+    kind.codec = "qtrle", kind.pixels = AV_PIX_FMT_ARGB;
+    kind.width = 32, kind.height = 24, kind.unit = 1000, kind.rate = 10;
+    TestFilm film(folder_ / "masks/a.mov", kind);
+    for (int i = 0; i < SizeOf(alphas); ++i)
+      film.Add(100 * i, [&](AVFrame& frame) {
+        for (int y = 0; y < 24; ++y)
+          for (int x = 0; x < 32; ++x) {
+            std::uint8_t* at = frame.data[0] + y * frame.linesize[0] + 4 * x;
+            std::fill_n(at, 4, grey);
+            at[0] = *alphas[i].at(x, y);
+          }
+      });
+    film.Finish();
+  }
+};
+
+TEST_F(GivenMaskFilm, ItsAlphaIsTheMask) {
+  Film({Block(0, 0, 255), Block(1, 0, 255), Block(2, 0, 255)}, 90);
   GivenMasks masks = Open();
   EXPECT_EQ(masks.warnings().size(), 1u);
   ExpectBlocks(std::move(masks));
+}
+
+TEST_F(GivenMaskFilm, ItsAlphaIsTheMaskAlsoWhereItIsOpaqueOrTransparentAllOver) {
+  const std::vector<Image8> alphas{Block(0, 0, 255), Image8(32, 24, 1, 255), Image8(32, 24, 1),
+                                   Image8(32, 24, 1, 255)};
+  Film(alphas, 90);
+  GivenMasks masks = Open();
+  for (int frame = 0; frame < SizeOf(alphas); ++frame)
+    EXPECT_EQ(masks.Read(frame).data, alphas[frame].data) << frame;
 }
 
 TEST_F(GivenMasksTest, WhiteRoundTheActorIsTurnedRound) {

@@ -9,6 +9,7 @@
 
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -78,17 +79,6 @@ ImageF BrightestChannel(const ImageF& rgb) {
   return grey;
 }
 
-bool Varies(const Image8& image) {
-  return std::any_of(image.data.begin(), image.data.end(),
-                     [&](std::uint8_t value) { return value != image.data.front(); });
-}
-
-ImageF AsLevels(const Image8& image) {
-  ImageF levels(image.width, image.height, 1);
-  std::copy(image.data.begin(), image.data.end(), levels.data.begin());
-  return levels;
-}
-
 }  // namespace
 
 Image8 MaskOfLevels(const ImageF& levels, bool lossless, const std::string& name) {
@@ -111,7 +101,7 @@ Image8 MaskOfLevels(const ImageF& levels, bool lossless, const std::string& name
 
 Image8 ReadDrawnMask(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  if (const Image8 alpha = ReadAlpha(path); !alpha.empty() && Varies(alpha))
+  if (const Image8 alpha = ReadAlpha(path); AlphaIsMask(alpha))
     return MaskOfLevels(AsLevels(alpha), true, name);
   const ImageF rgb = ReadLevels(path, 3);
   const ImageF levels = BrightestChannel(rgb);

@@ -20,8 +20,8 @@ namespace keypose {
 /// cannot be known
 Image8 MaskOfLevels(const ImageF& levels, bool lossless, const std::string& name);
 
-/// The mask in a file, 255 or 0: by its alpha where that differs between pixels, else by its
-/// levels. The EXIF orientation is applied.
+/// The mask in a file, 255 or 0: by its alpha where that differs between pixels or hides all of
+/// them, else by its levels. The EXIF orientation is applied.
 /// @throws InputError  as MaskOfLevels; a picture in colours @throws DiskError as ReadImage
 Image8 ReadDrawnMask(const std::filesystem::path& path);
 

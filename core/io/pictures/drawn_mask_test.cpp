@@ -113,6 +113,19 @@ TEST_F(DrawnMask, ACutOutsAlphaIsTheMask) {
   ExpectDisc(ReadDrawnMask(path() / "m.png"));
 }
 
+TEST_F(DrawnMask, ACutOutThatIsTransparentAllOverHoldsNobody) {
+  for (const bool coloured : {false, true}) {
+    Image8 picture(40, 30, 4, 180);
+    for (int p = 0; p < 40 * 30; ++p) {
+      for (int c = 0; coloured && c < 3; ++c)
+        picture.data[4 * p + c] = static_cast<std::uint8_t>((p * 7 + c * 50) % 256);
+      picture.data[4 * p + 3] = 0;
+    }
+    WritePng(path() / "m.png", picture);
+    EXPECT_THAT(ReadDrawnMask(path() / "m.png").data, ::testing::Each(0)) << coloured;
+  }
+}
+
 TEST_F(DrawnMask, WhereAlphaIsTheSameEverywhereTheLevelsCount) {
   ImageF picture(40, 30, 4, 255);
   const ImageF disc = Disc(0, 255);

@@ -12,6 +12,7 @@
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/pictures/image_turns.h"
+#include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -22,11 +23,6 @@ constexpr float kColourOfMatte = 24;  // channels of a grey picture differ by no
 constexpr double kColouredPart = 0.01;
 constexpr int kMostResized = 8;
 constexpr double kBorderCovered = 0.9, kAllCovered = 0.999;
-
-bool DiffersBetweenPixels(const Image8& image) {
-  return std::any_of(image.data.begin(), image.data.end(),
-                     [&](std::uint8_t value) { return value != image.data.front(); });
-}
 
 /// Up to three of its levels.
 std::set<float> SomeLevels(const ImageF& levels) {
@@ -90,11 +86,8 @@ bool HasShape(const Image8& image, int width, int height) {
 
 DrawnMatte ReadDrawnMatte(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  if (const Image8 alpha = ReadAlpha(path); !alpha.empty() && DiffersBetweenPixels(alpha)) {
-    ImageF levels(alpha.width, alpha.height, 1);
-    std::copy(alpha.data.begin(), alpha.data.end(), levels.data.begin());
-    return MatteOfLevels(levels, name);
-  }
+  if (const Image8 alpha = ReadAlpha(path); AlphaIsMask(alpha))
+    return MatteOfLevels(AsLevels(alpha), name);
   return MatteOfLevels(GreyOfMatte(ReadLevels(path, 3), name), name);
 }
 

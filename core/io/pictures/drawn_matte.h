@@ -14,8 +14,9 @@ struct DrawnMatte {
   bool stretched = false;  ///< its two levels were others, such as 0 and 1
 };
 
-/// By its alpha where that differs between pixels, else by its levels. Two levels are 0 and 255,
-/// however small both are; one alone and more are kept. The EXIF orientation is applied.
+/// By its alpha where that differs between pixels or hides all of them, else by its levels. Two
+/// levels are 0 and 255, however small both are; one alone and more are kept. The EXIF orientation
+/// is applied.
 /// @throws InputError  a picture in colours; many levels, all of them dark @throws DiskError
 DrawnMatte ReadDrawnMatte(const std::filesystem::path& path);
 

@@ -76,6 +76,15 @@ TEST_F(DrawnMatteFile, AlphaThatDiffersIsTheMatte) {
   EXPECT_EQ(Read(cutout).matte.data, disc.data);
 }
 
+TEST_F(DrawnMatteFile, AlphaThatHidesAllIsAnEmptyMatte) {
+  Image8 cutout(40, 30, 4, 180);
+  for (std::size_t p = 0; p < 40 * 30; ++p) {
+    cutout.data[4 * p] = static_cast<std::uint8_t>(p * 7 % 256);
+    cutout.data[4 * p + 3] = 0;
+  }
+  EXPECT_EQ(Read(cutout).matte.data, Image8(40, 30, 1).data);
+}
+
 TEST_F(DrawnMatteFile, PicturesInColoursAndDarkOnesAreRefusedByName) {
   Image8 photograph(40, 30, 3);
   for (std::size_t i = 0; i < photograph.data.size(); ++i)
