@@ -12,20 +12,15 @@
 #include "views/decode/film_pixels.h"
 
 namespace keypose {
-namespace {
-
-/// As OpenCV's cvtColor weighs, in whole numbers: what masks and pictures read as luma have.
-Image8 LumaOf(const Image8& rgb) {
-  Image8 luma(rgb.width, rgb.height, 1);
+Image8 FilmLuma(const Image8& colors) {
+  Image8 luma(colors.width, colors.height, 1);
   for (std::size_t i = 0; i < luma.data.size(); ++i) {
-    const std::uint8_t* color = rgb.data.data() + 3 * i;
+    const std::uint8_t* color = colors.data.data() + static_cast<std::size_t>(colors.channels) * i;
     luma.data[i] = static_cast<std::uint8_t>(
         (9798 * color[0] + 19235 * color[1] + 3735 * color[2] + (1 << 14)) >> 15);
   }
   return luma;
 }
-
-}  // namespace
 
 struct FilmDecoder::State {
   std::filesystem::path path;
@@ -79,7 +74,7 @@ Image8 FilmDecoder::Read(int picture, int channels, const Progress* progress) {
     frame = s.Next();
   }
   Image8 image = Oriented(PixelsOf(*frame, channels == 4 ? 4 : 3), s.file->Orientation(*frame));
-  return channels == 1 ? LumaOf(image) : std::move(image);
+  return channels == 1 ? FilmLuma(image) : std::move(image);
 }
 
 }  // namespace keypose

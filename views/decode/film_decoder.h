@@ -10,6 +10,10 @@
 
 namespace keypose {
 
+/// As OpenCV's cvtColor weighs, in whole numbers: what masks and pictures read as luma have.
+/// @param colors  RGB, with or without alpha
+Image8 FilmLuma(const Image8& colors);
+
 /// Reading in order is fast; a film is decoded anew from its start when an earlier picture is asked
 /// for. Pictures are upright, and their colours are RGB of 8 bits as players show them. Not for use
 /// in several threads at once.

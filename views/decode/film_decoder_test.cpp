@@ -123,6 +123,7 @@ TEST_F(Decoder, AlphaIsKeptToTheBit) {
     EXPECT_TRUE(film.index().has_alpha) << one.codec;
     const Image8 shown = film.Read(0, 4);
     for (int x = 0; x < 256; ++x) ASSERT_EQ(shown.at(x, 20)[3], x) << one.codec;
+    EXPECT_EQ(FilmLuma(shown).data, film.Read(0, 1).data) << one.codec;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
+#include "views/decode/film_decoder.h"
 
 namespace keypose {
 namespace {
@@ -35,24 +36,20 @@ double ShareOfDifference(const Image8& a, const Image8& b) {
 GivenMasks::GivenMasks(const ShotCamera& camera, const std::string& stage)
     : name_(camera.name), stage_(stage), source_(camera.masks), reader_(camera.masks) {
   const std::set<int> frames = FramesToLookAt(source_);
-  alpha_ = std::any_of(frames.begin(), frames.end(),
-                       [this](int frame) { return AlphaIsMask(AlphaOf(frame)); });
-  drawn_ = alpha_;
-  int looked = 0, empty = 0, surround = 0;
-  for (const int frame : frames) LookAt(frame, &looked, &empty, &surround);
+  const Tally tally = is_film() ? LookAtFilm(frames) : LookAtPictures(frames);
   const std::string of = stage_ + ": the masks of camera " + name_;
   if (drawn_)
     warnings_.push_back(of +
                         " are not white on black; the higher of their levels, or their alpha, "
                         "is taken for the actor");
-  if (surround > 0 && surround + empty == looked) {
+  if (tally.surround > 0 && tally.surround + tally.empty == tally.looked) {
     inverted_ = true;
     warnings_.push_back(of +
                         " are white where the actor is not, and were turned round: black is "
                         "taken for the actor");
   }
-  if (empty == looked)
-    warnings_.push_back(of + " are black in all of the " + std::to_string(looked) +
+  if (tally.empty == tally.looked)
+    warnings_.push_back(of + " are black in all of the " + std::to_string(tally.looked) +
                         " frames that were looked at: nobody is drawn in them; make them again, or "
                         "leave the camera out");
 }
@@ -63,34 +60,59 @@ std::filesystem::path GivenMasks::FileOf(int frame) const {
   return source_.pictures[static_cast<std::size_t>(picture)];
 }
 
-/// No picture where there is none.
-Image8 GivenMasks::AlphaOf(int frame) {
-  if (source_.video.empty()) return ReadAlpha(FileOf(frame));
-  if (!source_.index || !source_.index->has_alpha) return {};
+bool GivenMasks::IsByAlpha(const Image8& alpha) const {
+  return AlphaIsMask(alpha) || (alpha_ && !alpha.empty());
+}
+
+GivenMasks::Filmed GivenMasks::ReadFilmed(int frame) {
+  if (!source_.index || !source_.index->has_alpha) return {reader_.Read(frame, 1), {}};
   const Image8 shown = reader_.Read(frame, 4);
   Image8 alpha(shown.width, shown.height, 1);
   for (std::size_t p = 0; p < alpha.data.size(); ++p) alpha.data[p] = shown.data[4 * p + 3];
-  return alpha;
+  return {FilmLuma(shown), std::move(alpha)};
 }
 
 /// By levels and alpha; the noise of a film's levels is that of compression.
-Image8 GivenMasks::Drawn(int frame) {
-  const bool film = !source_.video.empty();
-  if (Image8 alpha = AlphaOf(frame); AlphaIsMask(alpha) || (alpha_ && !alpha.empty()))
-    return film ? alpha : MaskOfLevels(AsLevels(alpha), true, FileOf(frame).filename());
-  if (!film) return ReadDrawnMask(FileOf(frame));
-  const Image8 plain = reader_.Read(frame, 1);
-  return IsEmptyMatte(plain) ? Image8(plain.width, plain.height, 1)
-                             : MaskOfLevels(AsLevels(plain), false, source_.video.filename());
+Image8 GivenMasks::Drawn(const Filmed& filmed) const {
+  if (IsByAlpha(filmed.alpha)) return filmed.alpha;
+  const Image8& luma = filmed.luma;
+  return IsEmptyMatte(luma) ? Image8(luma.width, luma.height, 1)
+                            : MaskOfLevels(AsLevels(luma), false, source_.video.filename());
 }
 
-void GivenMasks::LookAt(int frame, int* looked, int* empty, int* surround) {
+Image8 GivenMasks::DrawnPicture(int frame) const {
+  const std::filesystem::path file = FileOf(frame);
+  if (alpha_)
+    if (const Image8 alpha = ReadAlpha(file); !alpha.empty())
+      return MaskOfLevels(AsLevels(alpha), true, file.filename());
+  return ReadDrawnMask(file);
+}
+
+GivenMasks::Tally GivenMasks::LookAtFilm(const std::set<int>& frames) {
+  std::vector<Filmed> filmed;
+  for (const int frame : frames) {
+    filmed.push_back(ReadFilmed(frame));
+    alpha_ |= AlphaIsMask(filmed.back().alpha);
+  }
+  Tally tally;
+  for (const Filmed& one : filmed) LookAt(one.luma, Drawn(one), &tally);
+  return tally;
+}
+
+GivenMasks::Tally GivenMasks::LookAtPictures(const std::set<int>& frames) {
+  alpha_ = std::any_of(frames.begin(), frames.end(),
+                       [this](int frame) { return AlphaIsMask(ReadAlpha(FileOf(frame))); });
+  Tally tally;
+  for (const int frame : frames) LookAt(reader_.Read(frame, 1), DrawnPicture(frame), &tally);
+  return tally;
+}
+
+void GivenMasks::LookAt(const Image8& plain, const Image8& drawn, Tally* tally) {
   constexpr double kUnlike = 1e-3;
-  const Image8 plain = reader_.Read(frame, 1), drawn = Drawn(frame);
-  drawn_ |= ShareOfDifference(plain, drawn) > kUnlike;
-  ++*looked;
-  *empty += IsEmptyMatte(drawn);
-  *surround += CoversBorder(drawn);
+  drawn_ |= alpha_ || ShareOfDifference(plain, drawn) > kUnlike;
+  ++tally->looked;
+  tally->empty += IsEmptyMatte(drawn);
+  tally->surround += CoversBorder(drawn);
 }
 
 void GivenMasks::FitTo(int width, int height, int orientation) {
@@ -109,7 +131,9 @@ void GivenMasks::FitTo(int width, int height, int orientation) {
 }
 
 Image8 GivenMasks::Read(int frame) {
-  Image8 mask = drawn_ ? Drawn(frame) : reader_.Read(frame, 1);
+  Image8 mask = !drawn_     ? reader_.Read(frame, 1)
+                : is_film() ? Drawn(ReadFilmed(frame))
+                            : DrawnPicture(frame);
   if (fitted_)
     mask = PlacedMatte(std::move(mask), width_, height_, orientation_,
                        stage_ + ": a mask of camera " + name_, nullptr);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,22 @@ class GivenMasks {
 
  private:
   std::filesystem::path FileOf(int frame) const;
-  Image8 AlphaOf(int frame);
-  Image8 Drawn(int frame);
-  void LookAt(int frame, int* looked, int* empty, int* surround);
+  /// One of a film, which is decoded for it once.
+  struct Filmed {
+    Image8 luma, alpha;  // alpha: no picture where there is none
+  };
+  /// Of frames that were looked at.
+  struct Tally {
+    int looked = 0, empty = 0, surround = 0;
+  };
+  bool is_film() const { return !source_.video.empty(); }
+  bool IsByAlpha(const Image8& alpha) const;
+  Filmed ReadFilmed(int frame);
+  Image8 Drawn(const Filmed& filmed) const;
+  Image8 DrawnPicture(int frame) const;
+  Tally LookAtFilm(const std::set<int>& frames);
+  Tally LookAtPictures(const std::set<int>& frames);
+  void LookAt(const Image8& plain, const Image8& drawn, Tally* tally);
 
   std::string name_, stage_;  // of the camera, of the program
   FrameSource source_;

@@ -98,8 +98,9 @@ class GivenMaskFilm : public GivenMasksTest {
   void SetUp() override {
     if (!TestFilm::CanWrite("qtrle")) GTEST_SKIP() << "libavcodec has no qtrle here";
   }
-  /// A film of this grey with these alphas.
-  void Film(const std::vector<Image8>& alphas, std::uint8_t grey) const {
+  /// A film of 32 x 24.
+  /// @param levels  of its colours, one picture for all frames or one for each
+  void Film(const std::vector<Image8>& alphas, const std::vector<Image8>& levels) const {
     fs::create_directories(folder_ / "masks");
     TestFilmKind kind;
     kind.codec = "qtrle", kind.pixels = AV_PIX_FMT_ARGB;
@@ -110,7 +111,7 @@ class GivenMaskFilm : public GivenMasksTest {
         for (int y = 0; y < 24; ++y)
           for (int x = 0; x < 32; ++x) {
             std::uint8_t* at = frame.data[0] + y * frame.linesize[0] + 4 * x;
-            std::fill_n(at, 4, grey);
+            std::fill_n(at, 4, *levels[levels.size() == 1 ? 0 : i].at(x, y));
             at[0] = *alphas[i].at(x, y);
           }
       });
@@ -119,7 +120,7 @@ class GivenMaskFilm : public GivenMasksTest {
 };
 
 TEST_F(GivenMaskFilm, ItsAlphaIsTheMask) {
-  Film({Block(0, 0, 255), Block(1, 0, 255), Block(2, 0, 255)}, 90);
+  Film({Block(0, 0, 255), Block(1, 0, 255), Block(2, 0, 255)}, {Image8(32, 24, 1, 90)});
   GivenMasks masks = Open();
   EXPECT_EQ(masks.warnings().size(), 1u);
   ExpectBlocks(std::move(masks));
@@ -128,10 +129,24 @@ TEST_F(GivenMaskFilm, ItsAlphaIsTheMask) {
 TEST_F(GivenMaskFilm, ItsAlphaIsTheMaskAlsoWhereItIsOpaqueOrTransparentAllOver) {
   const std::vector<Image8> alphas{Block(0, 0, 255), Image8(32, 24, 1, 255), Image8(32, 24, 1),
                                    Image8(32, 24, 1, 255)};
-  Film(alphas, 90);
+  Film(alphas, {Image8(32, 24, 1, 90)});
   GivenMasks masks = Open();
   for (int frame = 0; frame < SizeOf(alphas); ++frame)
     EXPECT_EQ(masks.Read(frame).data, alphas[frame].data) << frame;
+}
+
+TEST_F(GivenMaskFilm, WhereItsAlphaIsOpaqueItsLevelsCount) {
+  std::vector<Image8> alphas, levels;
+  for (int frame = 0; frame < 30; ++frame) {
+    alphas.emplace_back(32, 24, 1, 255);
+    levels.push_back(Block(frame % 10, 20, 90));
+  }
+  Film(alphas, levels);
+  GivenMasks masks = Open();
+  ASSERT_EQ(masks.warnings().size(), 1u);
+  EXPECT_THAT(masks.warnings()[0], HasSubstr("are not white on black"));
+  for (const int frame : {0, 1, 1, 2, 17, 29, 28})
+    EXPECT_EQ(masks.Read(frame).data, Block(frame % 10, 0, 255).data) << frame;
 }
 
 TEST_F(GivenMasksTest, WhiteRoundTheActorIsTurnedRound) {

@@ -56,7 +56,7 @@ class FrameReader {
   FrameReader(FrameReader&&) noexcept;
   FrameReader& operator=(FrameReader&&) noexcept;
 
-  /// @param channels  1 (luma) or 3 (RGB)
+  /// @param channels  1 (luma) or 3 (RGB); of a video also 4 (RGB and alpha, 255 where it has none)
   /// @param progress  asked for cancel before each frame of a video that is decoded; may be null
   /// @throws InputError  it cannot be decoded; names the file and the frame
   /// @throws UsageError  no such frame
