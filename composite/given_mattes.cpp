@@ -26,6 +26,7 @@ Image8 GivenMattes::Read(const std::filesystem::path& file, const MattePlace& pl
   if (change.resized) resized_.push_back(name);
   ++read_;
   empty_ += IsEmptyMatte(matte);
+  full_ += IsFullMatte(matte);
   surround_ += CoversBorder(matte);
   return matte;
 }

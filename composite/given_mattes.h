@@ -31,15 +31,15 @@ class GivenMattes {
 
   /// Warns of what was done to those that were read.
   void Tell(StageContext& stage) const;
-  /// Whether all that cover something cover the pictures' borders: they are white where the figure
-  /// is not.
-  bool AreInverted() const { return surround_ > 0 && surround_ + empty_ == read_; }
+  /// Whether all that cover something cover the pictures' borders, or all of a picture where nobody
+  /// is: they are white where the figure is not.
+  bool AreInverted() const { return surround_ > 0 && surround_ + empty_ + full_ == read_; }
   bool AreEmpty() const { return read_ > 0 && empty_ == read_; }
 
  private:
   std::string stage_, what_;
   std::vector<std::string> stretched_, turned_, resized_;
-  int read_ = 0, surround_ = 0, empty_ = 0;
+  int read_ = 0, surround_ = 0, empty_ = 0, full_ = 0;
 };
 
 }  // namespace keypose::composite

@@ -42,7 +42,7 @@ GivenMasks::GivenMasks(const ShotCamera& camera, const std::string& stage)
     warnings_.push_back(of +
                         " are not white on black; the higher of their levels, or their alpha, "
                         "is taken for the actor");
-  if (tally.surround > 0 && tally.surround + tally.empty == tally.looked) {
+  if (tally.surround > 0 && tally.surround + tally.empty + tally.full == tally.looked) {
     inverted_ = true;
     warnings_.push_back(of +
                         " are white where the actor is not, and were turned round: black is "
@@ -112,6 +112,7 @@ void GivenMasks::LookAt(const Image8& plain, const Image8& drawn, Tally* tally) 
   drawn_ |= alpha_ || ShareOfDifference(plain, drawn) > kUnlike;
   ++tally->looked;
   tally->empty += IsEmptyMatte(drawn);
+  tally->full += IsFullMatte(drawn);
   tally->surround += CoversBorder(drawn);
 }
 

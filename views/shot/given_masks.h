@@ -43,7 +43,7 @@ class GivenMasks {
   };
   /// Of frames that were looked at.
   struct Tally {
-    int looked = 0, empty = 0, surround = 0;
+    int looked = 0, empty = 0, full = 0, surround = 0;
   };
   bool is_film() const { return !source_.video.empty(); }
   bool IsByAlpha(const Image8& alpha) const;

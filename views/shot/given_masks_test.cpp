@@ -157,6 +157,24 @@ TEST_F(GivenMasksTest, WhiteRoundTheActorIsTurnedRound) {
   ExpectBlocks(std::move(masks));
 }
 
+TEST_F(GivenMasksTest, WhiteAllOverAmongThoseIsAFrameWithoutTheActor) {
+  for (int frame = 0; frame < 3; ++frame) Put(frame, Block(frame, 255, 0));
+  Put(1, Image8(32, 24, 1, 255));
+  GivenMasks masks = Open();
+  ASSERT_EQ(masks.warnings().size(), 1u);
+  EXPECT_THAT(masks.warnings()[0], HasSubstr("turned round"));
+  EXPECT_EQ(masks.Read(0).data, Block(0, 0, 255).data);
+  EXPECT_EQ(masks.Read(1).data, Image8(32, 24, 1).data);
+}
+
+TEST_F(GivenMasksTest, WhiteAllOverAmongOthersIsAFrameThatTheActorFills) {
+  Put(0, Block(0, 0, 255));
+  Put(1, Image8(32, 24, 1, 255));
+  GivenMasks masks = Open();
+  EXPECT_TRUE(masks.warnings().empty());
+  EXPECT_EQ(masks.Read(1).data, Image8(32, 24, 1, 255).data);
+}
+
 TEST_F(GivenMasksTest, BlackOnesAreNamedAndOneOfThemAmongOthersIsNone) {
   for (int frame = 0; frame < 3; ++frame) Put(frame, Image8(32, 24, 1));
   const GivenMasks masks = Open();

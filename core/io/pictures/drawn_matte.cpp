@@ -117,11 +117,14 @@ bool IsEmptyMatte(const Image8& matte) {
                      [](std::uint8_t value) { return value <= kNoise; });
 }
 
-bool CoversBorder(const Image8& matte) {
+bool IsFullMatte(const Image8& matte) {
   const auto covered = std::count_if(matte.data.begin(), matte.data.end(),
                                      [](std::uint8_t value) { return value > 127; });
-  if (static_cast<double>(covered) > kAllCovered * static_cast<double>(matte.data.size()))
-    return false;
+  return static_cast<double>(covered) > kAllCovered * static_cast<double>(matte.data.size());
+}
+
+bool CoversBorder(const Image8& matte) {
+  if (IsFullMatte(matte)) return false;
   std::int64_t white = 0, all = 0;
   for (int y = 0; y < matte.height; ++y) {
     const bool edge = y == 0 || y == matte.height - 1;

@@ -36,6 +36,8 @@ Image8 PlacedMatte(Image8 matte, int width, int height, int orientation, const s
 
 /// Whether it covers nothing at all.
 bool IsEmptyMatte(const Image8& matte);
+/// Whether it covers all of the picture, but for specks of a thousandth.
+bool IsFullMatte(const Image8& matte);
 /// Whether it covers nine tenths of the picture's border but not all of the picture: what surrounds
 /// a figure does, a figure hardly ever.
 bool CoversBorder(const Image8& matte);

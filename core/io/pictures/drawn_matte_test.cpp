@@ -117,6 +117,18 @@ TEST(PlacedMatte, HalfSizeAndAsStoredAreBroughtOverThePicture) {
   EXPECT_THROW(PlacedMatte(stored, 400, 300, 1, "matte", nullptr), InputError);
 }
 
+TEST(IsFullMatte, ButForSpecks) {
+  Image8 matte(120, 90, 1, 255);
+  EXPECT_TRUE(IsFullMatte(matte));
+  std::fill_n(matte.at(40, 40), 10, std::uint8_t{0});
+  EXPECT_TRUE(IsFullMatte(matte)) << "10 of 10800 pixels";
+  EXPECT_FALSE(CoversBorder(matte));
+  *matte.at(50, 50) = 0;
+  EXPECT_FALSE(IsFullMatte(matte));
+  EXPECT_TRUE(CoversBorder(matte));
+  EXPECT_FALSE(IsFullMatte(Image8(120, 90, 1)));
+}
+
 TEST(CoversBorder, WhatSurroundsAFigureDoes) {
   EXPECT_FALSE(CoversBorder(SoftDisc()));
   EXPECT_TRUE(CoversBorder(InvertedMatte(SoftDisc())));
