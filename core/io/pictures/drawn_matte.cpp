@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -22,25 +23,33 @@ constexpr float kDark = 32;           // of 255: no matte of many levels is as d
 constexpr float kColourOfMatte = 24;  // channels of a grey picture differ by no more than this
 constexpr double kColouredPart = 0.01;
 constexpr int kMostResized = 8;
+constexpr double kLeastSide = 0.0005;  // a level of fewer pixels is noise
 constexpr double kBorderCovered = 0.9, kAllCovered = 0.999;
 
-/// Up to three of its levels.
-std::set<float> SomeLevels(const ImageF& levels) {
-  std::set<float> some;
+/// Pixels of up to three of its levels.
+std::map<float, std::size_t> SomeLevels(const ImageF& levels) {
+  std::map<float, std::size_t> some;
   for (const float level : levels.data)
-    if (some.insert(level); some.size() > 2) break;
+    if (++some[level]; some.size() > 2) break;
   return some;
+}
+
+/// Whether there are two levels, and neither is noise on the other.
+bool AreTwoSides(const std::map<float, std::size_t>& some, std::size_t pixels) {
+  if (some.size() != 2) return false;
+  const auto fewer = std::min(some.begin()->second, some.rbegin()->second);
+  return static_cast<double>(fewer) >= kLeastSide * static_cast<double>(pixels);
 }
 
 DrawnMatte MatteOfLevels(const ImageF& levels, const std::string& name) {
   DrawnMatte drawn;
   drawn.matte = Image8(levels.width, levels.height, 1);
-  const std::set<float> some = SomeLevels(levels);
+  const std::map<float, std::size_t> some = SomeLevels(levels);
   const auto fill = [&](auto value) {
     std::transform(levels.data.begin(), levels.data.end(), drawn.matte.data.begin(), value);
   };
-  if (some.size() == 2) {
-    const float low = *some.begin(), high = *some.rbegin();
+  if (AreTwoSides(some, levels.data.size())) {
+    const float low = some.begin()->first, high = some.rbegin()->first;
     drawn.stretched = low > 0 || high < 255;
     fill([&](float level) { return static_cast<std::uint8_t>(level > low ? 255 : 0); });
     return drawn;

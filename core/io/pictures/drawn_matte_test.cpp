@@ -57,6 +57,21 @@ TEST_F(DrawnMatteFile, TwoLevelsAreBlackAndWhiteHoweverSmall) {
   EXPECT_EQ(ReadDrawnMatte(path() / "m.png").matte.data, HardDisc(0, 255).data);
 }
 
+TEST_F(DrawnMatteFile, AFewPixelsOfAnotherLevelAreNoise) {
+  for (const auto& [level, noise] : {std::pair{0, 1}, {254, 255}, {255, 254}}) {
+    Image8 matte(120, 90, 1, static_cast<std::uint8_t>(level));
+    for (const int at : {400, 5000, 9000}) matte.data[at] = static_cast<std::uint8_t>(noise);
+    const DrawnMatte drawn = Read(matte);
+    EXPECT_EQ(drawn.matte.data, matte.data) << level;
+    EXPECT_FALSE(drawn.stretched);
+    EXPECT_EQ(IsEmptyMatte(drawn.matte), level == 0);
+    EXPECT_EQ(IsFullMatte(drawn.matte), level != 0);
+  }
+  Image8 small(120, 90, 1);
+  std::fill_n(small.data.begin() + 5000, 6, std::uint8_t{1});
+  EXPECT_EQ(Read(small).matte.data[5005], 255) << "6 of 10800 pixels";
+}
+
 TEST_F(DrawnMatteFile, OneLevelIsKept) {
   for (const int level : {0, 90, 255}) {
     const DrawnMatte drawn = Read(Image8(40, 30, 1, static_cast<std::uint8_t>(level)));
