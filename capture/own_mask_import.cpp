@@ -8,6 +8,7 @@
 #include "capture/shoot/develop/photograph.h"
 #include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/image_io.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/image_turns.h"
 
 namespace keypose::capture {
@@ -130,7 +131,7 @@ Image8 LoadOwnMask(const PhotographImport& import, std::size_t i) {
   const MaskWay& way = import.mask_ways[i];
   Image8 mask = PlacedMask(ReadDrawnMask(import.user_masks[i]), place, nullptr);
   if (way.as_stored) mask = Oriented(std::move(mask), place.orientation);
-  if (way.inverted) mask = Inverted(std::move(mask));
+  if (way.inverted) mask = InvertedMatte(std::move(mask));
   if (import.quarter_turns[i]) mask = QuarterTurned(mask);
   const Size size = WrittenSize(import, i);
   return import.factors[i] == 1 ? mask : ResizedMask(mask, size.width, size.height);

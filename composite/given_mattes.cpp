@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/io/pictures/drawn_matte.h"
+#include "core/pictures/given_matte.h"
 
 namespace keypose::composite {
 namespace {

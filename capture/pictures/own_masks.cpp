@@ -1,35 +1,20 @@
 #include "capture/pictures/own_masks.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures/cv_image.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
 
 namespace keypose::capture {
 namespace {
 
-constexpr double kBorderOfSurroundings = 0.9;
-/// A speck of black in a white mask is no figure: the mask says that the figure fills the picture.
-constexpr double kLeastFigure = 0.001;
-/// A smaller mask has no outline that would be worth using.
-constexpr int kMostEnlarged = 8;
 /// Pixels on either side of a border that are compared.
 constexpr int kBorderReach = 2;
-
-/// Whether a picture of one size has the shape of another, to a pixel's rounding.
-bool SameShape(const Image8& image, int width, int height) {
-  const std::int64_t a = std::int64_t{image.width} * height, b = std::int64_t{image.height} * width;
-  return std::abs(a - b) <= std::max(width, height);
-}
-
-bool IsOfSize(const Image8& image, int width, int height) {
-  return image.width == width && image.height == height;
-}
 
 std::string MaskSizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -44,48 +29,20 @@ Image8 ResizedTo(const Image8& mask, int width, int height) {
   return resized;
 }
 
-double WhiteShare(const Image8& mask) {
-  const auto white = std::count(mask.data.begin(), mask.data.end(), 255);
-  return static_cast<double>(white) / static_cast<double>(mask.data.size());
-}
-
-double WhiteShareOfBorder(const Image8& mask) {
-  int white = 0, all = 0;
-  const auto count = [&](int x, int y) {
-    white += *mask.at(x, y) > 127;
-    ++all;
-  };
-  for (int x = 0; x < mask.width; ++x) {
-    count(x, 0);
-    count(x, mask.height - 1);
-  }
-  for (int y = 0; y < mask.height; ++y) {
-    count(0, y);
-    count(mask.width - 1, y);
-  }
-  return static_cast<double>(white) / all;
-}
-
 }  // namespace
 
 Image8 PlacedMask(Image8 mask, const MaskPlace& place, MaskChange* change) {
   MaskChange found;
-  const bool on_its_side = place.orientation >= 5;
-  if (!IsOfSize(mask, place.width, place.height)) {
-    const bool stored = on_its_side && (IsOfSize(mask, place.height, place.width) ||
-                                        (!SameShape(mask, place.width, place.height) &&
-                                         SameShape(mask, place.height, place.width)));
-    if (stored) {
-      mask = Oriented(std::move(mask), place.orientation);
-      found.turned = true;
-    }
+  if (LiesAsStored(mask, place.width, place.height, place.orientation)) {
+    mask = Oriented(std::move(mask), place.orientation);
+    found.turned = true;
   }
-  if (!SameShape(mask, place.width, place.height) || mask.width * kMostEnlarged < place.width)
+  if (!CanLieOn(mask, place.width, place.height))
     throw InputError("capture: mask " + place.mask + " is " +
                      MaskSizeText(mask.width, mask.height) + ", but " + place.photograph + " is " +
                      MaskSizeText(place.width, place.height) +
                      "; make the mask at the photograph's size, or smaller in its shape");
-  if (!IsOfSize(mask, place.width, place.height)) {
+  if (mask.width != place.width || mask.height != place.height) {
     mask = ResizedTo(mask, place.width, place.height);
     found.enlarged = true;
   }
@@ -94,16 +51,8 @@ Image8 PlacedMask(Image8 mask, const MaskPlace& place, MaskChange* change) {
 }
 
 MaskSide SideOf(const Image8& mask) {
-  const double white = WhiteShare(mask);
-  if (white == 0) return MaskSide::kNothing;
-  if (white > 1 - kLeastFigure) return MaskSide::kFigure;
-  return WhiteShareOfBorder(mask) > kBorderOfSurroundings ? MaskSide::kSurroundings
-                                                          : MaskSide::kFigure;
-}
-
-Image8 Inverted(Image8 mask) {
-  for (std::uint8_t& m : mask.data) m = static_cast<std::uint8_t>(255 - m);
-  return mask;
+  if (IsEmptyMatte(mask)) return MaskSide::kNothing;
+  return CoversBorder(mask) ? MaskSide::kSurroundings : MaskSide::kFigure;
 }
 
 double BorderContrast(const Image8& grey, const Image8& mask) {

@@ -31,11 +31,9 @@ enum class MaskSide {
   kSurroundings,  ///< white is all but the figure
   kNothing,       ///< black all over
 };
-/// A figure hardly ever covers nine tenths of the border; surroundings always do.
+/// Surroundings cover the border (see CoversBorder).
+/// @param mask  255 or 0
 MaskSide SideOf(const Image8& mask);
-
-/// White for black and black for white.
-Image8 Inverted(Image8 mask);
 
 /// How much brightness changes across the border of a mask: grey levels on the mean. 0 without a
 /// border.

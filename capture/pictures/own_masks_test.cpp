@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/pictures/given_matte.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
 
@@ -58,7 +59,7 @@ TEST(PlacedMask, OfAnotherShapeIsRefusedWithBothSizes) {
 
 TEST(SideOf, TellsTheFigureFromWhatIsRoundIt) {
   EXPECT_EQ(SideOf(Corner(80, 48)), MaskSide::kFigure);
-  EXPECT_EQ(SideOf(Inverted(Corner(80, 48))), MaskSide::kSurroundings);
+  EXPECT_EQ(SideOf(InvertedMatte(Corner(80, 48))), MaskSide::kSurroundings);
   EXPECT_EQ(SideOf(Image8(80, 48, 1)), MaskSide::kNothing);
   EXPECT_EQ(SideOf(Image8(80, 48, 1, 255)), MaskSide::kFigure) << "it fills the picture";
   // A figure that leaves the picture below and at the sides.

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/pictures/drawn_mask.h"
-#include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/raw_io.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"

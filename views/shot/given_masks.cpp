@@ -6,6 +6,7 @@
 #include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/drawn_matte.h"
 #include "core/io/pictures/image_io.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"

@@ -21,9 +21,6 @@ constexpr float kHalf = 127.5F;
 constexpr float kNoise = 12;
 /// A level of fewer pixels is a smoothed border.
 constexpr double kLabelShare = 0.005;
-/// Channels of a grey picture differ by no more than this.
-constexpr float kGrey = 24;
-constexpr double kColouredShare = 0.01;
 
 /// Pixels of each level; empty where there are more than a few.
 std::map<float, std::size_t> FewLevels(const ImageF& levels) {
@@ -59,24 +56,6 @@ Image8 Above(const ImageF& levels, float limit) {
   for (std::size_t i = 0; i < mask.data.size(); ++i)
     mask.data[i] = levels.data[i] > limit ? 255 : 0;
   return mask;
-}
-
-bool IsColoured(const ImageF& rgb) {
-  const std::size_t pixels = rgb.data.size() / 3;
-  std::size_t coloured = 0;
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const auto [low, high] =
-        std::minmax({rgb.data[3 * p], rgb.data[3 * p + 1], rgb.data[3 * p + 2]});
-    coloured += high - low > kGrey;
-  }
-  return static_cast<double>(coloured) >= kColouredShare * static_cast<double>(pixels);
-}
-
-ImageF BrightestChannel(const ImageF& rgb) {
-  ImageF grey(rgb.width, rgb.height, 1);
-  for (std::size_t p = 0; p < grey.data.size(); ++p)
-    grey.data[p] = std::max({rgb.data[3 * p], rgb.data[3 * p + 1], rgb.data[3 * p + 2]});
-  return grey;
 }
 
 }  // namespace

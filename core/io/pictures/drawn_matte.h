@@ -34,14 +34,4 @@ struct MatteChange {
 Image8 PlacedMatte(Image8 matte, int width, int height, int orientation, const std::string& what,
                    MatteChange* change);
 
-/// Whether it covers nothing at all.
-bool IsEmptyMatte(const Image8& matte);
-/// Whether it covers all of the picture, but for specks of a thousandth.
-bool IsFullMatte(const Image8& matte);
-/// Whether it covers nine tenths of the picture's border but not all of the picture: what surrounds
-/// a figure does, a figure hardly ever.
-bool CoversBorder(const Image8& matte);
-/// 0 for 255 and 255 for 0.
-Image8 InvertedMatte(Image8 matte);
-
 }  // namespace keypose

@@ -7,6 +7,7 @@
 
 #include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/png_io.h"
+#include "core/pictures/given_matte.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
 
@@ -115,6 +116,19 @@ TEST_F(DrawnMatteFile, PicturesInColoursAndDarkOnesAreRefusedByName) {
   }
 }
 
+TEST(PlacedMatte, OfANearlySquarePictureIsTurnedToo) {
+  MatteChange change;
+  Image8 stored(40, 39, 1);
+  *stored.at(5, 0) = 255;
+  const Image8 upright = PlacedMatte(stored, 39, 40, 6, "matte", &change);
+  EXPECT_TRUE(change.turned);
+  EXPECT_FALSE(change.resized);
+  ASSERT_EQ(upright.width, 39);
+  EXPECT_EQ(*upright.at(38, 5), 255);
+  EXPECT_EQ(PlacedMatte(stored, 40, 39, 6, "matte", &change).data, stored.data);
+  EXPECT_FALSE(change.turned);
+}
+
 TEST(PlacedMatte, HalfSizeAndAsStoredAreBroughtOverThePicture) {
   MatteChange change;
   const Image8 twice = PlacedMatte(SoftDisc(), 80, 60, 1, "matte", &change);
@@ -130,23 +144,6 @@ TEST(PlacedMatte, HalfSizeAndAsStoredAreBroughtOverThePicture) {
   EXPECT_EQ(*upright.at(29, 5), 255);
   EXPECT_THROW(PlacedMatte(stored, 30, 40, 1, "matte", nullptr), InputError);
   EXPECT_THROW(PlacedMatte(stored, 400, 300, 1, "matte", nullptr), InputError);
-}
-
-TEST(IsFullMatte, ButForSpecks) {
-  Image8 matte(120, 90, 1, 255);
-  EXPECT_TRUE(IsFullMatte(matte));
-  std::fill_n(matte.at(40, 40), 10, std::uint8_t{0});
-  EXPECT_TRUE(IsFullMatte(matte)) << "10 of 10800 pixels";
-  EXPECT_FALSE(CoversBorder(matte));
-  *matte.at(50, 50) = 0;
-  EXPECT_FALSE(IsFullMatte(matte));
-  EXPECT_TRUE(CoversBorder(matte));
-  EXPECT_FALSE(IsFullMatte(Image8(120, 90, 1)));
-}
-
-TEST(CoversBorder, WhatSurroundsAFigureDoes) {
-  EXPECT_FALSE(CoversBorder(SoftDisc()));
-  EXPECT_TRUE(CoversBorder(InvertedMatte(SoftDisc())));
 }
 
 }  // namespace keypose::drawn_matte_test
