@@ -13,6 +13,12 @@ bool IsOfSize(const Image8& image, int width, int height) {
   return image.width == width && image.height == height;
 }
 
+template <class T>
+bool HoldsNoiseAlone(const ImageT<T>& image) {
+  constexpr int kNoise = 8;
+  return std::all_of(image.data.begin(), image.data.end(), [](T value) { return value <= kNoise; });
+}
+
 }  // namespace
 
 bool HasShapeOf(const Image8& image, int width, int height) {
@@ -33,11 +39,9 @@ bool LiesAsStored(const Image8& matte, int width, int height, int orientation) {
          (!HasShapeOf(matte, width, height) && HasShapeOf(matte, height, width));
 }
 
-bool IsEmptyMatte(const Image8& matte) {
-  constexpr int kNoise = 8;
-  return std::all_of(matte.data.begin(), matte.data.end(),
-                     [](std::uint8_t value) { return value <= kNoise; });
-}
+bool IsEmptyMatte(const Image8& matte) { return HoldsNoiseAlone(matte); }
+
+bool IsEmptyMatte(const ImageF& levels) { return HoldsNoiseAlone(levels); }
 
 bool IsFullMatte(const Image8& matte) {
   const auto covered = std::count_if(matte.data.begin(), matte.data.end(),

@@ -15,8 +15,10 @@ bool CanLieOn(const Image8& matte, int width, int height);
 /// @param orientation  of its file, as EXIF counts
 bool LiesAsStored(const Image8& matte, int width, int height, int orientation);
 
-/// Whether it covers nothing at all.
+/// Whether it covers nothing at all: no more than noise, 8 of 255.
 bool IsEmptyMatte(const Image8& matte);
+/// @param levels  of 255
+bool IsEmptyMatte(const ImageF& levels);
 /// Whether it covers all of the picture, but for specks of a thousandth.
 bool IsFullMatte(const Image8& matte);
 /// Whether it covers nine tenths of the picture's border but not all of the picture: what surrounds

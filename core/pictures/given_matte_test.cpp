@@ -45,6 +45,8 @@ TEST(IsEmptyMatte, AlsoWithNoise) {
   Image8 matte(4, 3, 1);
   matte.data[5] = 9;
   EXPECT_FALSE(IsEmptyMatte(matte));
+  EXPECT_TRUE(IsEmptyMatte(ImageF(4, 3, 1, 8)));
+  EXPECT_FALSE(IsEmptyMatte(ImageF(4, 3, 1, 8.5F)));
 }
 
 TEST(IsFullMatte, ButForSpecks) {

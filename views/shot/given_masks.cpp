@@ -76,9 +76,7 @@ GivenMasks::Filmed GivenMasks::ReadFilmed(int frame) {
 /// By levels and alpha; the noise of a film's levels is that of compression.
 Image8 GivenMasks::Drawn(const Filmed& filmed) const {
   if (IsByAlpha(filmed.alpha)) return filmed.alpha;
-  const Image8& luma = filmed.luma;
-  return IsEmptyMatte(luma) ? Image8(luma.width, luma.height, 1)
-                            : MaskOfLevels(AsLevels(luma), false, source_.video.filename());
+  return MaskOfLevels(AsLevels(filmed.luma), false, source_.video.filename());
 }
 
 Image8 GivenMasks::DrawnPicture(int frame) const {

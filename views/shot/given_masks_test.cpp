@@ -184,6 +184,21 @@ TEST_F(GivenMasksTest, BlackOnesAreNamedAndOneOfThemAmongOthersIsNone) {
   EXPECT_TRUE(Open().warnings().empty()) << "the actor comes in later";
 }
 
+TEST_F(GivenMasksTest, ANearlyBlackJpegHoldsNobody) {
+  fs::create_directories(folder_ / "masks/a");
+  for (int frame = 0; frame < 3; ++frame) {
+    Image8 mask = Block(frame, 0, 90);
+    if (frame == 1)
+      for (std::size_t p = 0; p < mask.data.size(); ++p)
+        mask.data[p] = static_cast<std::uint8_t>(p * 7 / 3 % 4);
+    WriteImage(folder_ / "masks/a" / (std::to_string(frame) + ".jpg"), mask, 100);
+  }
+  ASSERT_FALSE(ReadImage(folder_ / "masks/a/1.jpg", 1).data == Image8(32, 24, 1).data);
+  GivenMasks masks = Open();
+  EXPECT_EQ(masks.Read(1).data, Image8(32, 24, 1).data);
+  EXPECT_EQ(*masks.Read(0).at(14, 12), 255);
+}
+
 TEST_F(GivenMasksTest, SeveralLabelsAreRefusedByName) {
   Image8 labels = Block(0, 0, 1);
   for (int x = 0; x < 20; ++x) *labels.at(x, 2) = 2;

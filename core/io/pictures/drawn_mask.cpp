@@ -9,6 +9,7 @@
 
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/mask_channels.h"
 #include "core/values/errors.h"
 
@@ -61,6 +62,7 @@ Image8 Above(const ImageF& levels, float limit) {
 }  // namespace
 
 Image8 MaskOfLevels(const ImageF& levels, bool lossless, const std::string& name) {
+  if (!lossless && IsEmptyMatte(levels)) return Image8(levels.width, levels.height, 1);
   const std::map<float, std::size_t> counts = FewLevels(levels);
   if (counts.size() == 1) return Above(levels, 0);
   if (counts.size() == 2) return Above(levels, counts.begin()->first);
@@ -89,8 +91,12 @@ Image8 ReadDrawnMask(const std::filesystem::path& path) {
         fmt::format("mask {} is a picture in colours; a mask is white where the figure is and "
                     "black elsewhere, or has it in its alpha",
                     name));
+  return MaskOfLevels(levels, KeepsLevels(path), name);
+}
+
+bool KeepsLevels(const std::filesystem::path& path) {
   const std::string format = ReadImageInfo(path).format;
-  return MaskOfLevels(levels, format != "jpeg" && format != "heif", name);
+  return format != "jpeg" && format != "heif";
 }
 
 }  // namespace keypose

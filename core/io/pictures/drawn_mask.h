@@ -12,7 +12,8 @@ namespace keypose {
 /// 255 where the figure is, else 0, by the levels of a file.
 ///
 /// Of two levels the higher one is the figure, however small both are; with more, what is above
-/// half of 255. One level alone is nothing at 0, and everything above.
+/// half of 255. One level alone is nothing at 0, and everything above. Lossy levels up to 8 alone
+/// are black with noise.
 /// @param levels    H x W x 1, of 255, with fractions where a file stores more than 8 bits
 /// @param lossless  false: levels near 0 and 255 are noise of the compression
 /// @param name      of the file, for messages
@@ -24,5 +25,9 @@ Image8 MaskOfLevels(const ImageF& levels, bool lossless, const std::string& name
 /// them, else by its levels. The EXIF orientation is applied.
 /// @throws InputError  as MaskOfLevels; a picture in colours @throws DiskError as ReadImage
 Image8 ReadDrawnMask(const std::filesystem::path& path);
+
+/// Whether a file keeps each level as it was painted: JPEG and HEIF do not.
+/// @throws InputError, DiskError as ReadImageInfo
+bool KeepsLevels(const std::filesystem::path& path);
 
 }  // namespace keypose

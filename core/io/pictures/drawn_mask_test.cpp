@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/io/pictures/image_io.h"
@@ -92,6 +93,26 @@ TEST(MaskOfLevels, NoiseOfAJpegIsNoLabel) {
   EXPECT_THAT(Refusal(levels, true), HasSubstr("0, 3, 255"));
 }
 
+TEST(MaskOfLevels, LossyNoiseAloneIsBlack) {
+  for (const float upper : {0.F, 1.F, 8.F}) {
+    EXPECT_THAT(MaskOfLevels(Disc(0, upper), false, "").data, ::testing::Each(0)) << upper;
+    EXPECT_THAT(MaskOfLevels(Disc(upper, upper), false, "").data, ::testing::Each(0)) << upper;
+  }
+  ExpectDisc(MaskOfLevels(Disc(0, 9), false, ""));
+  ImageF noise = Disc(0, 3);
+  for (int x = 0; x < 40; ++x) *noise.at(x, 0) = static_cast<float>(x % 9);
+  EXPECT_THAT(MaskOfLevels(noise, false, "").data, ::testing::Each(0));
+  EXPECT_THAT(Refusal(noise, true), HasSubstr("brightest level is 8"));
+}
+
+/// 40 x 30: black, but for noise up to a level.
+Image8 NearlyBlack(int most) {
+  Image8 black(40, 30, 1);
+  for (std::size_t p = 0; p < black.data.size(); ++p)
+    black.data[p] = static_cast<std::uint8_t>(p * 7 / 3 % (most + 1));
+  return black;
+}
+
 class DrawnMask : public ::testing::Test, public TestingFolder {};
 
 TEST_F(DrawnMask, SixteenBitsKeepALevelOfOne) {
@@ -99,6 +120,17 @@ TEST_F(DrawnMask, SixteenBitsKeepALevelOfOne) {
   ExpectDisc(ReadDrawnMask(path() / "m.png"));
   WriteLevels(path() / "m.tif", Disc(0, 1 / 257.F), 16);
   ExpectDisc(ReadDrawnMask(path() / "m.tif"));
+}
+
+TEST_F(DrawnMask, ANearlyBlackJpegHoldsNobody) {
+  for (const int most : {1, 2, 6}) {
+    WriteImage(path() / "m.jpg", NearlyBlack(most), 100);
+    const ImageF levels = ReadLevels(path() / "m.jpg", 1);
+    EXPECT_GT(*std::max_element(levels.data.begin(), levels.data.end()), 0) << "noise is left";
+    EXPECT_THAT(ReadDrawnMask(path() / "m.jpg").data, ::testing::Each(0)) << most;
+  }
+  WritePng(path() / "m.png", NearlyBlack(1));
+  EXPECT_EQ(ReadDrawnMask(path() / "m.png").data[1], NearlyBlack(1).data[1] ? 255 : 0);
 }
 
 TEST_F(DrawnMask, ACutOutsAlphaIsTheMask) {

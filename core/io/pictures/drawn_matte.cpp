@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/pictures/given_matte.h"
@@ -36,21 +37,22 @@ bool AreTwoSides(const std::map<float, std::size_t>& some, std::size_t pixels) {
   return static_cast<double>(fewer) >= kLeastSide * static_cast<double>(pixels);
 }
 
-DrawnMatte MatteOfLevels(const ImageF& levels, const std::string& name) {
+DrawnMatte MatteOfLevels(const ImageF& levels, bool lossless, const std::string& name) {
   DrawnMatte drawn;
   drawn.matte = Image8(levels.width, levels.height, 1);
   const std::map<float, std::size_t> some = SomeLevels(levels);
   const auto fill = [&](auto value) {
     std::transform(levels.data.begin(), levels.data.end(), drawn.matte.data.begin(), value);
   };
-  if (AreTwoSides(some, levels.data.size())) {
+  const bool black = !lossless && IsEmptyMatte(levels);
+  if (!black && AreTwoSides(some, levels.data.size())) {
     const float low = some.begin()->first, high = some.rbegin()->first;
     drawn.stretched = low > 0 || high < 255;
     fill([&](float level) { return static_cast<std::uint8_t>(level > low ? 255 : 0); });
     return drawn;
   }
   const float highest = *std::max_element(levels.data.begin(), levels.data.end());
-  if (highest < kDark && some.size() > 2)
+  if (!black && highest < kDark && some.size() > 2)
     throw InputError(fmt::format(
         "matte {} is dark all over, its brightest level is {:g} of 255; what is covered must be "
         "white, all else black",
@@ -75,8 +77,8 @@ ImageF GreyOfMatte(const ImageF& rgb, const std::string& name) {
 DrawnMatte ReadDrawnMatte(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   if (const Image8 alpha = ReadAlpha(path); AlphaIsMask(alpha))
-    return MatteOfLevels(AsLevels(alpha), name);
-  return MatteOfLevels(GreyOfMatte(ReadLevels(path, 3), name), name);
+    return MatteOfLevels(AsLevels(alpha), true, name);
+  return MatteOfLevels(GreyOfMatte(ReadLevels(path, 3), name), KeepsLevels(path), name);
 }
 
 Image8 PlacedMatte(Image8 matte, int width, int height, int orientation, const std::string& what,

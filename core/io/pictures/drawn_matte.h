@@ -16,7 +16,8 @@ struct DrawnMatte {
 
 /// By its alpha where that differs between pixels or hides all of them, else by its levels. Two
 /// levels are 0 and 255, however small both are, unless fewer than one pixel in 2000 has one of
-/// them; one alone and more are kept. The EXIF orientation is applied.
+/// them; one alone and more are kept, as are those of a black JPEG or HEIC with noise. The EXIF
+/// orientation is applied.
 /// @throws InputError  a picture in colours; many levels, all of them dark @throws DiskError
 DrawnMatte ReadDrawnMatte(const std::filesystem::path& path);
 

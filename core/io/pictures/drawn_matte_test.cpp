@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/png_io.h"
 #include "core/pictures/given_matte.h"
@@ -71,6 +72,20 @@ TEST_F(DrawnMatteFile, AFewPixelsOfAnotherLevelAreNoise) {
   Image8 small(120, 90, 1);
   std::fill_n(small.data.begin() + 5000, 6, std::uint8_t{1});
   EXPECT_EQ(Read(small).matte.data[5005], 255) << "6 of 10800 pixels";
+}
+
+TEST_F(DrawnMatteFile, ANearlyBlackJpegIsEmpty) {
+  for (const int most : {1, 2, 6}) {
+    Image8 black(40, 30, 1);
+    for (std::size_t p = 0; p < black.data.size(); ++p)
+      black.data[p] = static_cast<std::uint8_t>(p * 7 / 3 % (most + 1));
+    WriteImage(path() / "m.jpg", black, 100);
+    const DrawnMatte drawn = ReadDrawnMatte(path() / "m.jpg");
+    EXPECT_TRUE(IsEmptyMatte(drawn.matte)) << most;
+    EXPECT_FALSE(drawn.stretched) << most;
+  }
+  WriteImage(path() / "m.jpg", HardDisc(0, 255), 100);
+  EXPECT_FALSE(IsEmptyMatte(ReadDrawnMatte(path() / "m.jpg").matte));
 }
 
 TEST_F(DrawnMatteFile, OneLevelIsKept) {
