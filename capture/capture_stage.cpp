@@ -516,7 +516,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "14",
+    .version = "15",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .title = "Photographs",
     .measurements = {{"images_total", "photographs"},

@@ -21,7 +21,7 @@ using nlohmann::ordered_json;
 
 const keypose::StageSpec kSpec{
     .name = "composite",
-    .version = "8",
+    .version = "9",
     .summary = "Renders in-betweens into a filmed shot.",
     .title = "Into the shot",
     .inputs = {{.name = "frames",

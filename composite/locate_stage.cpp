@@ -21,7 +21,7 @@ constexpr double kGoodContour = 1.5;  // px
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "locate";
-  spec.version = "10";
+  spec.version = "11";
   spec.summary = "Finds the camera of a filmed shot, and the character's place in its frames.";
   spec.title = "Camera of the shot";
   spec.inputs = {
