@@ -12,6 +12,7 @@
 #include "capture/testing/test_images.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/pictures/given_matte.h"
 #include "core/pictures/image_turns.h"
 #include "core/testing/paths.h"
 
@@ -63,7 +64,7 @@ TEST_F(OwnMasks, OfLevelsZeroAndOneAreUsed) {
 }
 
 TEST_F(OwnMasks, WhiteRoundTheFigureIsTurnedRoundAndSaid) {
-  Write(Inverted);
+  Write(InvertedMatte);
   ExpectTruth();
   EXPECT_THAT(output, HasSubstr("white where the figure is not"));
 }
