@@ -113,6 +113,8 @@ class ShotWriter {
 
   /// Of a picture of the finished shot.
   std::string Number(int n) const { return fmt::format("{:04}", input_.first_number + n); }
+  /// The scene counts its pictures from 0, whatever their numbers are.
+  static std::string BlenderFilm(int n) { return fmt::format("film_{:04}.jpg", n); }
 
   /// The one of a still camera.
   void WritePlate() const {
@@ -210,7 +212,7 @@ class ShotWriter {
     if (video_) video_->Add(Even(picture));
     if (!options_.blender) return;
     const Image8 flat = camera_.distorted() ? Undistorted(picture, camera_) : picture;
-    WriteImage(folder_ / "blender" / ("film_" + Number(n) + ".jpg"), flat, 95);
+    WriteImage(folder_ / "blender" / BlenderFilm(n), flat, 95);
   }
 
   /// Of a still camera.
@@ -244,7 +246,7 @@ class ShotWriter {
                      SizeOf(input_.plan.pictures),
                      {},
                      "",
-                     "film_" + Number(0) + ".jpg",
+                     BlenderFilm(0),
                      LightForBlender()};
     if (geometry_.still()) {
       shot.plate = "plate.png";

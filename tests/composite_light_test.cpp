@@ -158,7 +158,7 @@ TEST_F(LightPlates, EachPictureHasItsOwnPlateAndNumber) {
   FilmedShot shot = ReadShot(folder_ / "shot.json");
   shot.fps = 24, shot.frames[1].frame = 4;
   WriteFile(folder_ / "shot24.json", ShotText(shot));
-  const RunResult result = OverPlate("each", "set", {{"shot", "shot24.json"}});
+  const RunResult result = OverPlate("each", "set", {{"shot", "shot24.json"}, {"blender", "true"}});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("1 plates lie outside"));
   for (int n = 0; n < kPictures; ++n) {
@@ -167,6 +167,10 @@ TEST_F(LightPlates, EachPictureHasItsOwnPlateAndNumber) {
     EXPECT_EQ(Channel(picture, "R")[100], n);
     EXPECT_EQ(Untouched(picture, fmt::format("set/take3.{}.exr", 1001 + n)).second, 0);
   }
+  const fs::path scene = folder_ / "each/blender";
+  EXPECT_TRUE(fs::exists(scene / "film_0000.jpg")) << "Blender's frame 0";
+  EXPECT_FALSE(fs::exists(scene / "film_1001.jpg"));
+  EXPECT_EQ(json::parse(ReadFile(scene / "shot.json"))["film"], "film_0000.jpg");
   fs::remove(folder_ / "set/take3.1003.exr");
   const RunResult lacking = OverPlate("lacking", "set", {{"shot", "shot24.json"}});
   EXPECT_EQ(lacking.exit_code, 3);
