@@ -115,14 +115,17 @@ void Count(int pictures, double rate, FilmIndex* index) {
 void TakeTimes(const FilmFile& film, Stamps stamps, FilmIndex* index) {
   const double header = HeaderRate(film.stream());
   const double unit = av_q2d(film.stream().time_base);
+  std::int64_t zero = ZeroOf(film) + stamps.delay;
+  index->zero_s = static_cast<double>(zero) * unit;
   if (!stamps.sure && StoreTheirOrder(stamps)) {
+    zero = stamps.stored.front();
+    index->zero_s = static_cast<double>(zero) * unit;
     for (const std::int64_t stamp : stamps.stored)
-      index->times_s.push_back(static_cast<double>(stamp - stamps.stored.front()) * unit);
+      index->times_s.push_back(static_cast<double>(stamp - zero) * unit);
     index->rate = RateOf(index->times_s, header);
     return;
   }
   if (!stamps.sure) return Count(SizeOf(stamps.all), header > 0 ? header : kUsualRate, index);
-  const std::int64_t zero = ZeroOf(film) + stamps.delay;
   for (const std::int64_t stamp : stamps.all)
     index->times_s.push_back(static_cast<double>(stamp - zero) * unit);
   index->stamps = std::move(stamps.all);

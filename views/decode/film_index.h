@@ -18,6 +18,7 @@ struct FilmIndex {
   /// an encoder, which MP4 without an edit list shows, counts not.
   std::vector<double> times_s;
   std::vector<std::int64_t> stamps;  ///< the same in the file's unit; empty: counted, without times
+  double zero_s = 0;  ///< the time in the file [s] that counts as 0 above, of sound too
   PictureRate rate;
   int width = 0, height = 0;  ///< as shown
   bool has_alpha = false;

@@ -78,8 +78,8 @@ Sampler SamplerOf(const AVFrame& frame) {
 
 class SoundReader {
  public:
-  explicit SoundReader(const std::filesystem::path& path)
-      : packet_(av_packet_alloc()), frame_(av_frame_alloc()) {
+  SoundReader(const std::filesystem::path& path, double zero_s)
+      : packet_(av_packet_alloc()), frame_(av_frame_alloc()), zero_s_(zero_s) {
     av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* opened = nullptr;
     AVDictionary* options = nullptr;
@@ -121,10 +121,6 @@ class SoundReader {
     avcodec_parameters_to_context(decoder.get(), stream_->codecpar);
     decoder->pkt_timebase = stream_->time_base;
     if (avcodec_open2(decoder.get(), codec, nullptr) >= 0) decoder_ = std::move(decoder);
-    // Streams that are cut from broadcasts count from anywhere, as in FilmIndex.
-    const bool anywhere = (format_->iformat->flags & AVFMT_TS_DISCONT) != 0;
-    if (anywhere && format_->start_time != AV_NOPTS_VALUE)
-      zero_s_ = static_cast<double>(format_->start_time) / AV_TIME_BASE;
   }
 
   void TakeFrames(MilliSums* sums) {
@@ -154,15 +150,15 @@ class SoundReader {
   AvEncoder decoder_;
   AvPacket packet_;
   AvFrame frame_;
-  double next_s_ = 0, zero_s_ = 0;
+  double zero_s_, next_s_ = 0;
   bool begun_ = false;
 };
 
 }  // namespace
 
-FilmSound ReadFilmSound(const std::filesystem::path& path, double most_s,
+FilmSound ReadFilmSound(const std::filesystem::path& path, const FilmIndex& index, double most_s,
                         const Progress* progress) {
-  return SoundReader(path).Read(most_s, progress);
+  return SoundReader(path, index.zero_s).Read(most_s, progress);
 }
 
 }  // namespace keypose

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/values/progress.h"
+#include "views/decode/film_index.h"
 
 namespace keypose {
 
@@ -14,10 +15,11 @@ struct FilmSound {
 };
 
 /// Decodes the first sound of a film. What cannot be decoded counts as no sound.
+/// @param index     of this file
 /// @param most_s    what comes later is not read
 /// @param progress  asked for cancel; may be null
 /// @return empty if it has none
-FilmSound ReadFilmSound(const std::filesystem::path& path, double most_s,
+FilmSound ReadFilmSound(const std::filesystem::path& path, const FilmIndex& index, double most_s,
                         const Progress* progress = nullptr);
 
 }  // namespace keypose

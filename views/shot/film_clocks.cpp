@@ -33,7 +33,8 @@ double SlowestPicture_s(const std::vector<const ShotCamera*>& films) {
 }
 
 Signal SoundOf(const ShotCamera& film, const Progress* progress) {
-  const FilmSound sound = ReadFilmSound(film.pictures.video, kMostSound_s, progress);
+  const FilmSound sound =
+      ReadFilmSound(film.pictures.video, *film.pictures.index, kMostSound_s, progress);
   return SoundOnsets({sound.first_s, sound.per_milli});
 }
 

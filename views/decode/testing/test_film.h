@@ -81,8 +81,9 @@ class TestFilm {
           frame.data[plane][i] = 128;
     });
   }
-  /// All of the sound, from time 0 on, before any picture; samples in [-1, 1].
-  void AddSound(const std::vector<double>& samples) {
+  /// Sound before any picture; samples in [-1, 1].
+  /// @param first  number of the first sample: its time
+  void AddSound(const std::vector<double>& samples, std::int64_t first = 0) {
     for (std::size_t begin = 0; begin < samples.size(); begin += 1024) {
       const int count = static_cast<int>(std::min<std::size_t>(1024, samples.size() - begin));
       Need(av_new_packet(packet_.get(), 2 * count));
@@ -92,7 +93,7 @@ class TestFilm {
         packet_->data[2 * i + 1] = static_cast<std::uint8_t>(level >> 8 & 255);
       }
       packet_->stream_index = 1;
-      packet_->pts = packet_->dts = static_cast<std::int64_t>(begin);
+      packet_->pts = packet_->dts = first + static_cast<std::int64_t>(begin);
       packet_->duration = count;
       av_packet_rescale_ts(packet_.get(), {1, kind_.sound_rate}, file_->streams[1]->time_base);
       Need(av_interleaved_write_frame(file_, packet_.get()));
