@@ -21,15 +21,20 @@ constexpr double kMillis = 1000;
 /// Power summed by milliseconds from the first sample on.
 class MilliSums {
  public:
+  explicit MilliSums(double most_s) : most_s_(most_s) {}
+
+  /// What is no number, or lies elsewhere by a wrong time stamp, is left out.
   void Add(double time_s, double square) {
+    if (!(square <= std::numeric_limits<float>::max())) return;
     if (sums_.empty()) first_s_ = time_s;
     const double at = (time_s - first_s_) * kMillis;
-    if (at < 0) return;
+    if (!(at >= 0 && at < most_s_ * kMillis)) return;
     const std::size_t milli = static_cast<std::size_t>(at + 1e-6);
     if (milli >= sums_.size()) sums_.resize(milli + 1), counts_.resize(milli + 1);
     sums_[milli] += square;
     ++counts_[milli];
   }
+  bool EndsBefore(double time_s) const { return !sums_.empty() && time_s - first_s_ > most_s_; }
   FilmSound Means() const {
     FilmSound sound{first_s_, {}};
     for (std::size_t i = 0; i < sums_.size(); ++i)
@@ -38,7 +43,7 @@ class MilliSums {
   }
 
  private:
-  double first_s_ = 0;
+  double most_s_, first_s_ = 0;
   std::vector<double> sums_;
   std::vector<int> counts_;
 };
@@ -92,14 +97,14 @@ class SoundReader {
   }
 
   FilmSound Read(double most_s, const Progress* progress) {
-    MilliSums sums;
+    MilliSums sums(most_s);
     while (decoder_ && av_read_frame(format_.get(), packet_.get()) >= 0) {
       if (progress && progress->cancelled()) throw Cancelled();
       const bool mine = packet_->stream_index == stream_->index;
       if (mine) avcodec_send_packet(decoder_.get(), packet_.get());
       av_packet_unref(packet_.get());
       if (mine) TakeFrames(&sums);
-      if (next_s_ > most_s) return sums.Means();
+      if (sums.EndsBefore(next_s_)) return sums.Means();
     }
     if (decoder_) {
       avcodec_send_packet(decoder_.get(), nullptr);

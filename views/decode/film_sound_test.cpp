@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
+#include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "views/decode/testing/test_film.h"
 
@@ -57,6 +61,58 @@ TEST_F(FilmSoundOf, ItsClockIsThatOfThePictures) {
     EXPECT_NEAR(index.times_s[15], 0.5, 6e-4) << name;
     EXPECT_NEAR(LoudestAt(ReadFilmSound(folder_ / name, index, 60)), 0.5, 1.5e-3) << name;
   }
+}
+
+TEST_F(FilmSoundOf, AJumpOfItsTimesTakesNoMemory) {
+  const fs::path path = folder_ / "jump.mkv";
+  {
+    TestFilm film(path, Kind());
+    film.AddSound(Clap(0.5, 1));
+    film.AddSound(Clap(0.5, 1), std::int64_t{26 * 3600} * kRate);
+    AddPictures(film);
+  }
+  const FilmSound sound = ReadFilmSound(path, ReadFilmIndex(path), 60);
+  EXPECT_EQ(sound.per_milli.size(), 1000u);
+  EXPECT_NEAR(LoudestAt(sound), 0.5, 1.5e-3);
+}
+
+TEST_F(FilmSoundOf, TheBoundIsCountedFromTheFirstSample) {
+  const fs::path path = folder_ / "late.mkv";
+  {
+    TestFilm film(path, Kind());
+    film.AddSound(Clap(0.25, 2), 5 * kRate);
+    AddPictures(film);
+  }
+  const FilmSound sound = ReadFilmSound(path, ReadFilmIndex(path), 0.5);
+  EXPECT_NEAR(sound.first_s, 5, 1e-3);
+  EXPECT_NEAR(static_cast<double>(sound.per_milli.size()), 500, 1);
+  EXPECT_NEAR(LoudestAt(sound), 5.25, 1.5e-3);
+}
+
+/// A WAVE of floats, of one channel.
+std::string Wave(const std::vector<float>& samples) {
+  std::string bytes = "RIFF";
+  const auto add = [&](auto number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  const auto size = static_cast<std::uint32_t>(4 * samples.size());
+  add(36 + size), bytes += "WAVEfmt ", add(std::uint32_t{16});
+  add(std::uint16_t{3}), add(std::uint16_t{1}), add(std::uint32_t{kRate});
+  add(std::uint32_t{4 * kRate}), add(std::uint16_t{4}), add(std::uint16_t{32});
+  bytes += "data", add(size);
+  for (const float sample : samples) add(sample);
+  return bytes;
+}
+
+TEST_F(FilmSoundOf, SamplesThatAreNoNumbersAreLeftOut) {
+  std::vector<float> samples(kRate, 0.25f);
+  samples[800] = std::numeric_limits<float>::quiet_NaN();
+  samples[1600] = std::numeric_limits<float>::infinity();
+  samples[2400] = 1e30f;
+  WriteFile(folder_ / "a.wav", Wave(samples));
+  const FilmSound sound = ReadFilmSound(folder_ / "a.wav", {}, 60);
+  ASSERT_EQ(sound.per_milli.size(), 1000u);
+  for (const float power : sound.per_milli) ASSERT_EQ(power, 0.0625f);
 }
 
 }  // namespace keypose::film_sound_test
