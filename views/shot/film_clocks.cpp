@@ -124,12 +124,15 @@ class Comparing {
     std::vector<std::string> lone;
     for (int f = 0; f < SizeOf(films_); ++f)
       if (groups[f] != groups[link.a]) lone.push_back(films_[f]->name);
+    const double seconds = link.drift.whole.seconds;  // above 0: b began first
     throw InputError(fmt::format(
         "the clocks of cameras {} and {} differ by {:.3f} s, but neither sound nor motion tells "
-        "that of {} ({}); say when each film began, as in clock_offsets: 0,{:.3f},..., or keep "
-        "the time stamps by clock_offsets: off; next time clap once where all cameras film",
-        films_[link.a]->name, films_[link.b]->name, link.drift.whole.seconds, fmt::join(lone, ", "),
-        best, std::abs(link.drift.whole.seconds)));
+        "that of {} ({}); say when each film began, in the order of the cameras' names (of {} and "
+        "{} clock_offsets: {:.3f},{:.3f}), or keep the time stamps by clock_offsets: off; next "
+        "time clap once where all cameras film",
+        films_[link.a]->name, films_[link.b]->name, seconds, fmt::join(lone, ", "), best,
+        films_[link.a]->name, films_[link.b]->name, std::max(0.0, seconds),
+        std::max(0.0, -seconds)));
   }
 
   FilmClocks Contradicted(const ClockNetwork& network) const {

@@ -14,6 +14,7 @@
 namespace keypose::film_clocks_test {
 
 namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 /// One event, whose second 0 is anywhere before all films.
@@ -174,7 +175,12 @@ TEST_F(FilmClocksOf, AFilmThatCannotBeJoinedWithOthersThatAreOffsetIsRefused) {
   Film("c", {.clap_s = 100, .seed = 7}, {.begin_s = 0, .sound = false});
   EXPECT_THAT(Fault("auto"), HasSubstr("the clocks of cameras a and b differ by -2.50"));
   EXPECT_THAT(Fault("auto"), HasSubstr("tells that of c (the clearest is camera c against"));
+  EXPECT_THAT(Fault("auto"), HasSubstr("(of a and b clock_offsets: 0.000,2.50"));
   EXPECT_EQ(Fault("off"), "none");
+  Film("b", {}, {.begin_s = 0.0});
+  Film("a", {}, {.begin_s = 2.5});
+  EXPECT_THAT(Fault("auto"), HasSubstr("the clocks of cameras a and b differ by 2.50"));
+  EXPECT_THAT(Fault("auto"), ContainsRegex("of a and b clock_offsets: 2\\.50[0-9],0\\.000"));
 }
 
 TEST_F(FilmClocksOf, GivenBeginsAreTaken) {
