@@ -49,12 +49,12 @@ class Cells {
     const AVComponentDescriptor& luma = description_->comp[0];
     const std::uint8_t* line =
         frame.data[luma.plane] + std::ptrdiff_t{y} * frame.linesize[luma.plane];
-    if (luma.depth == 8 && luma.step == 1) {
+    const bool palette = (description_->flags & AV_PIX_FMT_FLAG_PAL) != 0;
+    if (!palette && luma.depth == 8 && luma.step == 1) {
       std::copy(line, line + frame.width, row_.begin());
       return;
     }
     const std::uint8_t* data[4] = {frame.data[0], frame.data[1], frame.data[2], frame.data[3]};
-    const bool palette = (description_->flags & AV_PIX_FMT_FLAG_PAL) != 0;
     av_read_image_line2(row_.data(), data, frame.linesize, description_, 0, y, 0, frame.width,
                         palette, sizeof(std::uint32_t));
   }
