@@ -280,14 +280,14 @@ void ReadMovingFilm(StageContext& stage, CompositeInput* input) {
 
 /// A person's colours, and the window of the pictures; nothing where they are no scene light.
 void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeInput* input) {
-  const FilmFiles plate(stage.Input("plate"));
-  const bool film_is_light =
-      stage.Has("filmed") ? FilmFiles(stage.Input("filmed")).is_light() : plate.is_light();
-  if (film_is_light != plate.is_light())
+  const std::vector<FilmPicture> plate = LightPictures(stage.Input("plate")),
+                                 film = stage.Has("filmed") ? LightPictures(stage.Input("filmed"))
+                                                            : plate;
+  if (film.empty() != plate.empty())
     throw InputError(
         "composite: one of plate and film is OpenEXR or DPX, and the other is not; pass both as "
         "the camera's light (OpenEXR, DPX), or both as they should look (PNG, TIFF, video)");
-  if (!plate.is_light()) {
+  if (plate.empty()) {
     if (colorspace.empty() && !stage.Has("ocio_config")) return;
     throw UsageError(
         "composite: plate_colorspace and ocio_config are for OpenEXR and DPX plates; pictures of "
@@ -295,7 +295,7 @@ void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeIn
   }
   const StatedColors stated{colorspace,
                             stage.Has("ocio_config") ? stage.Input("ocio_config") : fs::path()};
-  const fs::path& first = plate.pictures().front().path;
+  const fs::path& first = plate.front().path;
   input->scene = std::make_unique<ScenePlates>(stated, first);
   input->shot.camera = input->scene->OfWindow(input->shot.camera);
   input->kind.bits = input->scene->single() ? 32 : 16;
@@ -308,8 +308,7 @@ void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeIn
     stage.Note(fmt::format("composite: {} channels of {} are no colours, and are left out",
                            input->scene->others(), PrintableName(first.filename())));
   // Textures are sRGB; all light of the shot is of the plate's primaries.
-  if (stage.Has("filmed"))
-    input->scene->ExposeFor(FilmFiles(stage.Input("filmed")).pictures().front().path);
+  if (stage.Has("filmed")) input->scene->ExposeFor(film.front().path);
   for (ImageF& texture : input->looks.textures) {
     input->scene->colors().TakeFromRec709(&texture);
     for (float& value : texture.data) value *= input->scene->exposure();
@@ -319,7 +318,7 @@ void LookAtScene(StageContext& stage, const std::string& colorspace, CompositeIn
 /// One plate for each picture of the finished shot, where nothing was filmed.
 bool IsSequence(StageContext& stage, const CompositeInput& input) {
   return input.scene && !stage.Has("filmed") && fs::is_directory(stage.Input("plate")) &&
-         FilmFiles(stage.Input("plate")).pictures().size() > 1;
+         LightPictures(stage.Input("plate")).size() > 1;
 }
 
 ImageF ReadPicture(const CompositeInput& input, const fs::path& path) {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 SceneSequence::SceneSequence(const fs::path& plates, const ScenePlates& scene,
                              const FilmedShot& shot, const FilmPlan& plan, int frames)
     : scene_(scene) {
-  const std::vector<FilmPicture> pictures = FilmFiles(plates).pictures();
+  const std::vector<FilmPicture> pictures = LightPictures(plates);
   const int first = plan.first_frame * plan.per_frame;
   for (int n = 0; n < frames; ++n) {
     const auto plate =

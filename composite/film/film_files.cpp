@@ -28,7 +28,18 @@ fs::path NewFolder() {
   return name;
 }
 
+bool AreLight(const std::vector<FilmPicture>& pictures) {
+  const std::string ending = LowerExtension(pictures.front().path);
+  return ending == ".exr" || ending == ".dpx";
+}
+
 }  // namespace
+
+std::vector<FilmPicture> LightPictures(const fs::path& film) {
+  if (IsFilmFile(film)) return {};
+  std::vector<FilmPicture> pictures = FilmPictures(film, FilmKinds::kPicturesOrLight);
+  return AreLight(pictures) ? pictures : std::vector<FilmPicture>{};
+}
 
 int PlatesAFrame(int last_plate, int last_frame) {
   return last_frame > 0 ? std::max(1, last_plate / last_frame) : 1;
@@ -37,8 +48,7 @@ int PlatesAFrame(int last_plate, int last_frame) {
 FilmFiles::FilmFiles(const fs::path& film, ShowLight show) : film_(film) {
   if (!IsFilmFile(film)) {
     pictures_ = FilmPictures(film, FilmKinds::kPicturesOrLight);
-    const std::string ending = LowerExtension(pictures_.front().path);
-    is_light_ = ending == ".exr" || ending == ".dpx";
+    is_light_ = AreLight(pictures_);
     if (!is_light_ || !show) return;
     show_ = std::move(show);
     scratch_ = NewFolder();

@@ -22,6 +22,11 @@ int PlatesAFrame(int last_plate, int last_frame);
 /// Makes a picture of scene light (OpenEXR, DPX) one to look at: RGB.
 using ShowLight = std::function<Image8(const std::filesystem::path& picture)>;
 
+/// The pictures of a film of scene light, by their names: OpenEXR and DPX.
+/// @return empty  of other pictures, and of a video, which is not opened
+/// @throws InputError  see FilmPictures
+std::vector<FilmPicture> LightPictures(const std::filesystem::path& film);
+
 /// Pictures of a video are decoded when they are asked for, into a folder of PNG files that is
 /// removed with this object: 8 bits a channel, with alpha where the video has it. So are pictures
 /// of scene light, if it is said how they are shown; else these are listed as they are.
