@@ -82,8 +82,7 @@ OCIO::ConstCPUProcessorRcPtr ExactOf(const OCIO::ConstProcessorRcPtr& processor)
                                              OCIO::OPTIMIZATION_LOSSLESS);
 }
 
-std::function<void(float*, long, int)> CurveOf(const OCIO::ConstProcessorRcPtr& processor) {
-  const OCIO::ConstCPUProcessorRcPtr exact = ExactOf(processor);
+std::function<void(float*, long, int)> CurveOf(const OCIO::ConstCPUProcessorRcPtr& exact) {
   return [exact](float* pixels, long count, int channels) {
     OCIO::PackedImageDesc image(pixels, count, 1, channels);
     exact->apply(image);
@@ -91,8 +90,7 @@ std::function<void(float*, long, int)> CurveOf(const OCIO::ConstProcessorRcPtr& 
 }
 
 /// The matrix that a processor is, if it is one over the range of scene light.
-std::optional<Matrix3d> MatrixOf(const OCIO::ConstProcessorRcPtr& processor) {
-  const OCIO::ConstCPUProcessorRcPtr exact = ExactOf(processor);
+std::optional<Matrix3d> MatrixOf(const OCIO::ConstCPUProcessorRcPtr& exact) {
   const auto apply = [&](const Vector3d& light) -> Vector3d {
     Eigen::Vector3f value = light.cast<float>();
     exact->applyRGB(value.data());
@@ -167,7 +165,7 @@ class PersonsConfig {
     return space->getName();
   }
 
-  OCIO::ConstProcessorRcPtr Way(const std::string& from, const std::string& to) const {
+  OCIO::ConstCPUProcessorRcPtr Way(const std::string& from, const std::string& to) const {
     return Guarded([&] { return config_->getProcessor(from.c_str(), to.c_str()); });
   }
   /// To Rec.709 in linear light, if the space is linear.
@@ -180,9 +178,9 @@ class PersonsConfig {
 
  private:
   template <class Get>
-  OCIO::ConstProcessorRcPtr Guarded(const Get& get) const {
+  OCIO::ConstCPUProcessorRcPtr Guarded(const Get& get) const {
     try {
-      return get();
+      return ExactOf(get());
     } catch (const OCIO::Exception& fault) {
       throw InputError(fmt::format("{}: {}", path_, WithoutOddBytes(fault.what())));
     }
@@ -309,7 +307,7 @@ void PlateColors::TakeNamed(const std::string& name, const LightFile& header) {
         "known are {}, and the built-in ways to ACES2065-1 of OpenColorIO {}",
         name, KnownColorspaces(), OCIO::GetVersion()));
   TakePrimaries(kAcesAp0);
-  curve_ = CurveOf(BuiltinWay(*style));
+  curve_ = CurveOf(ExactOf(BuiltinWay(*style)));
   meaning_ = fmt::format("{} ({})", name, *style);
 }
 

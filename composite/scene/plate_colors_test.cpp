@@ -153,4 +153,16 @@ TEST(PlateColors, APersonsConfigurationSaysWhatIsWhat) {
   EXPECT_THAT(FaultOf({"Show log", broken}), HasSubstr("no OpenColorIO configuration"));
 }
 
+TEST(PlateColors, AFaultInAConfigurationsMathIsNamed) {
+  const TestingFolder folder;
+  std::string text = ConfigWith("aces_interchange: AP0");
+  text += R"(  - !<ColorSpace>
+    name: Flat
+    from_reference: !<CDLTransform> {slope: [0, 0, 0]}
+)";
+  const fs::path config = folder.Put("flat.ocio", text);
+  EXPECT_THROW(PlateColors({"Flat", config}, "p.exr", Exr()), InputError);
+  EXPECT_THAT(FaultOf({"Flat", config}), HasSubstr("flat.ocio: Singular Matrix"));
+}
+
 }  // namespace keypose::composite::plate_colors_test
