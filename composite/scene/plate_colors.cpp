@@ -233,13 +233,20 @@ std::optional<std::string> BuiltinStyle(const std::string& name) {
   return {};
 }
 
+/// @throws UsageError  the end of the names of several
 std::optional<std::string> CameraStyle(const std::string& name) {
   const std::string plain = Plain(name);
   for (const CameraLog& log : kCameraLogs)
     if (Plain(log.name) == plain) return log.style;
-  for (const CameraLog& log : kCameraLogs)  // without the maker's name, such as "S-Log3"
-    if (plain.size() >= 4 && Plain(log.name).ends_with(plain)) return log.style;
-  return BuiltinStyle(name);
+  std::vector<CameraLog> ends;  // without the maker's name, such as "S-Log3"
+  for (const CameraLog& log : kCameraLogs)
+    if (plain.size() >= 4 && Plain(log.name).ends_with(plain)) ends.push_back(log);
+  if (ends.empty()) return BuiltinStyle(name);
+  if (ends.size() == 1) return ends[0].style;
+  std::vector<std::string> names;
+  for (const CameraLog& log : ends) names.emplace_back(log.name);
+  throw UsageError(fmt::format("plate_colorspace '{}' may be {}; write one of them in full", name,
+                               fmt::join(names, " or ")));
 }
 
 OCIO::ConstProcessorRcPtr BuiltinWay(const std::string& style) {

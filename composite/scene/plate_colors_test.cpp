@@ -33,6 +33,15 @@ void ExpectGrey(const std::string& name, double code, double light, double withi
   for (const float value : found) EXPECT_NEAR(value, light, within) << name;
 }
 
+std::string FaultOf(const StatedColors& stated) {
+  try {
+    PlateColors(stated, "p.exr", Exr());
+  } catch (const Error& fault) {
+    return fault.what();
+  }
+  return "none";
+}
+
 TEST(Primaries, MatricesAreThePublishedOnes) {
   // Academy, S-2014-004, and OpenColorIO's ACES configuration: AP0 to Rec.709, by Bradford.
   Eigen::Matrix3d ap0;
@@ -62,6 +71,15 @@ TEST(PlateColors, LogsGiveTheirMakersGrey) {
       << "highlights are not clipped";
   EXPECT_EQ(PlateColors({"arri-logc3", {}}, "p.exr", Exr()).primaries().green, kAcesAp0.green);
   EXPECT_THROW(PlateColors({"arri-logc4", {}}, "p.exr", Exr()), UsageError);
+}
+
+TEST(PlateColors, AShortNameThatSeveralLogsHaveIsRefused) {
+  EXPECT_THAT(PlateColors({"C-Log3", {}}, "p.exr", Exr()).meaning(), HasSubstr("CANON_CLOG3"));
+  EXPECT_THAT(PlateColors({"cine-venice", {}}, "p.exr", Exr()).meaning(),
+              HasSubstr("SGAMUT3.CINE-VENICE"));
+  EXPECT_THROW(PlateColors({"Log3", {}}, "p.exr", Exr()), UsageError);
+  EXPECT_THAT(FaultOf({"Log3", {}}), HasSubstr("'Log3' may be sony-slog3 or canon-clog3;"));
+  EXPECT_THAT(FaultOf({"venice", {}}), HasSubstr("sony-slog3-venice or sony-slog3-cine-venice;"));
 }
 
 TEST(PlateColors, AnExrIsByItsChromaticities) {
@@ -125,15 +143,6 @@ colorspaces:
 std::string ConfigWith(const std::string& role) {
   std::string text = kConfig;
   return text.replace(text.find("%ROLE%"), 6, role);
-}
-
-std::string FaultOf(const StatedColors& stated) {
-  try {
-    PlateColors(stated, "p.exr", Exr());
-  } catch (const Error& fault) {
-    return fault.what();
-  }
-  return "none";
 }
 
 TEST(PlateColors, APersonsConfigurationSaysWhatIsWhat) {
