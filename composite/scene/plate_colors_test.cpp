@@ -54,6 +54,19 @@ TEST(Primaries, MatricesAreThePublishedOnes) {
   EXPECT_FALSE(PrimariesOf(on_one_line));
 }
 
+TEST(Primaries, AMatrixThatDoesNotAdaptHasAWhiteOfItsOwn) {
+  const Eigen::Matrix3d twice_red = Eigen::Vector3d(2, 1, 1).asDiagonal();
+  const Primaries found = PrimariesOf(twice_red);
+  EXPECT_LT((found.red - kRec709.red).norm(), 1e-9);
+  EXPECT_LT((found.blue - kRec709.blue).norm(), 1e-9);
+  // Half of Rec.709's red with its green and blue: XYZ 0.74426, 0.89368, 1.07939.
+  EXPECT_NEAR(found.white.x(), 0.273894, 1e-5);
+  EXPECT_NEAR(found.white.y(), 0.328881, 1e-5);
+  const Primaries adapted{{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.314, 0.351}};
+  const Primaries of_light = PrimariesOf(LightFrom(adapted, kRec709));
+  EXPECT_LT((of_light.white - kRec709.white).norm(), 1e-9) << "Rec.709's white is white";
+}
+
 TEST(PlateColors, LogsGiveTheirMakersGrey) {
   ExpectGrey("arri-logc3", 400 / 1023.0, 0.18, 3e-4);
   ExpectGrey("sony-slog3", 420 / 1023.0, 0.18, 3e-4);

@@ -49,7 +49,7 @@ Primaries PrimariesOf(const Matrix3d& light_from_rec709) {
     if ((LightFrom(known, kRec709) - light_from_rec709).cwiseAbs().maxCoeff() < kRounding)
       return known;
   const Matrix3d xyz = XyzFrom(kRec709) * light_from_rec709.inverse();
-  return {XyOf(xyz.col(0)), XyOf(xyz.col(1)), XyOf(xyz.col(2)), kRec709.white};
+  return {XyOf(xyz.col(0)), XyOf(xyz.col(1)), XyOf(xyz.col(2)), XyOf(xyz * Vector3d::Ones())};
 }
 
 std::optional<Primaries> PrimariesOf(const std::array<float, 8>& c) {
