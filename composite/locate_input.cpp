@@ -241,6 +241,15 @@ ShowLight ShowLightOf(StageContext& stage, const LocateStageOptions& options) {
   };
 }
 
+/// Colours that are stated of neither film nor plates would be lost without a word.
+void RequireLight(StageContext& stage, const std::string& colorspace, const FilmFiles& film) {
+  if (film.is_light() || (colorspace.empty() && !stage.Has("ocio_config"))) return;
+  if (stage.Has("background") && !LightPictures(stage.Input("background")).empty()) return;
+  throw UsageError(
+      "locate: plate_colorspace and ocio_config are for OpenEXR and DPX plates; pictures of other "
+      "kinds are sRGB");
+}
+
 /// What helps to see the figure in a picture; either may be missing.
 struct Companions {
   std::optional<CompanionFilm> mattes, plates;
@@ -383,6 +392,7 @@ void RequireClicksEverywhere(const LocateInput& input) {
 void ReadLocateInput(StageContext& stage, const LocateStageOptions& options, LocateInput& input) {
   const std::vector<fs::path> files = MeshFiles(stage);
   input.film = std::make_unique<FilmFiles>(stage.Input("plate"), ShowLightOf(stage, options));
+  RequireLight(stage, options.plate_colorspace, *input.film);
   for (const std::string& note : input.film->notes()) stage.Note("locate: " + note);
   const std::vector<FilmPicture>& pictures = input.film->pictures();
   SetRate(stage, options.fps, input);

@@ -135,6 +135,11 @@ TEST_F(LocateProgram, PicturesOfSceneLightAreLookedAt) {
   EXPECT_GT(shot.frames[0].iou.value(), 0.98);
 }
 
+TEST_F(LocateProgram, ColoursThatAreStatedOfPngAreRefused) {
+  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --plate_colorspace ACEScg"), 2);
+  EXPECT_THAT(Log(), HasSubstr("plate_colorspace and ocio_config are for OpenEXR and DPX plates"));
+}
+
 TEST_F(LocateProgram, AVideoIsAFilmOfItsOwnRate) {
   if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
   const Image8 picture = ReadImage(folder / "film/0000.png", 3);
