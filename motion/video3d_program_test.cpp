@@ -17,6 +17,7 @@
 #include "core/testing/paths.h"
 #include "core/values/size_of.h"
 #include "motion/testing/filmed_ball.h"
+#include "views/film/mp4.h"
 
 namespace keypose::motion::video3d_program_test {
 
@@ -166,6 +167,20 @@ TEST_F(Video3d, ClocksOffsetsAreFollowed) {
   WriteFile(folder_ / "clocks.json", R"({"offsets": {"cam2": "late"}})");
   EXPECT_EQ(RunVideo3d("--clocks clocks.json"), 3);
   EXPECT_TRUE(Says("cam2 is not a whole number")) << log_;
+}
+
+TEST_F(Video3d, ClocksThatNameNoFilmLeaveTheirTimes) {
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  for (const View& view : world_.views) {
+    fs::remove_all(folder_ / "shot" / view.name);
+    Mp4Writer film(folder_ / "shot" / (view.name + ".mp4"), view.camera.width, view.camera.height,
+                   25);
+    for (int f = 0; f < kFrames; ++f) film.Add(world_.Picture(view, f));
+    film.Finish();
+  }
+  WriteFile(folder_ / "clocks.json", R"({"offsets": {}, "films": {}})");
+  EXPECT_EQ(RunVideo3d("--clocks clocks.json"), 0) << log_;
+  EXPECT_TRUE(fs::exists(folder_ / "out/frame_0002.png"));
 }
 
 TEST_F(Video3d, FramesWithoutTextureCoordinatesNeedALayout) {

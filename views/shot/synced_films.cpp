@@ -122,7 +122,7 @@ ClockWish SyncedFilms::ReadFilmClocks(StageContext& stage) const {
                        " has no number `begin_s`, or no `rate` above 0");
     wish.named[camera] = {clock["begin_s"], clock["rate"]};
   }
-  wish.how = ClockWish::How::kGiven;
+  if (!wish.named.empty()) wish.how = ClockWish::How::kGiven;
   return wish;
 }
 
