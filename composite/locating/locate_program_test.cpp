@@ -136,8 +136,12 @@ TEST_F(LocateProgram, PicturesOfSceneLightAreLookedAt) {
 }
 
 TEST_F(LocateProgram, ColoursThatAreStatedOfPngAreRefused) {
-  EXPECT_EQ(Run("--mesh %/body.ply --plate %/film --matte %/mattes --plate_colorspace ACEScg"), 2);
+  const std::string film = "--mesh %/body.ply --plate %/film --matte %/mattes ";
+  EXPECT_EQ(Run(film + "--plate_colorspace ACEScg"), 2);
   EXPECT_THAT(Log(), HasSubstr("plate_colorspace and ocio_config are for OpenEXR and DPX plates"));
+  WriteFile(folder / "show.ocio", "ocio_profile_version: 2");
+  EXPECT_EQ(Run(film + "--ocio_config %/show.ocio"), 2);
+  EXPECT_EQ(Run(film + "--background %/film --plate_colorspace ACEScg"), 2);
 }
 
 TEST_F(LocateProgram, AVideoIsAFilmOfItsOwnRate) {
