@@ -11,7 +11,9 @@ namespace {
 std::string TextOfSaid(const SaidBoard& said) {
   std::string text = std::to_string(said.columns) + " x " + std::to_string(said.rows) + " squares";
   if (said.dictionary) text += ", " + DictionaryName(*said.dictionary);
-  if (said.first_white)
+  if (said.legacy)
+    text += ", in the layout of OpenCV before 4.6";
+  else if (said.first_white)
     text += *said.first_white ? ", with a marker in its first square" : ", its first square black";
   if (said.inverted) text += ", printed inverted";
   return text;
@@ -40,7 +42,7 @@ BoardPattern PatternOf(const SaidBoard& said, double square_m) {
   pattern.layout.square_m = said.square_m > 0 ? said.square_m : square_m;
   pattern.layout.marker_m =
       said.marker_m > 0 ? said.marker_m : BoardLayout::kMarkerShare * pattern.layout.square_m;
-  pattern.first_white = said.first_white.value_or(false);
+  pattern.first_white = said.FirstWhite(pattern.layout.rows).value_or(false);
   pattern.inverted = said.inverted;
   pattern.dictionary = said.dictionary.value_or(kOwnDictionary);
   if (!said.dictionary)

@@ -109,6 +109,18 @@ TEST(SeenAsSaid, WhatWasSaidCompletesWhatIsSeen) {
       << "columns and rows exchanged: the pictures tell";
 }
 
+TEST(SeenAsSaid, ALegacyBoardMayBeSaidWithItsSidesExchanged) {
+  const BoardPattern even = BoardOf("7x10:50mm:DICT_4X4_50:legacy"),
+                     odd = BoardOf("8x11:50mm:DICT_4X4_50:legacy");
+  EXPECT_TRUE(even.first_white);
+  EXPECT_FALSE(odd.first_white) << "11 rows were never changed";
+  EXPECT_EQ(SeenAsSaid(even, ParseBoard("10x7:50mm:legacy"), 0.05).Text(),
+            "7x10:50mm:DICT_4X4_50:legacy");
+  EXPECT_EQ(SeenAsSaid(odd, ParseBoard("11x8:50mm:legacy"), 0.05).Text(), "8x11:50mm:DICT_4X4_50");
+  const BoardPattern black = BoardOf("7x10:50mm:DICT_4X4_50:first_black");
+  EXPECT_THROW(SeenAsSaid(black, ParseBoard("10x7:50mm:legacy"), 0.05), InputError);
+}
+
 TEST(SeenAsSaid, AnotherBoardIsNamedWithTheTextToGive) {
   const BoardPattern seen = BoardOf("8x10:22mm:DICT_4X4_50:legacy");
   for (const char* said : {"9x10", "8x10:DICT_5X5_100", "8x10:first_black", "8x10:inverted"}) {

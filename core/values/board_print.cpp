@@ -91,11 +91,12 @@ bool ReadSides(const std::string& word, SaidBoard* board) {
 
 bool ReadKind(const std::string& word, SaidBoard* board) {
   const std::string kind = InCapitals(word);
-  if (kind == "LEGACY")
-    board->first_white = board->rows % 2 == 0;
-  else if (kind == "FIRST_WHITE" || kind == "FIRST_BLACK")
+  if (kind == "LEGACY") {
+    board->legacy = true;
+  } else if (kind == "FIRST_WHITE" || kind == "FIRST_BLACK") {
+    board->legacy = false;
     board->first_white = kind == "FIRST_WHITE";
-  else if (kind == "INVERTED")
+  } else if (kind == "INVERTED")
     board->inverted = true;
   else if (const std::optional<int> dictionary = DictionaryNamed(word))
     board->dictionary = dictionary;
@@ -150,7 +151,9 @@ bool SaidBoard::Allows(const BoardLayout& seen, const BoardPrint& print) const {
              turned = seen.columns == rows && seen.rows <= columns;
   if (columns > 0 && !fits && !turned) return false;
   if (dictionary && !BeginAlike(*dictionary, print.dictionary)) return false;
-  return (!first_white || *first_white == print.first_white) && inverted <= print.inverted;
+  const std::optional<bool> begins_white = FirstWhite(fits ? rows : columns);
+  return begins_white.value_or(print.first_white) == print.first_white &&
+         inverted <= print.inverted;
 }
 
 SaidBoard ParseBoard(const std::string& text) {
@@ -163,7 +166,7 @@ SaidBoard ParseBoard(const std::string& text) {
       Refuse(text, "'" + words[i] + "' is no side in mm, no dictionary of OpenCV, and no layout");
   BoardLayout layout{board.columns, board.rows, 1, BoardLayout::kMarkerShare};
   BoardPrint print;
-  print.first_white = board.first_white.value_or(false);
+  print.first_white = board.FirstWhite(board.rows).value_or(false);
   constexpr int kLargest = 19;  // with the most markers, where none is said
   print.dictionary = board.dictionary.value_or(kLargest);
   if (const auto problems = BoardProblems(layout, print); !problems.empty())

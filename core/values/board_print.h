@@ -43,8 +43,14 @@ struct SaidBoard {
   double square_m = 0, marker_m = 0;  ///< 0: not said
   std::optional<int> dictionary;
   std::optional<bool> first_white;
+  bool legacy = false;  ///< as OpenCV before 4.6: it depends on the rows which square is white
   bool inverted = false;
 
+  /// What was said of the first square; none: nothing.
+  /// @param of_rows  the board's rows, which may be the columns that were said
+  std::optional<bool> FirstWhite(int of_rows) const {
+    return legacy ? of_rows % 2 == 0 : first_white;
+  }
   /// Whether a board that was seen may be this one. Its last rows may be out of sight, and its rows
   /// and columns are often taken for one another.
   bool Allows(const BoardLayout& seen, const BoardPrint& print) const;

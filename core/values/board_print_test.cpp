@@ -14,10 +14,14 @@ TEST(ParseBoard, SquaresSidesDictionaryAndLayoutAreRead) {
   EXPECT_DOUBLE_EQ(board.square_m, 0.022);
   EXPECT_DOUBLE_EQ(board.marker_m, 0.0165);
   EXPECT_EQ(board.dictionary, 0);
-  EXPECT_EQ(board.first_white, true);
+  EXPECT_TRUE(board.legacy);
+  EXPECT_EQ(board.FirstWhite(12), true);
   EXPECT_FALSE(board.inverted);
-  EXPECT_EQ(ParseBoard("8x11:legacy").first_white, false) << "odd rows were never changed";
-  EXPECT_EQ(ParseBoard("8x11:first_white").first_white, true);
+  EXPECT_EQ(ParseBoard("8x11:legacy").FirstWhite(11), false) << "odd rows were never changed";
+  EXPECT_EQ(ParseBoard("8x11:first_white").FirstWhite(11), true);
+  EXPECT_EQ(ParseBoard("8x11:first_white:legacy").FirstWhite(11), false);
+  EXPECT_EQ(ParseBoard("8x11:legacy:first_white").FirstWhite(11), true);
+  EXPECT_FALSE(ParseBoard("8x11").FirstWhite(11).has_value());
   EXPECT_EQ(ParseBoard("8x11:AprilTag_36h11:inverted").dictionary, 20);
   EXPECT_TRUE(ParseBoard("8x11:inverted").inverted);
   EXPECT_FALSE(ParseBoard("8x11").dictionary);
@@ -42,7 +46,7 @@ TEST(BoardText, SaysWhatParseBoardReads) {
     const SaidBoard said = ParseBoard(text);
     BoardPrint print;
     print.dictionary = *said.dictionary;
-    print.first_white = said.first_white.value_or(false);
+    print.first_white = said.FirstWhite(said.rows).value_or(false);
     print.inverted = said.inverted;
     EXPECT_EQ(BoardText({said.columns, said.rows, said.square_m, 0.7 * said.square_m}, print),
               text);
@@ -60,6 +64,22 @@ TEST(SaidBoard, AllowsABoardWhoseLastRowsAreHiddenAndNoOther) {
   EXPECT_FALSE(said.Allows({8, 12, 0.022, 0.016}, print));
   print.dictionary = kOwnDictionary;
   EXPECT_FALSE(said.Allows({8, 11, 0.022, 0.016}, print));
+}
+
+TEST(SaidBoard, TheLegacyLayoutGoesByTheRowsOfTheBoardThatIsSeen) {
+  BoardPrint white, black;
+  white.first_white = true;
+  const SaidBoard ten_rows = ParseBoard("10x7:legacy"), eight_rows = ParseBoard("11x8:legacy");
+  // 7 x 10 squares begin white, 10 x 7 black
+  EXPECT_TRUE(ten_rows.Allows({7, 10, 0.022, 0.016}, white));
+  EXPECT_FALSE(ten_rows.Allows({7, 10, 0.022, 0.016}, black));
+  EXPECT_TRUE(ten_rows.Allows({10, 7, 0.022, 0.016}, black));
+  EXPECT_FALSE(ten_rows.Allows({10, 7, 0.022, 0.016}, white));
+  // 8 x 11 squares begin black, 11 x 8 white, also where the last row is hidden
+  EXPECT_TRUE(eight_rows.Allows({8, 11, 0.022, 0.016}, black));
+  EXPECT_FALSE(eight_rows.Allows({8, 11, 0.022, 0.016}, white));
+  EXPECT_TRUE(eight_rows.Allows({11, 7, 0.022, 0.016}, white));
+  EXPECT_FALSE(eight_rows.Allows({11, 7, 0.022, 0.016}, black));
 }
 
 TEST(BoardProblems, ADictionaryHasOnlySoManyMarkers) {

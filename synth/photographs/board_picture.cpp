@@ -58,7 +58,7 @@ void BoardOptions::Say(const std::string& text) {
   if (said.square_m > 0) square_m = said.square_m;
   marker_m = said.marker_m > 0 ? said.marker_m : share * square_m;
   print.dictionary = said.dictionary.value_or(print.dictionary);
-  print.first_white = said.first_white.value_or(print.first_white);
+  print.first_white = said.FirstWhite(said.rows).value_or(print.first_white);
   print.inverted = said.inverted;
   charuco = true;
 }
