@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <opencv2/aruco.hpp>
 
@@ -41,13 +40,7 @@ std::string BoardPattern::Name() const {
 }
 
 std::vector<std::string> BoardPattern::Problems() const {
-  if (kind == Kind::kCharuco) return BoardProblems(layout, *this);
-  BoardPrint any;
-  any.dictionary = LargestDictionaries().back();
-  BoardLayout few = layout;
-  few.columns = std::min(layout.columns, 30);  // markers do not count
-  few.rows = std::min(layout.rows, 30);
-  return BoardProblems(few, any);
+  return kind == Kind::kCharuco ? BoardProblems(layout, *this) : layout.Problems();
 }
 
 const std::vector<int>& LargestDictionaries() {

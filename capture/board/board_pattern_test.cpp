@@ -47,6 +47,7 @@ TEST(BoardPattern, ACheckerboardLooksTheSameAfterSomeTurns) {
 TEST(BoardPattern, ABoardOfTwoRowsIsNamedAsAFault) {
   EXPECT_TRUE(Checkerboard(9, 6).Problems().empty());
   EXPECT_EQ(Checkerboard(9, 2).Problems().size(), 1u);
+  EXPECT_TRUE(Checkerboard(100, 100).Problems().empty()) << "it has no markers to run out of";
 }
 
 TEST(SmallestDictionary, HoldsAsManyMarkersAsTheBoardHas) {

@@ -30,7 +30,7 @@ std::string Text(double value) {
 }
 
 void RequireFits(const BoardLayout& board, const Page& page) {
-  if (const auto problems = board.Problems(); !problems.empty())
+  if (const auto problems = BoardProblems(board, {}); !problems.empty())
     throw UsageError("capture: " + problems.front());
   const double width = 1000 * board.Width(), height = 1000 * board.Height();
   // The ruler needs space beside the board.

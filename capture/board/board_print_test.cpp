@@ -74,7 +74,12 @@ TEST(BoardPrint, BoardThatDoesNotFitIsAUsageErrorThatSaysWhatFits) {
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--board_square_mm may be 24.4 at most"));
   }
-  EXPECT_THROW(BoardPdf({20, 20, 0.005, 0.004}, PageNamed("A4")), UsageError);
+  try {
+    BoardPdf({20, 20, 0.005, 0.004}, PageNamed("A4"));
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("more markers than the 100 of DICT_5X5_100"));
+  }
   EXPECT_THROW(PageNamed("A7"), UsageError);
 }
 

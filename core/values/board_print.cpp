@@ -131,18 +131,14 @@ int MarkersOfBoard(const BoardLayout& layout, const BoardPrint& print) {
 }
 
 std::vector<std::string> BoardProblems(const BoardLayout& layout, const BoardPrint& print) {
-  constexpr int kMostSquares = 200;  // along a side
-  BoardLayout few = layout;          // whose markers every dictionary has
-  few.columns = few.rows = 3;
-  std::vector<std::string> problems = few.Problems();
-  const std::string size = fmt::format("{} x {}", layout.columns, layout.rows);
-  if (layout.columns < 3 || layout.rows < 3)
-    problems.push_back("a calibration board has at least 3 x 3 squares, not " + size);
-  else if (layout.columns > kMostSquares || layout.rows > kMostSquares ||
-           MarkersOfBoard(layout, print) > MarkersOfDictionary(print.dictionary))
-    problems.push_back(fmt::format(
-        "a calibration board of {} squares has more markers than the {} of {}; use fewer squares",
-        size, MarkersOfDictionary(print.dictionary), DictionaryName(print.dictionary)));
+  std::vector<std::string> problems = layout.Problems();
+  if (!problems.empty()) return problems;  // among them sides whose markers nobody can count
+  const int has = MarkersOfDictionary(print.dictionary);
+  if (MarkersOfBoard(layout, print) > has)
+    problems.push_back(
+        fmt::format("a calibration board of {} x {} squares has more markers than the {} of {}; "
+                    "use fewer squares",
+                    layout.columns, layout.rows, has, DictionaryName(print.dictionary)));
   return problems;
 }
 

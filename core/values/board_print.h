@@ -34,7 +34,8 @@ bool BeginAlike(int dictionary, int other);
 
 /// Markers of a board: one in each white square.
 int MarkersOfBoard(const BoardLayout& layout, const BoardPrint& print);
-/// One sentence for each fault of a board with markers; empty when valid.
+/// One sentence for each fault of a board with markers; empty when valid. The markers of a layout
+/// that is faulty itself are not counted.
 std::vector<std::string> BoardProblems(const BoardLayout& layout, const BoardPrint& print);
 
 /// What a person says of a board; the rest is found in the pictures.

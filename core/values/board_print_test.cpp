@@ -89,6 +89,10 @@ TEST(BoardProblems, ADictionaryHasOnlySoManyMarkers) {
   EXPECT_EQ(BoardProblems({11, 10, 0.02, 0.015}, print).size(), 1u);
   EXPECT_EQ(BoardProblems({2, 10, 0.02, 0.015}, print).size(), 1u);
   EXPECT_EQ(BoardProblems({10, 10, 0.02, 0.02}, print).size(), 1u);
+  EXPECT_EQ(BoardProblems({100000, 100000, 0.02, 0.015}, print).size(), 1u);
+  // Keypose's own dictionary has 100 markers
+  EXPECT_TRUE(BoardProblems({20, 10, 0.02, 0.015}, {}).empty());
+  EXPECT_EQ(BoardProblems({15, 15, 0.02, 0.015}, {}).size(), 1u);
 }
 
 }  // namespace keypose::board_print_test

@@ -10,16 +10,14 @@ Eigen::Vector3d BoardLayout::Corner(int id) const {
 }
 
 std::vector<std::string> BoardLayout::Problems() const {
-  constexpr int kMarkersOfTheDictionary = 100;
+  constexpr int kMostSquares = 200;  // along a side
   std::vector<std::string> problems;
+  const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
   if (columns < 3 || rows < 3)
-    problems.push_back("a calibration board has at least 3 x 3 squares, not " +
-                       std::to_string(columns) + " x " + std::to_string(rows));
-  else if (columns > 2 * kMarkersOfTheDictionary || rows > 2 * kMarkersOfTheDictionary ||
-           MarkerCount() > kMarkersOfTheDictionary)
-    problems.push_back(
-        "a calibration board of " + std::to_string(columns) + " x " + std::to_string(rows) +
-        " squares has more markers than the 100 of the dictionary; use fewer squares");
+    problems.push_back("a calibration board has at least 3 x 3 squares, not " + size);
+  else if (columns > kMostSquares || rows > kMostSquares)
+    problems.push_back("a calibration board has at most " + std::to_string(kMostSquares) +
+                       " squares along a side, not " + size + "; use fewer squares");
   if (!(std::isfinite(square_m) && square_m > 0))
     problems.push_back("the calibration board's squares must have a positive size");
   if (!(marker_m > 0 && marker_m < square_m))
