@@ -156,9 +156,8 @@ class BoardFinder {
   }
   void SayAssumptions(const CalibrateOptions& options) {
     const BoardLayout own;
-    const bool is_own = pattern_.kind == BoardPattern::Kind::kCharuco &&
-                        pattern_.dictionary == kOwnDictionary &&
-                        pattern_.layout.columns == own.columns && pattern_.layout.rows == own.rows;
+    const bool is_own = IsOwnPrint(pattern_, own) && pattern_.layout.rows == own.rows &&
+                        HasOwnMarkers(pattern_.layout);
     if (!is_own && !options.SaysSide())
       stage_.Warn(
           "the board is not the one that `keypose capture` prints, and its squares are taken for " +

@@ -97,22 +97,21 @@ double MeasuredShare(const BoardProbes& probes, const BoardPattern& pattern) {
   for (const Image8& picture : probes.pictures)
     if (!picture.empty() && shares.size() < kEnough)
       if (const double share = MarkerShareIn(picture, pattern); share > 0) shares.push_back(share);
-  const double share = shares.empty() ? pattern.layout.marker_m / pattern.layout.square_m
-                                      : UpperMedian(std::move(shares));
-  constexpr double kAsOwn = 0.02;
-  const bool own =
-      IsOwnPrint(pattern, pattern.layout) && std::abs(share - BoardLayout::kMarkerShare) < kAsOwn;
-  return own ? BoardLayout::kMarkerShare : share;
+  return shares.empty() ? pattern.layout.marker_m / pattern.layout.square_m
+                        : UpperMedian(std::move(shares));
 }
 
 /// The board that the photographs show instead of Keypose's own, or as it was said.
 BoardPattern OtherBoard(StageContext& stage, const BoardProbes& probes, const BoardPattern& shown,
                         const CaptureOptions& options) {
   const SaidBoard said = options.Said().value_or(SaidBoard{});
-  BoardPattern pattern = SeenAsSaid(shown, said, options.board_square_mm / 1000);
+  const double square_m = options.board_square_mm / 1000;
+  BoardPattern pattern = SeenAsSaid(shown, said, square_m);
   pattern.mirrored = false;
-  if (said.marker_m == 0)
+  if (said.marker_m == 0) {
     pattern.layout.marker_m = MeasuredShare(probes, pattern) * pattern.layout.square_m;
+    pattern = SeenAsSaid(pattern, said, square_m);
+  }
   if (options.SaysSide())
     stage.Note("the photographs show " + pattern.Name());
   else

@@ -53,6 +53,28 @@ TEST(CalibrateProgram, LensOfRenderedPicturesComesOutAndAPoorlyCoveredPictureIsS
   EXPECT_NEAR(rig.views[0].camera.fx / truth.views[0].camera.fx, 1, 0.005);
 }
 
+/// What calibrate says of these pictures, whose board is said by this word.
+std::string SaidOfBoard(const fs::path& pictures, const std::string& word) {
+  const TestingFolder folder;
+  const RunResult run = RunProgram({"keypose-calibrate", "--video", pictures.string(),
+                                    "--calibration", "rig.yml", "--every", "1", "--board", word},
+                                   folder.path());
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  return run.output;
+}
+
+TEST(CalibrateProgram, OnlyABoardThatIsNotKeyposesOwnMustBeMeasured) {
+  const TestingFolder folder;
+  fs::create_directories(folder.path() / "shot");
+  fs::copy(Room() / "photos/rest", folder.path() / "shot/cam1");
+  const fs::path shot = folder.path() / "shot";
+  constexpr auto kNotOwn = "the board is not the one that `keypose capture` prints";
+  EXPECT_EQ(SaidOfBoard(shot, "auto").find(kNotOwn), std::string::npos);
+  EXPECT_EQ(SaidOfBoard(shot, "11x8").find(kNotOwn), std::string::npos);
+  EXPECT_NE(SaidOfBoard(shot, "11x9").find(kNotOwn), std::string::npos) << "as its last row hides";
+  EXPECT_EQ(SaidOfBoard(shot, "11x9:22mm").find(kNotOwn), std::string::npos) << "it was measured";
+}
+
 TEST(CalibrateProgram, PicturesWithoutABoardAreAnError) {
   const TestingFolder folder;
   const RunResult made = RunProgram({"keypose-synth", "photos", "--output", "room", "--poses",

@@ -1,6 +1,7 @@
 #include "capture/board/board_choice.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/values/errors.h"
 
@@ -31,6 +32,14 @@ std::string TextOfSaid(const SaidBoard& said) {
                             : "leave --board out"));
 }
 
+/// Keypose's own print has exact markers, which pictures show almost so.
+double ExactShare(const BoardPattern& pattern, double seen_share) {
+  constexpr double kAsOwn = 0.02;
+  const bool own = IsOwnPrint(pattern, pattern.layout) &&
+                   std::abs(seen_share - BoardLayout::kMarkerShare) < kAsOwn;
+  return own ? BoardLayout::kMarkerShare : seen_share;
+}
+
 }  // namespace
 
 BoardPattern PatternOf(const SaidBoard& said, double square_m) {
@@ -57,11 +66,15 @@ bool IsOwnPrint(const BoardPattern& seen, const BoardLayout& own) {
          seen.layout.rows <= own.rows;
 }
 
+bool HasOwnMarkers(const BoardLayout& seen) {
+  return std::abs(seen.marker_m / seen.square_m - BoardLayout::kMarkerShare) < 0.1;
+}
+
 BoardPattern SeenAsSaid(const BoardPattern& seen, const SaidBoard& said, double square_m) {
   if (seen.kind != BoardPattern::Kind::kCharuco || !said.Allows(seen.layout, seen))
     RefuseOther(seen, said);
   BoardPattern pattern = seen;
-  const double share = seen.layout.marker_m / seen.layout.square_m;
+  const double share = ExactShare(seen, seen.layout.marker_m / seen.layout.square_m);
   pattern.layout.square_m = said.square_m > 0 ? said.square_m : square_m;
   pattern.layout.marker_m = said.marker_m > 0 ? said.marker_m : share * pattern.layout.square_m;
   if (said.columns > 0) {

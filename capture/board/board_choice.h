@@ -17,8 +17,13 @@ BoardPattern PatternOf(const SaidBoard& said, double square_m);
 /// figure.
 bool IsOwnPrint(const BoardPattern& seen, const BoardLayout& own);
 
+/// Whether its markers may be as large as those of Keypose's own board: small ones are seen up to a
+/// tenth of a square wrong.
+bool HasOwnMarkers(const BoardLayout& seen);
+
 /// The board that is seen, with what was said where pictures do not tell: the side of a square, the
-/// markers' size, rows that are out of sight.
+/// markers' size, rows that are out of sight. Markers of Keypose's own print that are seen almost
+/// as large as they are get their exact size.
 /// @throws InputError  it is another board than was said; names both, and the text that says it
 BoardPattern SeenAsSaid(const BoardPattern& seen, const SaidBoard& said, double square_m);
 

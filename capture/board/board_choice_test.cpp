@@ -121,6 +121,32 @@ TEST(SeenAsSaid, ALegacyBoardMayBeSaidWithItsSidesExchanged) {
   EXPECT_THROW(SeenAsSaid(black, ParseBoard("10x7:50mm:legacy"), 0.05), InputError);
 }
 
+TEST(SeenAsSaid, KeyposesOwnPrintHasMarkersOfTheirExactSize) {
+  const BoardPattern truth = BoardOf("11x8:50mm");
+  const BoardPattern shown = ShownIn(PicturesOf(truth, Turned()));
+  const double seen = shown.layout.marker_m / shown.layout.square_m;
+  EXPECT_NE(seen, 0.75);
+  EXPECT_NEAR(seen, 0.75, 0.02);
+  const BoardPattern board = SeenAsSaid(shown, ParseBoard("11x8"), 0.022);
+  EXPECT_EQ(board.Text(), "11x8:22mm:DICT_5X5_50") << "the smallest dictionary with 44 markers";
+  EXPECT_TRUE(IsOwnPrint(board, {}));
+  EXPECT_DOUBLE_EQ(board.layout.marker_m, 0.75 * 0.022);
+  EXPECT_DOUBLE_EQ(SeenAsSaid(shown, ParseBoard("11x8:22/16mm"), 0.05).layout.marker_m, 0.016);
+}
+
+TEST(SeenAsSaid, MarkersOfAnotherSizeOrDictionaryKeepTheSizeThatIsSeen) {
+  for (const auto& [text, share] : {std::pair{"11x8:50/30mm:DICT_5X5_50", 0.6},
+                                    {"11x8:50/36.4mm:DICT_5X5_50", 0.728},
+                                    {"11x8:50/37mm:DICT_4X4_50", 0.74},
+                                    {"11x8:50/37mm:DICT_5X5_50:legacy", 0.74}}) {
+    const BoardPattern seen = BoardOf(text);
+    EXPECT_NEAR(SeenAsSaid(seen, ParseBoard("11x8"), 0.022).layout.marker_m, share * 0.022, 1e-12)
+        << text;
+  }
+  const BoardPattern almost = BoardOf("11x8:50/37mm:DICT_5X5_50");
+  EXPECT_DOUBLE_EQ(SeenAsSaid(almost, ParseBoard("11x8"), 0.022).layout.marker_m, 0.75 * 0.022);
+}
+
 TEST(SeenAsSaid, AnotherBoardIsNamedWithTheTextToGive) {
   const BoardPattern seen = BoardOf("8x10:22mm:DICT_4X4_50:legacy");
   for (const char* said : {"9x10", "8x10:DICT_5X5_100", "8x10:first_black", "8x10:inverted"}) {

@@ -9,6 +9,7 @@
 #include <opencv2/calib3d.hpp>
 #include <set>
 
+#include "capture/board/board_choice.h"
 #include "capture/board/board_detection.h"
 #include "capture/board/checkerboard.h"
 #include "core/numbers/statistics.h"
@@ -258,13 +259,12 @@ std::optional<BoardPattern> BoardSurvey::Pattern() const {
   }
   if (!wish_.own_completed) return pattern;
   // Keypose's own print has exact markers.
-  const BoardLayout own;
-  if (BeginAlike(pattern.dictionary, kOwnDictionary) && !pattern.first_white && !pattern.inverted &&
-      (wish_.columns || pattern.layout.columns == own.columns) &&
-      std::abs(pattern.layout.marker_m / pattern.layout.square_m - BoardLayout::kMarkerShare) <
-          0.1 &&
-      pattern.MarkerCount() <= 100) {
-    if (!wish_.columns) pattern.layout.rows = std::max(pattern.layout.rows, own.rows);
+  BoardLayout own;
+  if (wish_.columns) own = pattern.layout;
+  own.rows = std::max(own.rows, pattern.layout.rows);
+  if (IsOwnPrint(pattern, own) && HasOwnMarkers(pattern.layout) &&
+      pattern.MarkerCount() <= MarkersOfDictionary(kOwnDictionary)) {
+    pattern.layout.rows = own.rows;
     pattern.layout.marker_m = BoardLayout::kMarkerShare * pattern.layout.square_m;
     pattern.dictionary = kOwnDictionary;
   }
