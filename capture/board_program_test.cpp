@@ -90,6 +90,17 @@ TEST_F(BoardProgram, ABoardThatIsSaidIsUsedAsItIsSaid) {
   EXPECT_LT(MissesPx(), 0.05);
 }
 
+TEST_F(BoardProgram, KeyposesOwnPrintMayBeSaidAndKeepsItsExactMarkers) {
+  Shoot("11x8:50mm");
+  const Outcome outcome = Capture("--board 11x8:50mm");
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_TRUE(set.board.has_value());
+  EXPECT_DOUBLE_EQ(set.board->square_m, 0.05);
+  EXPECT_DOUBLE_EQ(set.board->marker_m, 0.0375);
+  EXPECT_LT(MissesPx(), 0.05);
+}
+
 TEST_F(BoardProgram, TheWrongBoardIsRefusedWithTheRightOptionToType) {
   Shoot("8x6:50mm:DICT_4X4_50:legacy");
   const Outcome outcome = Capture("--board 8x6:50mm:DICT_6X6_50");
