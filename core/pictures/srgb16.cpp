@@ -17,11 +17,13 @@ const float* LinearTable16() {
   return table.data();
 }
 
-std::uint16_t Srgb16Of(float linear) {
-  // In single precision the power is off by a hundredth of a step.
+float SrgbFraction(float linear) {
   const float l = std::clamp(linear, 0.0f, 1.0f);
-  const float s = l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(s, 0.0f, 1.0f)));
+  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
+}
+
+std::uint16_t Srgb16Of(float linear) {
+  return static_cast<std::uint16_t>(std::lround(65535 * SrgbFraction(linear)));
 }
 
 }  // namespace keypose

@@ -9,6 +9,10 @@ namespace keypose {
 /// who needs many values keeps the pointer.
 const float* LinearTable16();
 
+/// The sRGB value in [0, 1] of linear light, in single precision: right to a hundredth of a step of
+/// 16 bits. Values outside [0, 1] are clamped.
+float SrgbFraction(float linear);
+
 /// The nearest 16-bit sRGB value of linear light. Values outside [0, 1] are clamped.
 std::uint16_t Srgb16Of(float linear);
 

@@ -16,6 +16,15 @@ TEST(Srgb16, ValuesOfEightBitsHaveTheSameLight) {
     ASSERT_EQ(LinearTable16()[257 * i], LinearOf(static_cast<std::uint8_t>(i))) << i;
 }
 
+TEST(SrgbFraction, IsRightToAHundredthOfAStep) {
+  for (int i = 0; i < 65536; ++i)
+    ASSERT_NEAR(65535 * SrgbFraction(LinearTable16()[i]), i, 0.011) << i;
+  EXPECT_NEAR(SrgbFraction(0.2140411f), 0.5, 1e-6);
+  EXPECT_FLOAT_EQ(SrgbFraction(0.002f), 0.02584f);
+  EXPECT_EQ(SrgbFraction(-0.1f), 0);
+  EXPECT_NEAR(SrgbFraction(7), 1, 1e-6);
+}
+
 TEST(Srgb16, LightOutsideTheRangeIsClamped) {
   EXPECT_EQ(Srgb16Of(-0.1f), 0);
   EXPECT_EQ(Srgb16Of(7.0f), 65535);

@@ -63,7 +63,8 @@ struct SaidBoard {
 /// @throws UsageError  a word that is none of these; a board that is not possible
 SaidBoard ParseBoard(const std::string& text);
 
-/// The text for ParseBoard that says all of a board.
+/// The text for ParseBoard that says this of a board: its squares, their side, the dictionary, and
+/// a first white square or white ink; nothing of the markers' size, or of a black square.
 std::string BoardText(const BoardLayout& layout, const BoardPrint& print);
 
 }  // namespace keypose

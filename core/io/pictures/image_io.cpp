@@ -19,6 +19,7 @@
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/image_turns.h"
+#include "core/pictures/srgb16.h"
 #include "core/values/errors.h"
 #include "core/values/exif_focal.h"
 #include "core/values/file_names.h"
@@ -207,12 +208,6 @@ ImageT<T> WithChannels(ImageT<T> in, int channels) {
       for (int c = 0; c < channels; ++c) out.data[i * channels + c] = in.channels < 3 ? p[0] : p[c];
   }
   return out;
-}
-
-/// In [0,1]. Accurate enough for 16 bits; a table would not be.
-float SrgbFraction(float linear) {
-  const float l = std::clamp(linear, 0.0f, 1.0f);
-  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
 }
 
 /// Writes the image as `spec` says. Leaves no file behind when writing fails.
