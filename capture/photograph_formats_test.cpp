@@ -79,6 +79,25 @@ TEST_F(CaptureProgram, SixteenBitsStayWhereAPhotographIsTurnedOrMadeSmaller) {
   EXPECT_EQ(ReadAsStored(images / "q.tif").sixteen.width, 90);
 }
 
+TEST_F(CaptureProgram, ATurnedPhotographOf16BitsIsLookedAtAsItsUprightTwin) {
+  WritePhotos(6);
+  ExifToWrite turned;
+  turned.orientation = 3;
+  WriteImage(photos / "q.tif", DeepPhoto(6), 92, &turned);  // written anew
+  WriteImage(photos / "r.png", Oriented(DeepPhoto(6), 3));  // copied, read as 8 bits
+  ASSERT_EQ(Run().code, 0);
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8U);
+  const CapturedImage &anew = set.images[6], &copied = set.images[7];
+  ASSERT_EQ(anew.name, "q.tif");
+  EXPECT_GT(anew.sharpness, 0);
+  EXPECT_EQ(anew.sharpness, copied.sharpness);
+  EXPECT_EQ(anew.exposure, copied.exposure);
+  EXPECT_EQ(anew.mask_fraction, copied.mask_fraction);
+  EXPECT_EQ(ReadImage(images / "q.tif", 3).data, ReadImage(images / "r.png", 3).data);
+  EXPECT_EQ(ReadFile(images / "masks/q.tif.png"), ReadFile(images / "masks/r.png.png"));
+}
+
 TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   ExifToWrite exif;
   exif.focal_35mm = 26;

@@ -300,6 +300,31 @@ Image16 LoadUprightDeep(const PhotographImport& import, std::size_t i) {
   return import.factors[i] == 1 ? image : Resized(image, size.width, size.height);
 }
 
+/// What the picture is looked at with: the nearest levels of 8 bits, which later stages read from
+/// the file written.
+Image8 InEightBits(const Image16& deep) {
+  Image8 image(deep.width, deep.height, deep.channels);
+  std::transform(deep.data.begin(), deep.data.end(), image.data.begin(), [](std::uint16_t level) {
+    return static_cast<std::uint8_t>((level + 128) / 257);
+  });
+  return image;
+}
+
+/// Writes the pixels as they are looked at or, where the file has more than 8 bits, with all of
+/// them. Decodes the file once.
+/// @return what it is looked at with, at full size
+Image8 EncodePhotograph(const PhotographImport& import, std::size_t i, const fs::path& to,
+                        int quality, const ExifToWrite& exif) {
+  const Image16 deep = LoadUprightDeep(import, i);
+  if (deep.empty()) {
+    Image8 image = LoadUpright(import, i);
+    WriteImage(to, image, quality, &exif);
+    return image;
+  }
+  WriteImage(to, deep, quality, &exif);
+  return InEightBits(deep);
+}
+
 /// Writes the photograph: its file where nothing changed, else its pixels with its EXIF data.
 /// @return what it is looked at with
 Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::path& to,
@@ -314,11 +339,7 @@ Image8 WritePhotograph(const PhotographImport& import, std::size_t i, const fs::
   exif.focal_mm = info.focal_mm.value_or(0);
   exif.focal_35mm = info.focal_35mm.value_or(0);
   exif.model = info.camera_model;
-  const Image16 deep = LoadUprightDeep(import, i);
-  if (!deep.empty()) WriteImage(to, deep, quality, &exif);
-  Image8 image = LoadUpright(import, i);
-  if (deep.empty()) WriteImage(to, image, quality, &exif);
-  return Reduced(std::move(image), DetailEighths(import, i));
+  return Reduced(EncodePhotograph(import, i, to, quality, exif), DetailEighths(import, i));
 }
 
 }  // namespace
