@@ -18,7 +18,7 @@ TEST(Srgb16, ValuesOfEightBitsHaveTheSameLight) {
 
 TEST(SrgbFraction, IsRightToAHundredthOfAStep) {
   for (int i = 0; i < 65536; ++i)
-    ASSERT_NEAR(65535 * SrgbFraction(LinearTable16()[i]), i, 0.011) << i;
+    ASSERT_NEAR(65535.0 * SrgbFraction(LinearTable16()[i]), i, 0.011) << i;
   EXPECT_NEAR(SrgbFraction(0.2140411f), 0.5, 1e-6);
   EXPECT_FLOAT_EQ(SrgbFraction(0.002f), 0.02584f);
   EXPECT_EQ(SrgbFraction(-0.1f), 0);
