@@ -17,7 +17,7 @@ using LocalTriangles = std::vector<std::array<int, 3>>;
 /// the polygon's mean normal; of a polygon that crosses itself, what is left becomes a fan.
 /// @param corners  n vertices of the points
 /// @return  n - 2 triangles with the polygon's winding; empty: nothing is better than its fan
-/// Cost: linear if the fan is right, else at worst corners times concave corners.
+/// Cost: linear if the fan is right, else as a rule the corners squared, at worst cubed.
 LocalTriangles CutOfPolygon(const PointsX3& points, const int* corners, std::size_t count);
 
 /// Which polygons of a mesh are not fans, found once for vertices and texture coordinates alike.
