@@ -1,7 +1,6 @@
 // The polygons that a mesh of triangles was made from.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 namespace keypose {
@@ -11,11 +10,6 @@ namespace keypose {
 struct Polygons {
   std::vector<int> sizes;    ///< corners of each polygon
   std::vector<int> corners;  ///< vertices, one polygon after the other, each from its first corner
-
-  /// Also of a mesh without faces: nothing would be lost by forgetting them.
-  bool only_triangles() const {
-    return std::all_of(sizes.begin(), sizes.end(), [](int size) { return size == 3; });
-  }
 };
 
 }  // namespace keypose

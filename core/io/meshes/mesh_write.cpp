@@ -123,7 +123,6 @@ void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& materi
 PolygonMesh ReadPolygonMesh(const fs::path& path) {
   if (MeshKindOf(path) != MeshKind::kObj) return {ReadMesh(path), {}};
   ObjFile file = ReadObj(path);
-  if (file.polygons.only_triangles()) file.polygons = {};
   return {std::move(file.mesh), std::move(file.polygons)};
 }
 

@@ -324,6 +324,8 @@ class ObjReader {
   }
 
   void TakePolygons() {
+    if (std::all_of(sizes_.begin(), sizes_.end(), [](std::size_t size) { return size <= 3; }))
+      return;
     Polygons& polygons = file_.polygons;
     auto corner = corners_.begin();
     for (const std::size_t size : sizes_) {

@@ -14,7 +14,7 @@ struct ObjFile {
   /// Polygons cut into triangles (polygon_cut.h); uvs where any corner has some (others get (0,
   /// 0)); colours where any vertex has one (others take their neighbours').
   Mesh mesh;
-  Polygons polygons;                   ///< whose triangles the mesh has
+  Polygons polygons;                   ///< whose triangles the mesh has; empty: triangles alone
   std::vector<std::string> libraries;  ///< what stands behind each `mtllib`
   /// Of the faces; "" for faces before any `usemtl`.
   std::vector<std::string> materials;

@@ -31,6 +31,15 @@ class ObjFileTest : public ::testing::Test, public TestingFolder {
   }
 };
 
+TEST_F(ObjFileTest, PolygonsAreKeptWhereAnyHasMoreThanThreeCorners) {
+  using ::testing::IsEmpty;
+  EXPECT_THAT(Read(kSquare + "f 1 2 3 4\nf 1 2\nf 1 3 4\n").polygons.sizes, ElementsAre(4, 3));
+  const ObjFile triangles = Read(kSquare + "f 1 2 3\nf 1 2\nf 1 3 4\n");
+  EXPECT_EQ(triangles.mesh.face_count(), 2);
+  EXPECT_THAT(triangles.polygons.sizes, IsEmpty());
+  EXPECT_THAT(triangles.polygons.corners, IsEmpty());
+}
+
 TEST_F(ObjFileTest, FacesOfAllForms) {
   const FacesX3 right = Read(kSquare + "f 1 2 3\nf 1 3 4\n").mesh.faces;
   const std::string more = kSquare + "vt 0 0\nvt 1 0 0\nvt 1\nvt 0 1\nvn 0 0 1\n";

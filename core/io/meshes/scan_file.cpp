@@ -56,7 +56,7 @@ Scan FromGltf(const fs::path& path, bool join_seams) {
 Scan FromObj(const fs::path& path) {
   ObjFile obj = ReadObj(path);
   Scan scan;
-  if (!obj.polygons.only_triangles()) scan.polygons = std::move(obj.polygons);
+  scan.polygons = std::move(obj.polygons);
   ObjLook look = LookOfObj(path, std::move(obj));
   scan.changed = look.moved;
   scan.warnings = std::move(look.warnings);
