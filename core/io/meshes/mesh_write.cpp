@@ -24,21 +24,25 @@ void Put(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
+template <class Source>
+bool HasNormals(const Source& source) {
+  return source.normals.rows() == source.points.rows();
+}
+
 /// Header lines of the vertex element, for meshes and clouds.
 template <class Source>
-void PutVertexHeader(std::string& out, const Source& source) {
+void PutVertexHeader(std::string& out, const Source& source, bool normals) {
   out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
                      source.points.rows());
-  if (source.normals.rows() == source.points.rows())
-    out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (normals) out += "property float nx\nproperty float ny\nproperty float nz\n";
   if (source.colors.rows() == source.points.rows())
     out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 }
 
 template <class Source>
-void PutVertex(std::string& out, const Source& source, Eigen::Index v) {
+void PutVertex(std::string& out, const Source& source, bool normals, Eigen::Index v) {
   for (int k = 0; k < 3; ++k) Put<double>(out, source.points(v, k));
-  if (source.normals.rows() == source.points.rows())
+  if (normals)
     for (int k = 0; k < 3; ++k) Put<float>(out, static_cast<float>(source.normals(v, k)));
   if (source.colors.rows() == source.points.rows())
     for (int k = 0; k < 3; ++k) Put<std::uint8_t>(out, source.colors(v, k));
@@ -48,14 +52,14 @@ constexpr const char* kPlyHead = "ply\nformat binary_little_endian 1.0\ncomment 
 
 /// @tparam Uv  type of the texture coordinates, called `uv_type` in the file
 template <class Uv = double>
-std::string PlyBytes(const Mesh& mesh, const char* uv_type = "double") {
+std::string PlyBytes(const Mesh& mesh, bool normals, const char* uv_type = "double") {
   std::string out = kPlyHead;
-  PutVertexHeader(out, mesh);
+  PutVertexHeader(out, mesh, normals);
   out +=
       fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
   if (mesh.has_uvs()) out += fmt::format("property list uchar {} texcoord\n", uv_type);
   out += "end_header\n";
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, v);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, normals, v);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     Put<std::uint8_t>(out, 3);
     for (int k = 0; k < 3; ++k) Put<std::int32_t>(out, mesh.faces(f, k));
@@ -116,7 +120,7 @@ void WriteObj(const fs::path& path, const Mesh& mesh, const FaceNet& net,
 
 void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
   RequireMeshName(path);
-  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
+  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh, HasNormals(mesh)));
   WriteObj(path, mesh, NetOf(mesh, {}), material_texture);
 }
 
@@ -133,12 +137,6 @@ void WritePolygonObj(const fs::path& path, const PolygonMesh& mesh,
 
 namespace {
 
-/// The normals belong to another frame.
-Mesh WithoutNormals(Mesh mesh) {
-  mesh.normals.resize(0, 3);
-  return mesh;
-}
-
 std::size_t EndOfHeader(const std::string& bytes) {
   constexpr std::string_view kEnd = "end_header\n";
   return bytes.find(kEnd) + kEnd.size();
@@ -146,48 +144,46 @@ std::size_t EndOfHeader(const std::string& bytes) {
 
 /// The bytes of a vertex without a normal.
 std::size_t VertexBytes(const Mesh& mesh) {
-  std::string vertex;
-  if (mesh.points.rows() > 0) PutVertex(vertex, WithoutNormals(mesh), 0);
-  return vertex.size();
+  return 3 * sizeof(double) + (mesh.colors.rows() == mesh.points.rows() ? 3 : 0);
 }
 
-void PlacePoints(const PointsX3& points, std::size_t at, std::size_t vertex_bytes,
-                 std::string* bytes) {
+/// Writes a file of which all is known but the positions, from `at` on.
+void WriteFrame(const fs::path& path, const PointsX3& points, std::size_t at,
+                std::size_t vertex_bytes, std::string* bytes) {
   for (Eigen::Index v = 0; v < points.rows(); ++v)
     std::memcpy(bytes->data() + at + static_cast<std::size_t>(v) * vertex_bytes,
                 points.data() + 3 * v, 3 * sizeof(double));
+  WriteFile(path, *bytes);
 }
 
 }  // namespace
 
 PlyFrames::PlyFrames(const Mesh& mesh)
-    : bytes_(PlyBytes(WithoutNormals(mesh))),
+    : bytes_(PlyBytes(mesh, false)),
       vertices_at_(EndOfHeader(bytes_)),
       vertex_bytes_(VertexBytes(mesh)) {}
 
 void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
-  PlacePoints(points, vertices_at_, vertex_bytes_, &bytes_);
-  WriteFile(path, bytes_);
+  WriteFrame(path, points, vertices_at_, vertex_bytes_, &bytes_);
 }
 
 PlyFramesForOthers::PlyFramesForOthers(const Mesh& mesh)
-    : bytes_(PlyBytes<float>(WithoutNormals(mesh), "float")),
+    : bytes_(PlyBytes<float>(mesh, false, "float")),
       vertices_at_(EndOfHeader(bytes_)),
       vertex_bytes_(VertexBytes(mesh)) {}
 
 void PlyFramesForOthers::Write(const fs::path& path, const PointsX3& points) {
-  PlacePoints(points, vertices_at_, vertex_bytes_, &bytes_);
-  WriteFile(path, bytes_);
+  WriteFrame(path, points, vertices_at_, vertex_bytes_, &bytes_);
 }
 
 void WritePointCloud(const fs::path& path, const PointCloud& cloud) {
   const bool with_confidence = cloud.confidence.size() == cloud.points.rows();
   std::string out = kPlyHead;
-  PutVertexHeader(out, cloud);
+  PutVertexHeader(out, cloud, HasNormals(cloud));
   if (with_confidence) out += "property float confidence\n";
   out += "end_header\n";
   for (Eigen::Index p = 0; p < cloud.points.rows(); ++p) {
-    PutVertex(out, cloud, p);
+    PutVertex(out, cloud, HasNormals(cloud), p);
     if (with_confidence) Put<float>(out, cloud.confidence(p));
   }
   WriteFile(path, out);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/ply_frames.h"
 #include "core/io/testing/mesh_files.h"
 #include "core/io/text/files.h"
 
@@ -29,6 +30,33 @@ TEST_F(MeshIo, ObjKeepsColoursOfItsVertices) {
             expected);
   EXPECT_EQ(ReadMesh(Put("m.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n")).colors.rows(), 0)
       << "a fourth coordinate is no colour";
+}
+
+TEST_F(MeshIo, FramesAreTheMeshWithOtherPositionsAndNoNormals) {
+  for (const bool colored : {true, false}) {
+    Mesh mesh = ColoredSphereWithUvs();
+    if (!colored) mesh.colors.resize(0, 3);
+    mesh.normals = mesh.points.rowwise().normalized();
+    PlyFrames frames(mesh);
+    PlyFramesForOthers of_others(mesh);
+    for (const double height : {0.25, -3.0}) {
+      Mesh moved = mesh;
+      moved.normals.resize(0, 3);
+      moved.points.col(2).array() += height;
+      frames.Write(folder_ / "frame.ply", moved.points);
+      of_others.Write(folder_ / "other.ply", moved.points);
+      WriteMesh(folder_ / "mesh.ply", moved);
+      const std::string whole = ReadFile(folder_ / "mesh.ply");
+      EXPECT_EQ(ReadFile(folder_ / "frame.ply"), whole);
+      EXPECT_EQ(whole.size() - ReadFile(folder_ / "other.ply").size(),
+                mesh.face_count() * 6 * sizeof(float) + 1)
+          << "float in place of double";
+      const Mesh other = ReadMesh(folder_ / "other.ply");
+      EXPECT_EQ(other.points, moved.points);
+      EXPECT_EQ(other.colors, moved.colors);
+      EXPECT_EQ(other.faces, moved.faces);
+    }
+  }
 }
 
 }  // namespace keypose::mesh_write_test
