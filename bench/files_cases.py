@@ -2,6 +2,7 @@
 import re
 import shutil
 import subprocess
+import time
 
 CASES = []  # (kind, read by, name, wanted, words, function)
 
@@ -16,8 +17,17 @@ class Outcome:
     def __init__(self, code, text, numbers=()):
         self.code, self.text, self.numbers = code, text, list(numbers)
 
+    def says(self, words):
+        """Whether the command names the feature: in its refusal, or in a line `stage: ...` (a warning, a note). Paths and names of files by their format say nothing."""
+        if not words or not (self.code == 0 or 2 <= self.code <= 6):
+            return False
+        text = re.sub(r'\S*/\S+|\b\w+\.(fbx|x3d|blend|dae|3ds)\b', '', self.text)
+        if self.code == 0:
+            text = '\n'.join(line for line in text.splitlines() if re.match(r'[\w-]+: ', line))
+        return bool(re.search(words, text, re.I))
+
     def judged(self, words, wanted):
-        said = re.search(words, self.text, re.I) if words else None
+        said = self.says(words)
         if said and wanted == 'named':
             return 'named'
         if self.code == 0 and self.numbers and all(value <= bound for _, value, bound in self.numbers):
@@ -71,6 +81,21 @@ class Bench:
         if isinstance(self.made[function], Skip):
             raise self.made[function]
         return self.made[function]
+
+
+def run_case(b, kind, by, name, wanted, words, function):
+    """A row of the table. A case that stops in any way but by Skip ended badly."""
+    row = {'kind': kind, 'by': by, 'name': name, 'wanted': wanted, 'got': 'skipped', 'numbers': [], 'said': ''}
+    began = time.time()
+    try:
+        outcome = function(b)
+        row.update(got=outcome.judged(words, wanted), numbers=[(label, float(value), bound) for label, value, bound in outcome.numbers], code=outcome.code, said=outcome.text.strip()[-600:])
+    except Skip as why:
+        row['said'] = str(why)
+    except Exception as why:  # a command that does not end, or output that is not what the case reads
+        row.update(got='badly', said=repr(why))
+    row['seconds'] = round(time.time() - began, 1)
+    return row
 
 
 def tool(*words, data=None, cwd=None):

@@ -65,12 +65,12 @@ def report_names(b, key):
 SILHOUETTES = '`keypose silhouettes`'
 NAMES = ('from_1001', 'not_padded', 'underscore_9999', 'five_digits_from_99998', 'version_after_the_number', 'version_before', 'resolution_after', 'gap', 'letters_after', 'negative',
          'two_digits_twice', 'date_and_time')
-cases('numbered pictures', SILHOUETTES, [(f'26 {key}', 'number|name', 'named' if key == 'two_digits_twice' else 'right', key) for key in NAMES], report_names)
+cases('numbered pictures', SILHOUETTES, [(f'26 {key}', 'has the frame number of', 'named', key) if key == 'two_digits_twice' else (f'26 {key}', '', 'right', key) for key in NAMES], report_names)
 cases('numbered pictures', SILHOUETTES, [
     ('counter ran over', '', 'right', ['DSC_9998.png', 'DSC_9999.png', 'DSC_0001.png', 'DSC_0002.png']),
     ('phone, milliseconds', '', 'right', [f'PXL_20240503_14035{s}{m}.png' for s, m in ((8, '990'), (9, '123'), (9, '456'), (9, '789'))]),
     ('noon', '', 'right', [f'Screenshot 2024-05-03 at {t}.png' for t in ('11.59.58 AM', '11.59.59 AM', '12.00.01 PM', '1.00.00 PM')]),
-    ('two exposures', 'X1', 'named', ['DF_0001_X1.png', 'DF_0001_X2.png', 'DF_0002_X1.png', 'DF_0002_X2.png'])], folder_numbers)
+    ('two exposures', 'more than one number', 'named', ['DF_0001_X1.png', 'DF_0001_X2.png', 'DF_0002_X1.png', 'DF_0002_X2.png'])], folder_numbers)
 
 
 def composited(b, film, count, size, rate):

@@ -6,9 +6,10 @@
 --reports: small inputs that repeat public reports, described by a README.md there; left out where absent. Beside
 these, inputs are made on the fly by ffmpeg, Blender, assimp, COLMAP, OpenCV and Pillow, or written by hand where
 the format is text. Each case is judged by numbers: `right` (all within their bounds), `named` (exit 2 to 6, or a
-warning, whose text names the feature), `wrong` (neither, though the command succeeds), `badly` (refused without a
-word about the feature). Exit code 1 if a case ends otherwise than it should. Prints a markdown table, then what
-was wrong. Needs python3-numpy, python3-opencv, python3-pil; programs that are absent leave their cases out.
+warning or note, whose text names the feature), `wrong` (neither, though the command succeeds), `badly` (refused
+without a word about the feature, or ended in no such way). Exit code 1 if a case ends otherwise
+than it should. Prints a markdown table, then what was wrong. Needs python3-numpy, python3-opencv, python3-pil;
+programs that are absent leave their cases out.
 """
 import argparse
 import importlib
@@ -16,10 +17,9 @@ import json
 import pathlib
 import sys
 import tempfile
-import time
 
 try:
-    from files_cases import CASES, Bench, Skip
+    from files_cases import CASES, Bench, run_case
 
     for module in ('meshes', 'cameras', 'rigs', 'photographs', 'films'):
         importlib.import_module('files_' + module)  # adds its cases
@@ -28,18 +28,6 @@ except ImportError as missing:
 
 COLUMNS = ('right', 'named', 'wrong', 'badly')
 HEAD = '| kind | read by | right | named | wrong without a word | refused badly | the right value, and ours |'
-
-
-def run_case(b, kind, by, name, wanted, words, function):
-    row = {'kind': kind, 'by': by, 'name': name, 'wanted': wanted, 'got': 'skipped', 'numbers': [], 'said': ''}
-    began = time.time()
-    try:
-        outcome = function(b)
-        row.update(got=outcome.judged(words, wanted), numbers=[(label, float(value), bound) for label, value, bound in outcome.numbers], code=outcome.code, said=outcome.text.strip()[-600:])
-    except Skip as why:
-        row['said'] = str(why)
-    row['seconds'] = round(time.time() - began, 1)
-    return row
 
 
 def values(rows):
