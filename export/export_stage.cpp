@@ -7,7 +7,6 @@
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
-#include "core/surfaces/face_net.h"
 #include "core/values/name_list.h"
 #include "core/values/size_of.h"
 #include "export/export_options.h"
@@ -83,7 +82,7 @@ nlohmann::json Summary(const Scene& scene, const std::vector<std::string>& textu
                         {"loop", scene.playback.loop},
                         {"vertices", scene.frames[0].vertex_count()},
                         {"faces", scene.frames[0].face_count()},
-                        {"polygons", NetOf(scene.frames[0], scene.polygons).face_count()},
+                        {"polygons", scene.net.face_count()},
                         {"textures", texture_names},
                         {"texture_per_frame", !scene.frame_texture_names.empty()},
                         {"poses", scene.poses},
@@ -138,8 +137,6 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
   stage.Report("vertices", scene.frames[0].vertex_count());
   stage.Report("split_vertices", std::ssize(scene.split.source_vertex));
   stage.Report("faces", scene.frames[0].face_count());
-  if (!scene.polygons.sizes.empty())
-    stage.Report("polygons", NetOf(scene.frames[0], scene.polygons).face_count());
   stage.Report("textures", scene.frame_texture_names.empty()
                                ? std::ssize(scene.textures)
                                : std::ssize(scene.frame_texture_names));

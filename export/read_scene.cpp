@@ -11,7 +11,6 @@
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
-#include "core/surfaces/face_net.h"
 #include "core/values/same_faces.h"
 #include "core/values/size_of.h"
 
@@ -47,18 +46,18 @@ void TakeLayout(const fs::path& path, Scene& scene) {
 
 /// The template's own net, where its file has polygons.
 void TakePolygons(StageContext& stage, Scene& scene) {
-  if (!stage.Has("polygons")) return;
   const fs::path path = stage.Input("polygons");
-  scene.polygons = ReadPolygonMesh(path).polygons;
-  if (scene.polygons.sizes.empty())
+  const Polygons polygons = ReadPolygonMesh(path).polygons;
+  if (polygons.sizes.empty())
     return stage.Warn(PrintableName(path) +
                       " gives no polygons, which are read of OBJ files: triangles are exported");
   try {
-    const FaceNet net = NetOf(scene.frames[0], scene.polygons);
-    if (net.taken_apart > 0)
+    scene.net = NetOf(scene.frames[0], polygons);
+    if (scene.net.taken_apart > 0)
       stage.Warn("polygons of " + PrintableName(path) +
-                 " that are exported as triangles: " + std::to_string(net.taken_apart) +
+                 " that are exported as triangles: " + std::to_string(scene.net.taken_apart) +
                  ", because a seam of the texture runs through them or a vertex comes twice");
+    stage.Report("polygons", scene.net.face_count());
   } catch (const InputError& error) {
     throw InputError("export: the polygons of " + PrintableName(path) +
                      " do not belong to the frames: " + error.what() +
@@ -221,7 +220,8 @@ Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
   if (metres != 1)
     for (Mesh& frame : scene.frames) frame.points *= metres;
   if (stage.Has("layout")) TakeLayout(stage.Input("layout"), scene);
-  TakePolygons(stage, scene);
+  scene.net = NetOf(scene.frames[0], {});
+  if (stage.Has("polygons")) TakePolygons(stage, scene);
   const FrameNotes notes = ReadNotes(folder, SizeOf(scene.frames));
   const std::vector<fs::path> given = stage.Inputs("textures");
   const bool per_frame = given.size() == 1 && fs::is_directory(given[0]);

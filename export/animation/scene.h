@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/surfaces/face_net.h"
 #include "core/values/image.h"
 #include "core/values/mesh.h"
-#include "core/values/polygons.h"
 #include "export/animation/animated_mesh.h"
 #include "export/animation/playback.h"
 #include "export/animation/texture_blend.h"
@@ -34,7 +34,7 @@ struct Scene {
   std::string name = "character";        ///< of the object, and of files
   std::vector<std::string> frame_names;  ///< "frame_0000", ...
   std::vector<Mesh> frames;              ///< of one connectivity; the UVs of the first count
-  Polygons polygons;   ///< of the first frame, for formats that have such; empty: its triangles
+  FaceNet net;         ///< of the first frame, for formats that have polygons, else its triangles
   AnimatedMesh split;  ///< the same frames, vertices split along texture seams, with normals
   std::vector<double>
       frame_t;  ///< per frame: key number plus share of the way to the next, or empty

@@ -137,6 +137,7 @@ TEST(MakePc2, VerticesWithoutAFaceAreInNeitherMeshNorCache) {
     frame.points = points;
     for (int& vertex : frame.faces.reshaped()) vertex += vertex >= 5;
   }
+  scene.net = NetOf(scene.frames[0], {});
   const FormatFiles made = MakePc2(scene, nullptr), expected = MakePc2(without, nullptr);
   for (std::size_t i = 0; i < made.files.size(); ++i)
     EXPECT_EQ(made.files[i].bytes, expected.files[i].bytes) << made.files[i].path;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/surfaces/face_net.h"
 #include "core/values/size_of.h"
 
 namespace keypose::exporting {
@@ -66,7 +65,7 @@ std::vector<FormatFile> MakeTemplateObj(const Scene& scene, const std::string& p
   AppendRows(obj, "v", WithYUp(scene.frames[frame].points(vertices, Eigen::all), scene.z_up));
   if (mesh.has_uvs()) AppendRows(obj, "vt", mesh.uvs);
   obj += "usemtl clay\ns 1\n";  // one group with smooth normals
-  AppendFaces(obj, NetOf(mesh, scene.polygons), place);
+  AppendFaces(obj, scene.net, place);
   std::string mtl = "newmtl clay\nKa 1 1 1\nKd 0.8 0.8 0.8\nKs 0 0 0\n";
   if (mesh.has_uvs() && !scene.textures.empty())
     mtl = "newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd ../textures/" +

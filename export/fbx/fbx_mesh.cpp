@@ -4,7 +4,6 @@
 #include <string>
 
 #include "core/numbers/parallel.h"
-#include "core/surfaces/face_net.h"
 #include "core/values/progress.h"
 #include "core/values/size_of.h"
 
@@ -53,11 +52,11 @@ FbxRecord Layer(const std::string& type, const std::string& name, const std::str
 }
 
 // One normal per corner is what all readers know.
-FbxRecord NormalLayer(const Scene& scene, const FaceNet& net) {
+FbxRecord NormalLayer(const Scene& scene) {
   const PointsX3 normals = NormalsOf(scene, 0);
   std::vector<double> of_corners;
-  of_corners.reserve(3 * net.vertices.size());
-  for (const int vertex : net.vertices) {
+  of_corners.reserve(3 * scene.net.vertices.size());
+  for (const int vertex : scene.net.vertices) {
     of_corners.insert(of_corners.end(), normals.row(vertex).begin(), normals.row(vertex).end());
   }
   return Layer("LayerElementNormal", "", "ByPolygonVertex", "Direct", {{"Normals", {of_corners}}});
@@ -71,10 +70,9 @@ FbxRecord UvLayer(const Mesh& mesh, const FaceNet& net) {
 
 FbxRecord Geometry(const Scene& scene) {
   const Mesh& mesh = scene.frames[0];
-  const FaceNet net = NetOf(mesh, scene.polygons);
-  std::vector<FbxRecord> layers{NormalLayer(scene, net)};
-  if (mesh.has_uvs()) layers.push_back(UvLayer(mesh, net));
-  const std::vector<std::int32_t> one_group(net.face_count(), 1), one_material{0};
+  std::vector<FbxRecord> layers{NormalLayer(scene)};
+  if (mesh.has_uvs()) layers.push_back(UvLayer(mesh, scene.net));
+  const std::vector<std::int32_t> one_group(scene.net.face_count(), 1), one_material{0};
   layers.push_back(
       Layer("LayerElementSmoothing", "", "ByPolygon", "Direct", {{"Smoothing", {one_group}}}));
   layers.push_back(Layer("LayerElementMaterial", "", "AllSame", "IndexToDirect",
@@ -84,7 +82,7 @@ FbxRecord Geometry(const Scene& scene) {
   out.records = {FbxProperties({}),
                  {"GeometryVersion", {124}},
                  {"Vertices", {Numbers(WithYUp(mesh.points, scene.z_up))}},
-                 {"PolygonVertexIndex", {Corners(net)}}};
+                 {"PolygonVertexIndex", {Corners(scene.net)}}};
   FbxRecord list{"Layer", {0}, {{"Version", {100}}}};
   for (FbxRecord& layer : layers) {
     list.records.push_back({"LayerElement", {}, {{"Type", {layer.name}}, {"TypedIndex", {0}}}});

@@ -9,7 +9,6 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/ply_frames.h"
 #include "core/io/text/files.h"
-#include "core/surfaces/face_net.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
@@ -51,7 +50,7 @@ void AppendRows(std::string& text, const char* keyword, const Rows& rows) {
 /// Texture coordinates and faces, which all files share.
 std::string SharedLines(const Scene& scene) {
   const Mesh& mesh = scene.frames[0];
-  const FaceNet net = NetOf(mesh, scene.polygons);
+  const FaceNet& net = scene.net;
   std::string text;
   if (mesh.has_uvs()) AppendRows(text, "vt", mesh.uvs);
   text += "s 1\n";  // smooth normals

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/numbers/parallel.h"
-#include "core/surfaces/face_net.h"
 #include "core/values/size_of.h"
 #include "export/usd/usda_text.h"
 
@@ -137,15 +136,14 @@ void WriteMesh(UsdaWriter& out, const Scene& scene, const std::vector<Sample>& s
   out.Open("{");
   out.Line("uniform bool doubleSided = 1");
   WriteSamples(out, "float3[] extent", "", samples, &Sample::extent);
-  const FaceNet net = NetOf(mesh, scene.polygons);
-  out.Line("int[] faceVertexCounts = " + NumberArray(net.sizes));
-  out.Line("int[] faceVertexIndices = " + NumberArray(net.vertices));
+  out.Line("int[] faceVertexCounts = " + NumberArray(scene.net.sizes));
+  out.Line("int[] faceVertexIndices = " + NumberArray(scene.net.vertices));
   out.Line("rel material:binding = </" + PrimName(scene.name) + "/materials/clay>");
   WriteSamples(out, "normal3f[] normals", "vertex", samples, &Sample::normals);
   WriteSamples(out, "point3f[] points", "", samples, &Sample::points);
   if (mesh.has_uvs()) {
     out.Attribute("texCoord2f[] primvars:st = " + TupleArray(mesh.uvs), "faceVarying");
-    out.Line("int[] primvars:st:indices = " + NumberArray(net.uvs));
+    out.Line("int[] primvars:st:indices = " + NumberArray(scene.net.uvs));
   }
   out.Line("uniform token subdivisionScheme = \"none\"");
   out.Close();

@@ -152,7 +152,7 @@ BlenderFaces ReadInBlender(const std::string& path) {
 Scene LanternScene() {
   const TestingFolder folder;
   WriteFile(folder.path() / "lantern.obj", LanternObj());
-  PolygonMesh read = ReadPolygonMesh(folder.path() / "lantern.obj");
+  const PolygonMesh read = ReadPolygonMesh(folder.path() / "lantern.obj");
   Scene scene;
   for (const double lean : {0.0, 0.3, 0.5}) {
     Mesh frame = read.mesh;
@@ -160,7 +160,7 @@ Scene LanternScene() {
     scene.frames.push_back(frame);
     scene.frame_names.push_back("frame_000" + std::to_string(scene.frames.size() - 1));
   }
-  scene.polygons = std::move(read.polygons);
+  scene.net = NetOf(read.mesh, read.polygons);
   scene.split = MakeAnimatedMesh(scene.frames, scene.frame_names);
   scene.clip = MakeClip(scene.split.points, {}, false);
   scene.playback = {10, 0, "none"};

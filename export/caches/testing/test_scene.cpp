@@ -97,6 +97,7 @@ Scene TestScene(const TestSceneOptions& options) {
     scene.frames.push_back(frame);
     scene.frame_names.push_back("frame_000" + std::to_string(i));
   }
+  scene.net = NetOf(mesh, {});
   scene.split = MakeAnimatedMesh(scene.frames, scene.frame_names);
   scene.clip = MakeClip(scene.split.points, options.stands, false);
   scene.playback = options.playback;
