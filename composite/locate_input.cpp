@@ -15,6 +15,7 @@
 #include "composite/locating/outline/shrunk.h"
 #include "composite/scene/scene_plates.h"
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
@@ -172,15 +173,16 @@ void ReadMeshes(const std::vector<fs::path>& files, const Shows& shows,
   for (auto& [picture, mesh] : chosen) {
     const auto [at, added] = index.emplace(mesh, SizeOf(input.shot.poses));
     if (added) {
-      Mesh read = ReadMesh(files[mesh]);
+      const bool is_first = input.shot.poses.empty();
+      Mesh read = is_first ? ReadMesh(files[mesh]) : ReadMeshCutAs(files[mesh], input.mesh);
       RequireUsable(read, "locate: " + files[mesh].filename().string());
-      if (!input.shot.poses.empty() && !SameFaces(read.faces, input.mesh.faces))
+      if (!is_first && !SameFaces(read.faces, input.mesh.faces))
         throw InputError("locate: " + files[mesh].string() +
                          " has other faces than the first mesh; pass poses that register or fit "
                          "made from one template");
       input.shot.poses.push_back(read.points);
       input.pose_names.push_back(shows.NameOf(mesh));
-      if (SizeOf(input.shot.poses) == 1) input.mesh = std::move(read);
+      if (is_first) input.mesh = std::move(read);
     }
     mesh = at->second;
   }

@@ -46,22 +46,10 @@ StageSpec Spec() {
   return spec;
 }
 
-/// A polygon may be cut into triangles another way where it is bent: one way counts for all keys.
-PolygonMesh LoadKey(const std::filesystem::path& path, const PolygonMesh& first) {
-  PolygonMesh key = ReadPolygonMesh(path);
-  const bool same = !key.polygons.sizes.empty() && key.polygons.sizes == first.polygons.sizes &&
-                    key.polygons.corners == first.polygons.corners;
-  if (same) key.mesh.faces = first.mesh.faces;
-  return key;
-}
-
 std::vector<Mesh> LoadKeys(StageContext& stage) {
   std::vector<Mesh> keys;
-  PolygonMesh first;
   for (const std::filesystem::path& path : stage.Inputs("keys")) {
-    PolygonMesh read = LoadKey(path, first);
-    if (keys.empty()) first = read;
-    keys.push_back(std::move(read.mesh));
+    keys.push_back(keys.empty() ? ReadMesh(path) : ReadMeshCutAs(path, keys[0]));
     const Mesh& key = keys.back();
     RequireUsable(key, "interpolate: key '" + path.filename().string() + "'");
     if (!SameFaces(key.faces, keys[0].faces) || key.points.rows() != keys[0].points.rows())

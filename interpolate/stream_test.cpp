@@ -162,6 +162,35 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
   EXPECT_EQ(Files(), files);
 }
 
+/// A prism of quads above and below whose corner 1 lies at the given place.
+std::string PrismWithCornerAt(const std::string& place) {
+  std::string obj;
+  for (const char* z : {" 0", " 1"})
+    for (const std::string& corner :
+         {std::string("0 0"), place, std::string("1 1"), std::string("0 1")})
+      obj += "v " + corner + z + "\n";
+  return obj + "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+}
+
+TEST_F(InterpolateProgram, KeysWhosePolygonsAreCutApartInOtherWaysServe) {
+  WriteFile(folder_ / "flat.obj", PrismWithCornerAt("1 0"));
+  WriteFile(folder_ / "bent.obj", PrismWithCornerAt("0.25 0.75"));
+  const Mesh flat = ReadMesh(folder_ / "flat.obj"), bent = ReadMesh(folder_ / "bent.obj");
+  WriteMesh(folder_ / "flat.ply", flat);
+  ASSERT_NE(bent.faces, flat.faces);
+  const auto expect = [this](const std::string& a, const std::string& b, const Mesh& first,
+                             const Mesh& last) {
+    ASSERT_EQ(Run("--keys " + a + " --keys " + b + " --steps 1 --frames frames --overwrite"), 0)
+        << ReadFile(folder_ / "log.txt");
+    const Mesh shown = ReadMesh(folder_ / "frames/frame_0002.ply");
+    EXPECT_EQ(shown.faces, first.faces);
+    EXPECT_EQ(shown.points, last.points);
+  };
+  expect("flat.obj", "bent.obj", flat, bent);
+  expect("bent.obj", "flat.obj", bent, flat);
+  expect("flat.ply", "bent.obj", flat, bent);
+}
+
 TEST_F(InterpolateProgram, ATimelineThatIsWrongIsRefusedByName) {
   std::ofstream(folder_ / "t.json")
       << R"({"schema":2,"fps":12,"keys":[{"pose":"a","time":0},{"pose":"b","time":1,"eas":"in"}]})";

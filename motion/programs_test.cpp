@@ -10,6 +10,7 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/project/landmarks_io.h"
+#include "core/io/testing/other_cut.h"
 #include "core/io/text/files.h"
 #include "core/numbers/rotations.h"
 #include "core/surfaces/geometry.h"
@@ -197,6 +198,22 @@ TEST_F(Programs, MarksOfAnotherPoseOfTheTemplateHoldByTheirTriangles) {
   WriteLandmarkPairs(folder_ / "marks.json", MakeIcosphere(3), target_, pairs);
   EXPECT_EQ(Run("transfer", kTransfer), 3);
   EXPECT_TRUE(Says("12 unconfirmed suggestions could not follow")) << log_;
+}
+
+TEST_F(Programs, AReferenceWhosePolygonsAreCutAnotherWayServes) {
+  WriteBars();
+  const Mesh straight = ReadMesh(folder_ / "template/frame_0000.ply");
+  const std::vector<LandmarkPair> pairs =
+      ReadLandmarkPairs({folder_ / "marks.json"}, straight, target_);
+  ASSERT_EQ(Run("transfer", kTransfer), 0) << log_;
+  const Mesh wanted = ReadMesh(folder_ / "out/frame_0003.ply");
+  WriteWithOtherCut(folder_ / "reference.obj", straight);
+  const Mesh reference = ReadMesh(folder_ / "reference.obj");
+  ASSERT_EQ((reference.faces - straight.faces).rowwise().any().count(), 2);
+  WriteLandmarkPairs(folder_ / "marks.json", reference, target_, pairs);
+  ASSERT_EQ(Run("transfer", std::string(kTransfer) + "--reference reference.obj"), 0) << log_;
+  const Mesh made = ReadMesh(folder_ / "out/frame_0003.ply");
+  EXPECT_LT((made.points - wanted.points).rowwise().norm().maxCoeff(), 1e-3);
 }
 
 TEST_F(Programs, TransferWarnsOfATargetThatLiesAndOfAnotherRate) {

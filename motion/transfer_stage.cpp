@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/meshes/polygon_mesh.h"
 #include "core/io/pictures/frame_folder.h"
 #include "core/io/project/landmarks_io.h"
 #include "core/io/text/files.h"
@@ -235,9 +236,15 @@ void WarnOfRate(StageContext& stage, double wanted, double rate) {
       "make the template with the rate that you want");
 }
 
-Mesh ReadTemplate(const fs::path& path, const Mesh& reference) {
+/// The faces that the frames must have: those of the reference, or another cut of its polygons.
+FacesX3 FacesOfFrames(StageContext& stage, const fs::path& first, const Mesh& reference) {
+  return stage.Has("reference") ? ReadMeshCutAs(stage.Input("reference"), ReadMesh(first)).faces
+                                : reference.faces;
+}
+
+Mesh ReadTemplate(const fs::path& path, const Mesh& reference, const FacesX3& faces) {
   Mesh frame = ReadMesh(path);
-  if (frame.points.rows() != reference.points.rows() || !SameFaces(frame.faces, reference.faces))
+  if (frame.points.rows() != reference.points.rows() || !SameFaces(frame.faces, faces))
     throw InputError("transfer: " + path.filename().string() +
                      " of the template does not have the faces of its reference; all frames must "
                      "be of one mesh");
@@ -265,10 +272,11 @@ void Run(StageContext& stage, const TransferStageOptions& options) {
   Transfer transfer(whole.mesh, reference.points, reference.faces, marks, how);
   WarnOfMarks(stage, transfer.report());
   SubProgress reading(stage.progress(), 0, 0.3), making(stage.progress(), 0.3, 1);
+  const FacesX3 faces = FacesOfFrames(stage, paths[0], reference);
   for (const fs::path& path : paths) {
     ReportProgress(&reading, transfer.frame_count() / static_cast<double>(paths.size()),
                    "reading the template");
-    transfer.Add(ReadTemplate(path, reference).points, path.filename().string());
+    transfer.Add(ReadTemplate(path, reference, faces).points, path.filename().string());
   }
   const fs::path out = stage.Output("frames");
   PlyFrames writer(target);

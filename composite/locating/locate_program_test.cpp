@@ -11,6 +11,7 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/project/shot_io.h"
+#include "core/io/testing/other_cut.h"
 #include "core/io/text/files.h"
 #include "core/numbers/rotations.h"
 #include "core/pictures/render.h"
@@ -116,6 +117,20 @@ TEST_F(LocateProgram, WritesTheCameraOfAFilm) {
   EXPECT_EQ(report["frames_located"], 2);
   EXPECT_EQ(report["one_place"], true);
   EXPECT_LT(report["jitter_px"], 0.05);
+}
+
+TEST_F(LocateProgram, APoseWhosePolygonsAreCutAnotherWayServes) {
+  const Mesh body = Body();
+  WriteWithOtherCut(folder / "wave.obj", body);
+  ASSERT_EQ((ReadMesh(folder / "wave.obj").faces - body.faces).rowwise().any().count(), 2);
+  ASSERT_EQ(Run("--mesh %/body.ply --mesh %/wave.obj --poses rest,wave --shows 0=rest,2=wave "
+                "--plate %/film --matte %/mattes --focal_35mm 50"),
+            0)
+      << Log();
+  const FilmedShot shot = ReadShot(folder / "shot.json");
+  ASSERT_EQ(shot.frames.size(), 2u);
+  EXPECT_EQ(shot.frames[1].pose, "wave");
+  EXPECT_GT(shot.frames[1].iou.value(), 0.98);
 }
 
 TEST_F(LocateProgram, PicturesOfSceneLightAreLookedAt) {

@@ -1,4 +1,4 @@
-// The writing half of mesh_io.h, and polygon_mesh.h.
+// The writing halves of mesh_io.h and polygon_mesh.h.
 #include <fmt/format.h>
 #include <cstdint>
 #include <cstring>
@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/io/meshes/mesh_io.h"
-#include "core/io/meshes/obj_file.h"
 #include "core/io/meshes/ply_frames.h"
 #include "core/io/meshes/polygon_mesh.h"
 #include "core/io/text/files.h"
@@ -122,12 +121,6 @@ void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& materi
   RequireMeshName(path);
   if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh, HasNormals(mesh)));
   WriteObj(path, mesh, NetOf(mesh, {}), material_texture);
-}
-
-PolygonMesh ReadPolygonMesh(const fs::path& path) {
-  if (MeshKindOf(path) != MeshKind::kObj) return {ReadMesh(path), {}};
-  ObjFile file = ReadObj(path);
-  return {std::move(file.mesh), std::move(file.polygons)};
 }
 
 void WritePolygonObj(const fs::path& path, const PolygonMesh& mesh,

@@ -18,6 +18,14 @@ struct PolygonMesh {
 /// @throws DiskError, InputError  as ReadMesh
 PolygonMesh ReadPolygonMesh(const std::filesystem::path& path);
 
+/// A mesh in another pose. A polygon that bends is cut by its corners' places (polygon_cut.h), so
+/// that OBJ files of the same polygons need not have the same triangles: those of `first` are taken
+/// where they cover these polygons, and texture coordinates alike. None are left if a polygon that
+/// has a vertex twice is cut anew. Otherwise the mesh is what ReadMesh gives; callers compare the
+/// faces (same_faces.h).
+/// @throws DiskError, InputError  as ReadMesh
+Mesh ReadMeshCutAs(const std::filesystem::path& path, const Mesh& first);
+
 /// Writes an OBJ as WriteMesh does, but with polygons, so that reading it gives the same again.
 /// @throws InputError  the polygons are not those of the mesh
 /// @throws DiskError   as WriteMesh
