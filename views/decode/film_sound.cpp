@@ -10,12 +10,11 @@ extern "C" {
 #include <limits>
 
 #include "core/values/size_of.h"
-#include "views/decode/film_file.h"
+#include "views/decode/sound_file.h"
 
 namespace keypose {
 namespace {
 
-constexpr double kJump_s = 0.03;  // containers round times; what differs by more is a gap
 constexpr double kMillis = 1000;
 
 /// Power summed by milliseconds from the first sample on.
@@ -81,89 +80,30 @@ Sampler SamplerOf(const AVFrame& frame) {
   }
 }
 
-class SoundReader {
- public:
-  SoundReader(const std::filesystem::path& path, double zero_s)
-      : packet_(av_packet_alloc()), frame_(av_frame_alloc()), zero_s_(zero_s) {
-    av_log_set_level(AV_LOG_QUIET);
-    AVFormatContext* opened = nullptr;
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "protocol_whitelist", "file", 0);
-    const int code =
-        avformat_open_input(&opened, ("file:" + path.string()).c_str(), nullptr, &options);
-    av_dict_free(&options);
-    format_.reset(opened);
-    if (code >= 0 && avformat_find_stream_info(format_.get(), nullptr) >= 0) FindSound();
+/// @param begin_s  of the frame's first sample
+void AddFrame(const AVFrame& frame, double begin_s, MilliSums* sums) {
+  const Sampler sample = SamplerOf(frame);
+  if (!sample) return;
+  const int channels = frame.ch_layout.nb_channels;
+  for (int i = 0; i < frame.nb_samples; ++i) {
+    double square = 0;
+    for (int c = 0; c < channels; ++c) square += std::pow(sample(frame, c, i), 2);
+    sums->Add(begin_s + static_cast<double>(i) / frame.sample_rate, square / channels);
   }
-
-  FilmSound Read(double most_s, const Progress* progress) {
-    MilliSums sums(most_s);
-    while (decoder_ && av_read_frame(format_.get(), packet_.get()) >= 0) {
-      if (progress && progress->cancelled()) throw Cancelled();
-      const bool mine = packet_->stream_index == stream_->index;
-      if (mine) avcodec_send_packet(decoder_.get(), packet_.get());
-      av_packet_unref(packet_.get());
-      if (mine) TakeFrames(&sums);
-      if (sums.EndsBefore(next_s_)) return sums.Means();
-    }
-    if (decoder_) {
-      avcodec_send_packet(decoder_.get(), nullptr);
-      TakeFrames(&sums);
-    }
-    return sums.Means();
-  }
-
- private:
-  void FindSound() {
-    for (unsigned i = 0; i < format_->nb_streams; ++i) {
-      AVStream* stream = format_->streams[i];
-      if (!stream_ && stream->codecpar->codec_type == AVMEDIA_TYPE_AUDIO) stream_ = stream;
-      if (stream != stream_) stream->discard = AVDISCARD_ALL;
-    }
-    const AVCodec* codec = stream_ ? avcodec_find_decoder(stream_->codecpar->codec_id) : nullptr;
-    if (!codec) return;
-    AvEncoder decoder(avcodec_alloc_context3(codec));
-    avcodec_parameters_to_context(decoder.get(), stream_->codecpar);
-    decoder->pkt_timebase = stream_->time_base;
-    if (avcodec_open2(decoder.get(), codec, nullptr) >= 0) decoder_ = std::move(decoder);
-  }
-
-  void TakeFrames(MilliSums* sums) {
-    while (avcodec_receive_frame(decoder_.get(), frame_.get()) >= 0) TakeFrame(*frame_, sums);
-  }
-
-  void TakeFrame(const AVFrame& frame, MilliSums* sums) {
-    const Sampler sample = SamplerOf(frame);
-    if (!sample || frame.sample_rate <= 0) return;
-    if (frame.best_effort_timestamp != AV_NOPTS_VALUE) {
-      const double time_s =
-          static_cast<double>(frame.best_effort_timestamp) * av_q2d(stream_->time_base) - zero_s_;
-      if (!begun_ || std::abs(time_s - next_s_) > kJump_s) next_s_ = time_s;
-    }
-    begun_ = true;
-    const int channels = frame.ch_layout.nb_channels;
-    for (int i = 0; i < frame.nb_samples; ++i) {
-      double square = 0;
-      for (int c = 0; c < channels; ++c) square += std::pow(sample(frame, c, i), 2);
-      sums->Add(next_s_ + static_cast<double>(i) / frame.sample_rate, square / channels);
-    }
-    next_s_ += static_cast<double>(frame.nb_samples) / frame.sample_rate;
-  }
-
-  AvInput format_;
-  AVStream* stream_ = nullptr;
-  AvEncoder decoder_;
-  AvPacket packet_;
-  AvFrame frame_;
-  double zero_s_, next_s_ = 0;
-  bool begun_ = false;
-};
+}
 
 }  // namespace
 
 FilmSound ReadFilmSound(const std::filesystem::path& path, const FilmIndex& index, double most_s,
                         const Progress* progress) {
-  return SoundReader(path, index.zero_s).Read(most_s, progress);
+  SoundFile file(path);
+  MilliSums sums(most_s);
+  while (const AVFrame* frame = file.Next(progress)) {
+    const double begin_s = file.begin_s() - index.zero_s;
+    if (sums.EndsBefore(begin_s)) break;
+    AddFrame(*frame, begin_s, &sums);
+  }
+  return sums.Means();
 }
 
 }  // namespace keypose
