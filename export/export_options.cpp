@@ -38,10 +38,18 @@ void ExportOptions::Describe(OptionVisitor& visit) {
         {"names of the keys' poses in order, separated by commas, one per texture in `textures`",
          ""});
   visit("pose_textures", format.pose_textures,
-        {.help = "format of the GLB's textures after the first, for viewers that can blend "
-                 "textures; none: leave them out",
+        {.help = "format of a GLB's textures after the first, for viewers that can blend "
+                 "textures; none: leave them out; auto: none in glb, jpeg in the others",
          .unit = "",
-         .choices = {"jpeg", "png", "none"}});
+         .choices = {"auto", "jpeg", "png", "none"}});
+  visit("glb_error", format.light.error,
+        {"largest error of glb, relative to the figure's diagonal; as few targets as keep it",
+         "",
+         1e-9,
+         1,
+         {}});
+  visit("glb_texture", format.light.texture,
+        {"largest width and height of a texture in glb", "px", 16, 16384, {}});
   visit("max_targets", format.few.max_targets, {"most morph targets of glb-few", "", 1, 255, {}});
   visit("error_bound", format.few.error_bound,
         {"largest error of glb-few, relative to the figure's diagonal; as few targets as keep it, "
@@ -56,13 +64,14 @@ void ExportOptions::Describe(OptionVisitor& visit) {
 void ExportOptions::DescribeFilm(OptionVisitor& visit) {
   visit("video_width", format.film.width, {"of the film; even", "px", 64, 7680, {}});
   visit("video_height", format.film.height, {"of the film; even", "px", 64, 4320, {}});
-  visit("video_azimuth", format.film.azimuth_deg,
-        {"azimuth of the film's camera, counter-clockwise seen from above, 0: from -y; -1: the "
-         "direction in the front half that shows most motion",
-         "deg",
-         -1,
-         360,
-         {}});
+  visit(
+      "video_azimuth", format.film.azimuth_deg,
+      {"azimuth of the film's camera, counter-clockwise seen from above; 0: the side of the first "
+       "photograph (-y); -1: the direction in the front half that shows most motion",
+       "deg",
+       -1,
+       360,
+       {}});
   visit("video_turntable", format.turntable,
         {"what character_turntable.mp4 shows: a frame's number or a key's name; empty: the first "
          "key",

@@ -12,7 +12,7 @@ namespace keypose::exporting {
 constexpr double kLeastRate = 0.1, kMostRate = 1000;  // frames per second
 
 struct ExportOptions {
-  std::string formats = "glb,video,obj,ply";
+  std::string formats = "glb,video";
   double fps = 0;
   PlaybackOptions playback;
   std::string up = "z";    // axis that points up in the frames

@@ -11,6 +11,7 @@
 #include "core/values/size_of.h"
 #include "export/export_options.h"
 #include "export/formats.h"
+#include "export/how_to_open.h"
 #include "export/read_scene.h"
 
 namespace {
@@ -130,10 +131,10 @@ nlohmann::json WriteFormats(keypose::StageContext& stage, const Scene& scene,
 }
 
 void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohmann::json& formats) {
+  stage.Report("frames", scene.frame_count());
   std::int64_t pictures = 0;
   for (int i = 0; i < scene.frame_count(); ++i) pictures += scene.clip.picture[i] == i;
-  stage.Report("frames", scene.frame_count());
-  stage.Report("morph_targets", pictures - 1);
+  stage.Report("pictures", pictures);
   stage.Report("vertices", scene.frames[0].vertex_count());
   stage.Report("split_vertices", std::ssize(scene.split.source_vertex));
   stage.Report("faces", scene.frames[0].face_count());
@@ -146,6 +147,8 @@ void ReportScene(keypose::StageContext& stage, const Scene& scene, const nlohman
     stage.Report(name + "_bytes", format["bytes"].get<std::int64_t>());
     if (format.contains("error_over_diagonal"))
       stage.Report(name + "_error_over_diagonal", format["error_over_diagonal"].get<double>());
+    if (format.contains("morph_targets"))
+      stage.Report(name + "_targets", format["morph_targets"].get<int>());
   }
 }
 
@@ -185,6 +188,10 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const nlohmann::json formats = WriteFormats(stage, scene, options, texture_names);
   const nlohmann::json summary = Summary(scene, texture_names, formats);
   keypose::WriteFile(out / "animation.json", summary.dump(1) + "\n");
+  std::vector<std::string> written;
+  for (const auto& format : formats) written.push_back(format["format"]);
+  keypose::WriteFile(out / "how_to_open.txt",
+                     keypose::exporting::HowToOpen(written, scene.playback.fps));
   ReportScene(stage, scene, formats);
   stage.Report("animation_seconds", summary["seconds"].get<double>());
 }
@@ -194,11 +201,12 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "12";
+  spec.version = "13";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.title = "Export";
-  spec.inputs = {{"frames", "folder",
-                  "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
+  spec.inputs = {{"frames", "path",
+                  "frame_0000.ply, ... of one connectivity, and distortion.json; or one mesh", "",
+                  false, false},
                  {"textures", "path",
                   "of each key on the timeline, in order, in the frames' UV layout; or one for "
                   "all; or a folder with one for each frame",
@@ -209,7 +217,8 @@ int main(int argc, char** argv) {
                   "OBJ that the frames' triangles were made from: its quads and polygons are the "
                   "faces of OBJ, USD and FBX",
                   "", true, false}};
-  spec.outputs = {{"animation", "folder", "the files of each format, textures/, animation.json",
+  spec.outputs = {{"animation", "folder",
+                   "the files of each format, textures/, animation.json, how_to_open.txt",
                    "animation", false, false}};
   spec.cores = 0;
   spec.memory_gib = 2;

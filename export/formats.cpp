@@ -1,18 +1,21 @@
 #include "export/formats.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iomanip>
 #include <optional>
 #include <sstream>
 #include <utility>
 
-#include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
 #include "core/values/size_of.h"
 #include "export/blender/blender_files.h"
 #include "export/caches/caches.h"
 #include "export/fbx/fbx.h"
+#include "export/glb_textures.h"
 #include "export/gltf/gltf.h"
 #include "export/sequences/sequences.h"
 #include "export/usd/usda.h"
@@ -26,6 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Most targets of the light GLB; with more the pictures themselves are not much larger.
+constexpr int kMostLightTargets = 64;
+
 /// Everything that a format's function is given.
 struct Job {
   const Scene& scene;
@@ -35,29 +41,6 @@ struct Job {
   fs::path folder;
   Progress* progress;
 };
-
-/// The image converted to JPEG.
-EncodedImage AsJpeg(const EncodedImage& image, const fs::path& scratch) {
-  if (image.mime_type == "image/jpeg") return image;
-  const fs::path from = scratch / "pose.png", to = scratch / "pose.jpg";
-  WriteFile(from, image.bytes);
-  WriteImage(to, ReadImage(from));
-  return {ReadFile(to), "image/jpeg", image.name};
-}
-
-GlbTextures TexturesOfGlb(const Job& job) {
-  const std::string& kind = job.options.pose_textures;
-  const Scene& scene = job.scene;
-  const bool blends = !scene.texture_moments.empty() && kind != "none";
-  GlbTextures glb;
-  for (std::size_t i = 0; i < scene.textures.size() && (i == 0 || blends); ++i) {
-    glb.images.push_back(i > 0 && kind == "jpeg" ? AsJpeg(scene.textures[i], job.stage.Scratch())
-                                                 : scene.textures[i]);
-    glb.poses.push_back(scene.poses[i]);
-  }
-  if (blends) glb.moments = scene.texture_moments;
-  return glb;
-}
 
 /// Writes the files of a format that gives them as values.
 WrittenFormat Save(const Job& job, const FormatFiles& made) {
@@ -73,18 +56,63 @@ WrittenFormat Save(const Job& job, const FormatFiles& made) {
   return written;
 }
 
-WrittenFormat WriteGlb(const Job& job) {
-  const Scene& scene = job.scene;
+/// How many frames differ from all before them.
+int PictureCount(const Clip& clip) {
+  int count = 0;
+  for (int i = 0; i < clip.frame_count(); ++i) count += clip.picture[i] == i;
+  return count;
+}
+
+/// The pictures themselves as targets.
+FormatFiles FullGlb(const Scene& scene, const std::string& file, const GlbTextures& textures) {
   const GlbOptions options{scene.playback, scene.z_up, scene.name};
   FormatFiles made;
-  made.files.push_back({"character.glb", MakeGlb(scene.split, scene.clip, scene.frame_names,
-                                                 TexturesOfGlb(job), options)});
+  made.files.push_back(
+      {file, MakeGlb(scene.split, scene.clip, scene.frame_names, textures, options)});
   made.error_over_diagonal = GlbError(scene.split) / SceneDiagonal(scene);
+  made.measured["morph_targets"] = PictureCount(scene.clip) - 1;
+  return made;
+}
+
+/// What the other poses' textures are in a full GLB: as asked for, by default JPEG.
+std::string OfPoses(const Job& job, const std::string& usual) {
+  return job.options.pose_textures == "auto" ? usual : job.options.pose_textures;
+}
+
+/// Few targets, and textures of a size for phones. Where as many targets are needed as there are
+/// pictures, these are the targets.
+WrittenFormat WriteGlb(const Job& job) {
+  const Scene& scene = job.scene;
+  const LightGlbOptions& options = job.options.light;
+  const LightTextures light =
+      MakeLightTextures(scene, OfPoses(job, "none"), options.texture, job.stage.Scratch());
+  FormatFiles made = MakeFewTargetsGlb(
+      scene, light.textures, {kMostLightTargets, options.error, "character.glb"}, job.progress);
+  if (made.measured["morph_targets"] >= PictureCount(scene.clip) - 1)
+    made = FullGlb(scene, "character.glb", light.textures);
+  if (made.error_over_diagonal > options.error)
+    job.stage.Warn(fmt::format(
+        "character.glb is off by up to {:.2g} of the figure's diagonal, although it has {} shapes: "
+        "so rich a motion needs the format glb-full",
+        made.error_over_diagonal, kMostLightTargets));
+  if (light.width > 0) {
+    made.measured["texture_width"] = light.width;
+    made.measured["texture_height"] = light.height;
+    if (std::isfinite(light.psnr_db)) made.measured["texture_psnr_db"] = light.psnr_db;
+  }
   return Save(job, made);
 }
 
+WrittenFormat WriteFullGlb(const Job& job) {
+  return Save(job, FullGlb(job.scene, "character_full.glb",
+                           FullTextures(job.scene, OfPoses(job, "jpeg"), job.stage.Scratch())));
+}
+
 WrittenFormat WriteFewTargets(const Job& job) {
-  return Save(job, MakeFewTargetsGlb(job.scene, TexturesOfGlb(job), job.options.few, job.progress));
+  return Save(job,
+              MakeFewTargetsGlb(job.scene,
+                                FullTextures(job.scene, OfPoses(job, "jpeg"), job.stage.Scratch()),
+                                job.options.few, job.progress));
 }
 
 WrittenFormat SavedSequence(const WrittenSequence& sequence, const std::string& folder) {
@@ -192,17 +220,10 @@ WrittenFormat WriteVideo(const Job& job) {
 using Write = std::function<WrittenFormat(const Job&)>;
 const std::vector<std::pair<std::string, Write>>& Formats() {
   static const std::vector<std::pair<std::string, Write>> formats = {
-      {"glb", WriteGlb},
-      {"glb-few", WriteFewTargets},
-      {"video", WriteVideo},
-      {"obj", WriteObj},
-      {"ply", WritePly},
-      {"fbx", Saved(MakeFbx)},
-      {"pc2", Saved(MakePc2)},
-      {"mdd", Saved(MakeMdd)},
-      {"vat", Saved(MakeVat)},
-      {"usda", Saved(MakeUsda)},
-      {"blender", Saved(MakeBlenderFiles)}};
+      {"glb", WriteGlb},       {"glb-full", WriteFullGlb}, {"glb-few", WriteFewTargets},
+      {"video", WriteVideo},   {"obj", WriteObj},          {"ply", WritePly},
+      {"fbx", Saved(MakeFbx)}, {"pc2", Saved(MakePc2)},    {"mdd", Saved(MakeMdd)},
+      {"vat", Saved(MakeVat)}, {"usda", Saved(MakeUsda)},  {"blender", Saved(MakeBlenderFiles)}};
   return formats;
 }
 

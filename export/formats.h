@@ -19,11 +19,19 @@ std::vector<std::string> FormatNames();
 /// How long a format takes to write, roughly, in rendered pictures: for progress.
 double FormatCost(const std::string& format, const Scene& scene);
 
+/// Of `character.glb`.
+struct LightGlbOptions {
+  double error = 1e-4;  ///< largest distance of a vertex, as share of the diagonal, > 0
+  int texture = 2048;   ///< largest width and height of a texture, px
+};
+
 /// Options that only some formats have.
 struct FormatOptions {
-  std::string pose_textures = "jpeg";  ///< of the GLB: "jpeg", "png" or "none"
+  /// of the GLB files: "jpeg", "png", "none", or "auto": none in `glb`, jpeg in the others
+  std::string pose_textures = "auto";
+  LightGlbOptions light;
   FewTargetsOptions few;
-  FilmOptions film;
+  FilmOptions film = {.azimuth_deg = 0};
   bool pictures = false;  ///< also the film's pictures, as PNG with alpha
   std::string turntable;  ///< frame number or name of a key; empty: the first key
 };

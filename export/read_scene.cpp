@@ -19,7 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// @param folder  of numbered frames, or a mesh, which is the only frame
 void ReadFrames(const fs::path& folder, Scene& scene, Progress* progress) {
+  if (!fs::is_directory(folder)) {
+    scene.frame_names.emplace_back("frame_0000");
+    scene.frames.push_back(ReadMesh(folder));
+    return;
+  }
   const std::vector<fs::path> numbered = NumberedFrames(folder, "export");
   for (const fs::path& path : numbered) {
     ReportProgress(progress,
@@ -161,6 +167,10 @@ nlohmann::json ReadDistortion(const fs::path& path) {
 
 FrameNotes ReadNotes(const fs::path& folder, int frame_count) {
   FrameNotes notes;
+  if (!fs::is_directory(folder)) {
+    notes.key_frames = {0};
+    return notes;
+  }
   const nlohmann::json json = ReadDistortion(folder / "distortion.json");
   if (json.is_null() || SizeOf(json["frames"]) != frame_count) return notes;
   notes.loop = json.contains("loop") && json["loop"] == true;

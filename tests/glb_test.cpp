@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
@@ -59,14 +60,16 @@ class ExportedGlb : public ::testing::Test {
     return RunProgram(command, folder_.path());
   }
   std::string Glb() const { return animation_ / "character.glb"; }
+  std::string FullGlb() const { return animation_ / "character_full.glb"; }
 
-  RunResult Validate() {
-    return RunProgram({"node", SourceFolder() + "/tests/validate_gltf.mjs", Glb()}, folder_.path());
+  RunResult Validate(const std::string& glb) {
+    return RunProgram({"node", SourceFolder() + "/tests/validate_gltf.mjs", glb}, folder_.path());
   }
-  RunResult ImportInBlender(int shape_keys, int vertices, int texture_width) {
+  RunResult ImportInBlender(const std::string& glb, int shape_keys, int vertices,
+                            int texture_width) {
     return RunProgram(
         {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-         SourceFolder() + "/tests/check_blender.py", "--", Glb(), std::to_string(shape_keys),
+         SourceFolder() + "/tests/check_blender.py", "--", glb, std::to_string(shape_keys),
          std::to_string(vertices), std::to_string(texture_width)},
         folder_.path());
   }
@@ -128,11 +131,16 @@ TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
     GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
   for (const auto& options : std::vector<std::vector<std::string>>{
            {"--textures", texture_}, {}, {"--hold", "3", "--loop", "pingpong"}}) {
-    const RunResult exported = Export(options);
+    std::vector<std::string> both = options;
+    both.insert(both.end(), {"--formats", "glb,glb-full"});
+    const RunResult exported = Export(both);
     ASSERT_EQ(exported.exit_code, 0) << exported.output;
-    const RunResult validated = Validate();
-    EXPECT_EQ(validated.exit_code, 0) << validated.output;
-    EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos) << validated.output;
+    for (const std::string& glb : {Glb(), FullGlb()}) {
+      const RunResult validated = Validate(glb);
+      EXPECT_EQ(validated.exit_code, 0) << validated.output;
+      EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos)
+          << validated.output;
+    }
     fs::remove_all(animation_);
   }
 }
@@ -142,18 +150,59 @@ TEST_F(ExportedGlb, ValidatorScriptFailsOnABrokenFile) {
     GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
   ASSERT_EQ(Export().exit_code, 0);
   fs::resize_file(Glb(), fs::file_size(Glb()) - 100);
-  EXPECT_EQ(Validate().exit_code, 1);
+  EXPECT_EQ(Validate(Glb()).exit_code, 1);
 }
 
 TEST_F(ExportedGlb, BlenderFindsShapeKeysActionAndTexture) {
   if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
-  const RunResult exported = Export({"--textures", texture_});
+  const RunResult exported = Export({"--textures", texture_, "--formats", "glb,glb-full"});
   ASSERT_EQ(exported.exit_code, 0) << exported.output;
-  const RunResult imported = ImportInBlender(kFrames - 1, vertices_, 64);
+  const RunResult imported = ImportInBlender(FullGlb(), kFrames - 1, vertices_, 64);
   EXPECT_EQ(imported.exit_code, 0) << imported.output;
-  const RunResult wrong = ImportInBlender(kFrames, vertices_, 64);
+  const RunResult light = ImportInBlender(Glb(), 1, vertices_, 64);
+  EXPECT_EQ(light.exit_code, 0) << light.output;
+  const RunResult wrong = ImportInBlender(FullGlb(), kFrames, vertices_, 64);
   EXPECT_EQ(wrong.exit_code, 1) << "the check must fail on another number of shape keys\n"
                                 << wrong.output;
+}
+
+TEST_F(ExportedGlb, TheLightOneHasFewTargetsASmallTextureAndSaysHowFarItIsOff) {
+  Image8 large(300, 200, 3);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 300; ++x)
+      for (int c = 0; c < 3; ++c)
+        large.at(x, y)[c] = static_cast<std::uint8_t>(128 + 50 * std::sin(0.08 * x + c) +
+                                                      50 * std::cos(0.07 * y) + (7 * x * y) % 5);
+  WriteImage(texture_, large);
+  const RunResult exported =
+      Export({"--textures", texture_, "--formats", "glb,glb-full", "--glb_texture", "150"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  const auto formats = nlohmann::json::parse(ReadFile(animation_ / "animation.json"))["formats"];
+  ASSERT_EQ(formats.size(), 2u);
+  EXPECT_EQ(formats[0]["files"], nlohmann::json::array({"character.glb"}));
+  EXPECT_EQ(formats[0]["morph_targets"], 1) << "one shape, more and more of it";
+  EXPECT_LT(formats[0]["error_over_diagonal"], 1e-5);
+  EXPECT_EQ(formats[0]["texture_width"], 150);
+  EXPECT_EQ(formats[0]["texture_height"], 100);
+  EXPECT_GT(formats[0]["texture_psnr_db"], 30);
+  EXPECT_EQ(formats[1]["morph_targets"], kFrames - 1);
+  const std::string light = ReadFile(Glb()), full = ReadFile(FullGlb());
+  EXPECT_NE(light.find("image/jpeg"), std::string::npos);
+  EXPECT_NE(full.find(ReadFile(texture_)), std::string::npos) << "as it is";
+  EXPECT_LT(light.size(), full.size() / 2);
+}
+
+TEST_F(ExportedGlb, OneMeshIsAGlbAndATurntable) {
+  fs::rename(frames_ / "frame_0003.ply", folder_.path() / "figure.ply");
+  frames_ = folder_.path() / "figure.ply";
+  const RunResult exported = Export({"--textures", texture_, "--poses", "rest"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  EXPECT_TRUE(fs::exists(Glb()));
+  EXPECT_GT(fs::file_size(animation_ / "character_turntable.mp4"), 1000u);
+  EXPECT_FALSE(fs::exists(animation_ / "character.mp4"));
+  const auto notes = nlohmann::json::parse(ReadFile(animation_ / "animation.json"));
+  EXPECT_EQ(notes["keys"][0]["pose"], "rest");
+  EXPECT_EQ(notes["formats"][0]["morph_targets"], 0);
 }
 
 TEST_F(ExportedGlbOnTwos, StepsAndTexturesOfTwoPosesPassTheKhronosValidator) {
@@ -162,10 +211,18 @@ TEST_F(ExportedGlbOnTwos, StepsAndTexturesOfTwoPosesPassTheKhronosValidator) {
   for (const bool all_steps : {true, false}) {
     if (!all_steps)
       WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
-    const RunResult exported = Export(BothTextures());
+    std::vector<std::string> options = BothTextures();
+    options.insert(options.end(), {"--formats", "glb,glb-full"});
+    const RunResult exported = Export(options);
     ASSERT_EQ(exported.exit_code, 0) << exported.output;
-    const RunResult validated = Validate();
-    EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos) << validated.output;
+    for (const std::string& glb : {Glb(), FullGlb()}) {
+      const RunResult validated = Validate(glb);
+      EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos)
+          << validated.output;
+    }
+    EXPECT_EQ(ReadFile(Glb()).find("\"keypose\""), std::string::npos)
+        << "phones need no textures that they do not show";
+    EXPECT_NE(ReadFile(FullGlb()).find("\"keypose\""), std::string::npos);
     fs::remove_all(animation_);
   }
 }
@@ -174,16 +231,18 @@ TEST_F(ExportedGlbOnTwos, BlenderStepsToo) {
   if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
   const auto steps_in_blender = [&](const std::string& expected) {
     return RunProgram({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                       SourceFolder() + "/tests/check_blender.py", "--", Glb(), "2",
+                       SourceFolder() + "/tests/check_blender.py", "--", FullGlb(), "2",
                        std::to_string(vertices_), "64", expected},
                       folder_.path());
   };
-  ASSERT_EQ(Export(BothTextures()).exit_code, 0);
+  std::vector<std::string> options = BothTextures();
+  options.insert(options.end(), {"--formats", "glb-full"});
+  ASSERT_EQ(Export(options).exit_code, 0);
   const RunResult twos = steps_in_blender("11111");
   EXPECT_EQ(twos.exit_code, 0) << twos.output;
   fs::remove_all(animation_);
   WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
-  ASSERT_EQ(Export(BothTextures()).exit_code, 0);
+  ASSERT_EQ(Export(options).exit_code, 0);
   const RunResult mixed = steps_in_blender("11100");
   EXPECT_EQ(mixed.exit_code, 0) << mixed.output;
   EXPECT_EQ(steps_in_blender("11111").exit_code, 1) << "the check must fail on a glide";
@@ -216,7 +275,7 @@ TEST_F(ExportedGlbOnTwos, FilmLiesBesideTheGlb) {
 }
 
 TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {
-  const RunResult exported = Export({"--textures", texture_});
+  const RunResult exported = Export({"--textures", texture_, "--formats", "obj,ply"});
   ASSERT_EQ(exported.exit_code, 0) << exported.output;
   for (int i = 0; i < kFrames; ++i) {
     const std::string name = "frame_000" + std::to_string(i);

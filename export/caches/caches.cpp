@@ -55,9 +55,7 @@ struct Samples {
   std::vector<int> vertices;  ///< of the frames
 };
 
-Samples SamplesOf(const Scene& scene) {
-  return {ShownFrames(scene), VerticesWithFace(scene.frames[0])};
-}
+Samples SamplesOf(const Scene& scene) { return {ShownFrames(scene), VerticesByFaces(scene)}; }
 
 /// A cache file: its header, then the points of each sample.
 FormatFiles MakeCache(const Scene& scene, const Samples& samples, std::string header,

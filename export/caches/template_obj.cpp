@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "core/values/size_of.h"
 
@@ -46,12 +47,12 @@ std::string OneWord(std::string name) {
 
 }  // namespace
 
-std::vector<int> VerticesWithFace(const Mesh& mesh) {
-  std::vector<char> used(mesh.vertex_count(), 0);
-  for (const int vertex : mesh.faces.reshaped()) used[vertex] = 1;
+std::vector<int> VerticesByFaces(const Scene& scene) {
+  const Mesh& mesh = scene.frames[0];
+  std::vector<char> seen(mesh.vertex_count(), 0);
   std::vector<int> vertices;
-  for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (used[v]) vertices.push_back(v);
+  for (const int vertex : NetOf(mesh, scene.polygons).vertices)
+    if (!std::exchange(seen[vertex], 1)) vertices.push_back(vertex);
   return vertices;
 }
 
@@ -59,7 +60,7 @@ std::vector<FormatFile> MakeTemplateObj(const Scene& scene, const std::string& p
   const Mesh& mesh = scene.frames[0];  // faces and texture coordinates are those of the first frame
   const std::string material = path.substr(path.rfind('/') + 1) + ".mtl";
   std::string obj = "mtllib " + material + "\no " + OneWord(scene.name) + '\n';
-  const std::vector<int> vertices = VerticesWithFace(mesh);
+  const std::vector<int> vertices = VerticesByFaces(scene);
   std::vector<int> place(mesh.vertex_count(), -1);
   for (int i = 0; i < SizeOf(vertices); ++i) place[vertices[i]] = i;
   AppendRows(obj, "v", WithYUp(scene.frames[frame].points(vertices, Eigen::all), scene.z_up));

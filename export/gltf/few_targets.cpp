@@ -188,8 +188,8 @@ FormatFiles MakeFewTargetsGlb(const Scene& scene, const GlbTextures& textures,
   ReportProgress(progress, 0.9, "writing the GLB with few targets");
   const FewShapes shapes = InSinglePrecision(fit.basis, scene);
   FormatFiles out;
-  out.files.push_back({"character_few.glb", Bytes(scene, textures, shapes,
-                                                  WeightsOverTime(scene, frames, shapes.weights))});
+  out.files.push_back({options.file, Bytes(scene, textures, shapes,
+                                           WeightsOverTime(scene, frames, shapes.weights))});
   Measure(shapes, scene, frames, out);
   out.measured["morph_targets"] = SizeOf(shapes.differences);
   out.measured["error_bound"] = options.error_bound;

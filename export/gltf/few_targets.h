@@ -12,10 +12,11 @@ namespace keypose::exporting {
 struct FewTargetsOptions {
   int max_targets = 8;        ///< most morph targets, 1 to 255
   double error_bound = 1e-5;  ///< largest distance of a vertex, as share of the diagonal, > 0
+  std::string file = "character_few.glb";
   std::vector<std::string> Problems() const;
 };
 
-/// `character_few.glb`: as MakeGlb, but the targets are not pictures. They are the shapes whose
+/// `file`: as MakeGlb, but the targets are not pictures. They are the shapes whose
 /// weighted sums come closest to all pictures: as few as keep every vertex within `error_bound`,
 /// or `max_targets` with the smallest largest error. One LINEAR track of weights has a keyframe
 /// for each of SceneKeyframes, so between two frames all moves in a straight line as in MakeGlb,

@@ -48,6 +48,21 @@ Eigen::MatrixXd PrincipalWeights(const Eigen::MatrixXd& products, int count) {
   return weights;
 }
 
+/// Fewer targets than this leave more than `bound` even on average: principal components leave the
+/// least sum of squares, and the largest distance is not below the mean.
+int LeastCount(const Eigen::MatrixXd& products, Eigen::Index vertices, int limit, double bound) {
+  const Eigen::VectorXd strengths =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly)
+          .eigenvalues()
+          .cwiseMax(0);  // ascending
+  const double allowed = bound * bound * static_cast<double>(products.rows() * vertices);
+  int count = limit;
+  double left = strengths.head(products.rows() - limit).sum();
+  while (count > 1 && left + strengths(products.rows() - count) <= allowed)
+    left += strengths(products.rows() - count--);
+  return count;
+}
+
 /// Weights of all pictures as sums of the chosen ones, relative to picture 0.
 Eigen::MatrixXd WeightsOfChosen(const Eigen::MatrixXd& products, const std::vector<int>& chosen) {
   // Scalar products of the differences to picture 0.
@@ -101,7 +116,7 @@ MorphFit FitMorphBasis(const Pictures& pictures, int max_targets, double bound,
   const Eigen::MatrixXd principal = PrincipalWeights(products, limit);
   MorphFit fit;
   fit.largest_error = std::numeric_limits<double>::infinity();
-  int count = 0;
+  int count = LeastCount(products, pictures[0]->rows(), limit, bound) - 1;
   while (fit.largest_error > bound && count < limit) {
     ++count;
     SubProgress part(progress, static_cast<double>(count - 1) / limit,

@@ -200,6 +200,7 @@ def film():
 
 READERS = {
     "glb": gltf,
+    "glb-full": gltf,
     "glb-few": gltf,
     "fbx": fbx,
     "pc2": cache,

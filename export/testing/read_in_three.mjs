@@ -376,6 +376,7 @@ function mdd() {
 
 const readers = {
   glb: gltf,
+  'glb-full': gltf,
   'glb-few': gltf,
   fbx2gltf: () => gltf(false),
   vat,

@@ -20,6 +20,15 @@ std::string SafeName(const fs::path& folder) {
   return name;
 }
 
+/// Not the timeline itself: the default one grows with the poses.
+std::string TimelineHint(const std::vector<std::string>& poses) {
+  if (poses.size() < 2) return "";
+  return fmt::format(
+      "# Without a timeline all poses play as a loop, each held; or name keys and times:\n"
+      "# timeline: [{{pose: {}, at: 0, hold: 0.6, ease: in-out}}, {{pose: {}, at: 1.5}}]\n",
+      poses[0], poses[1]);
+}
+
 std::string ShotText(const NewShot& shot) {
   std::string text =
       fmt::format("shot:\n  film: {}\n  fps: {:g}\n  shows: {{", YamlScalar(shot.film), shot.fps);
@@ -48,8 +57,7 @@ std::string NewPipelineText(const fs::path& folder, const std::vector<std::strin
   if (!shot.film.empty() && shot.animation_fps != 24)
     text += fmt::format("fps: {:g}\n", shot.animation_fps);
   if (!shot.film.empty()) return text + ShotText(shot);
-  if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
-  return text;
+  return text + TimelineHint(poses);
 }
 
 namespace {
@@ -117,7 +125,7 @@ std::string NewMeshesText(const fs::path& folder, const NewMeshes& meshes) {
     if (pose.name == meshes.template_pose) own = pose.texture;
   }
   text += fmt::format("template: {}\n", meshes.template_pose);
-  if (names.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(names, ", "));
+  text += TimelineHint(names);
   return text + "steps:\n" + MeshSteps(meshes, own);
 }
 

@@ -10,9 +10,9 @@
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
 #include "pipeline/disk/project_paths.h"
+#include "pipeline/graph/default_timeline.h"
 #include "pipeline/graph/references.h"
 #include "pipeline/graph/shown_frames.h"
-#include "pipeline/graph/timeline_yaml.h"
 #include "pipeline/graph/wanted_steps.h"
 #include "pipeline/text/text.h"
 
@@ -143,7 +143,7 @@ class GraphBuilder {
     for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
     if (graph_.keys.empty()) graph_.keys = graph_.poses;
     if (graph_.timeline_json.empty() && !performance)
-      graph_.timeline_json = OrderJson(graph_.keys, file_.fps);
+      graph_.timeline_json = TimelineUnlessSaid(file_, overrides_, &graph_.keys);
     if (!performance) CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
@@ -243,9 +243,11 @@ class GraphBuilder {
     for (const StepRule& rule : file_.steps) {
       if (!rule.enabled) continue;
       if (!rule.fan_out)
-        Fail(rule.where,
-             fmt::format("step '{}' needs `for:` with pose, template, pair, animation or project",
-                         rule.name));
+        Fail(
+            rule.where,
+            fmt::format("step '{}' needs `for:` with pose, template, pair, character, animation or "
+                        "project",
+                        rule.name));
       switch (*rule.fan_out) {
         case FanOut::kPose:
           for (const std::string& pose : graph_.poses) AddPoseInstance(rule, pose, "");
@@ -256,6 +258,9 @@ class GraphBuilder {
         case FanOut::kPair:
           for (std::size_t i = 1; i < graph_.poses.size(); ++i)
             AddPoseInstance(rule, graph_.poses[i], graph_.template_pose);
+          break;
+        case FanOut::kCharacter:
+          if (!graph_.poses.empty()) AddInstance(rule, "", "");
           break;
         case FanOut::kAnimation:
           if (graph_.poses.size() > 1) AddInstance(rule, "", "");

@@ -147,6 +147,37 @@ class Reader : public YamlReader {
     return keys;
   }
 
+  DefaultTimeline TimelineUnlessSaid(const YAML::Node& node) const {
+    DefaultTimeline timeline;
+    const auto seconds = [&](const YAML::Node& value, const std::string& field, double least) {
+      const double number = Number(value, field);
+      if (!(number >= least && number <= 3600))
+        Fail(value, fmt::format("{} must be from {:g} to 3600 seconds", field, least));
+      return number;
+    };
+    Map(node, "default_timeline",
+        [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+          if (field == "hold") {
+            timeline.hold_s = seconds(value, field, 0);
+          } else if (field == "move") {
+            timeline.move_s = seconds(value, field, 0.1);
+          } else if (field == "ease") {
+            timeline.ease = Text(value, field).text;
+            if (!EaseNamed(timeline.ease))
+              Fail(value, "ease must be linear, ease, in, out or in-out");
+          } else if (field == "unless") {
+            const std::string option = Text(value, field).text;
+            const auto dot = option.find('.');
+            if (dot == std::string::npos) Fail(value, "unless must be STEP.OPTION");
+            timeline.unless_step = option.substr(0, dot);
+            timeline.unless_option = option.substr(dot + 1);
+          } else {
+            Unknown(key, "default_timeline", {"hold", "move", "ease", "unless"});
+          }
+        });
+    return timeline;
+  }
+
   /// The whole timeline is checked before any step runs.
   std::string CheckedTimeline(const YAML::Node& node, double fps) const {
     std::string text = TimelineJson(node, fps);
@@ -203,10 +234,14 @@ class Reader : public YamlReader {
 
   FanOut Fan(const YAML::Node& node) const {
     static const std::map<std::string, FanOut> kKinds = {
-        {"pose", FanOut::kPose}, {"template", FanOut::kTemplate},   {"shot", FanOut::kPose},
-        {"pair", FanOut::kPair}, {"animation", FanOut::kAnimation}, {"project", FanOut::kProject}};
+        {"pose", FanOut::kPose},           {"template", FanOut::kTemplate},
+        {"shot", FanOut::kPose},           {"pair", FanOut::kPair},
+        {"character", FanOut::kCharacter}, {"animation", FanOut::kAnimation},
+        {"project", FanOut::kProject}};
     return kKinds.at(
-        Choice(node, "for", {"pose", "shot", "template", "pair", "animation", "project"}).text);
+        Choice(node, "for",
+               {"pose", "shot", "template", "pair", "character", "animation", "project"})
+            .text);
   }
 
   StepMethod MethodOf(const YAML::Node& node) const {
@@ -404,7 +439,9 @@ class Reader : public YamlReader {
           else if (field == "timeline") {
             file.timeline = Timeline(value);
             timeline.reset(value);
-          } else if (field == "fps")
+          } else if (field == "default_timeline")
+            file.default_timeline = TimelineUnlessSaid(value);
+          else if (field == "fps")
             file.fps = Fps(value);
           else if (field == "options")
             file.options = StepOptions(value, "options");

@@ -26,6 +26,7 @@ enum class FanOut {
   kPose,       ///< one for each pose, or for each shot
   kTemplate,   ///< one, on the template
   kPair,       ///< one for each pose other than the template
+  kCharacter,  ///< one, when there is a pose
   kAnimation,  ///< one, when there are two poses or more
   kProject     ///< one
 };
@@ -108,6 +109,15 @@ struct TimelineKey {
   std::optional<double> at_s;  ///< [s]; set for all keys or for none
 };
 
+/// What plays where a project has no timeline: each pose is held and moves on to the next one, the
+/// last back to the first.
+struct DefaultTimeline {
+  double hold_s = 0, move_s = 1;
+  std::string ease = "linear";  ///< as a key's
+  /// where the project says this option, it has only the poses' order; empty: nowhere
+  std::string unless_step, unless_option;
+};
+
 /// A filmed shot that the in-betweens go into. It gives a `film`: a folder of numbered pictures, or
 /// a video.
 struct ShotRule : GivesSources {
@@ -132,6 +142,7 @@ struct PipelineFile : GivesSources {
   /// the whole timeline, checked; empty if it only gives the order of poses. With a shot and no
   /// timeline: the shown poses at their frames' times
   std::string timeline_json;
+  std::optional<DefaultTimeline> default_timeline;
   StepOptionSettings options;
 
   const StepRule* FindStep(const std::string& step) const;

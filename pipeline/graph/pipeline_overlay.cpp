@@ -41,6 +41,7 @@ PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project) 
   result.sources.insert(result.sources.end(), project.sources.begin(), project.sources.end());
   // So that a misspelt key of the default pipeline is found.
   result.given.insert(result.given.begin(), defaults.given.begin(), defaults.given.end());
+  if (!result.default_timeline) result.default_timeline = defaults.default_timeline;
   result.steps = defaults.steps;
   for (const StepRule& over : project.steps) {
     const auto it = std::find_if(result.steps.begin(), result.steps.end(),

@@ -101,8 +101,10 @@ void References::AddWarnings(const StepRule& rule, Step* step) const {
 std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
   std::vector<Flow> flows;
   if (rule.either) {
+    Step of = step;
+    if (of.pose.empty()) of.pose = graph_.template_pose;
     for (const Setting& reference : rule.for_others)
-      if (Exists(reference, step)) return Resolve(reference, step);
+      if (Exists(reference, of)) return Resolve(reference, of);
     return flows;
   }
   const auto add = [&](const Step& of) {
@@ -221,7 +223,8 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference,
   // The template is the first; there may be no pose at all.
   std::vector<std::string> others = graph_.poses;
   if (!others.empty()) others.erase(others.begin());
-  if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
+  if (fan_out == FanOut::kCharacter || fan_out == FanOut::kAnimation ||
+      fan_out == FanOut::kProject) {
     if (!selector.empty())
       Refuse(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out",
                                           reference.text, selector));

@@ -27,9 +27,9 @@ inline const std::vector<std::string> kOptionWords = {"fps", "film_fps", "shows"
 inline const std::vector<std::string> kPoseKeys = {"method", "options"};
 inline const std::vector<std::string> kShotKeys = {"options"};  ///< of a performance
 inline const std::vector<std::string> kFilmedShotKeys = {"fps", "shows"};
-inline const std::vector<std::string> kFileKeys = {"name",    "kind",     "poses",    "shots",
-                                                   "shot",    "template", "timeline", "fps",
-                                                   "options", "steps",    "sources"};
+inline const std::vector<std::string> kFileKeys = {
+    "name",     "kind", "poses",   "shots", "shot",    "template",
+    "timeline", "fps",  "options", "steps", "sources", "default_timeline"};
 
 /// Whose a source is: where the word is a key, and how many files it gives.
 enum class SourceOf {

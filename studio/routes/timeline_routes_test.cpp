@@ -41,6 +41,20 @@ class TimelineRoutes : public ::testing::Test {
   std::unique_ptr<Routes> routes_;
 };
 
+TEST_F(TimelineRoutes, WithoutOneTheDefaultLoopIsShownAndSavedAsTimes) {
+  json timeline = Read("");
+  EXPECT_TRUE(timeline.at("timed").get<bool>());
+  EXPECT_TRUE(timeline.at("loop").get<bool>());
+  ASSERT_EQ(timeline["keys"].size(), 3u);
+  EXPECT_EQ(timeline["keys"][1],
+            json::parse(R"({"pose": "wave", "at": 1.5, "hold": 0.6, "ease": "in-out"})"));
+  timeline["keys"][1]["at"] = 2.0;
+  ASSERT_EQ(Save(timeline).status, 200);
+  EXPECT_THAT(Text(), HasSubstr("    - {pose: wave, at: 2, ease: in-out, hold: 0.6}\n"
+                                "    - {pose: rest, at: 3}\n"));
+  EXPECT_THAT(Text(), HasSubstr("  loop: true\n"));
+}
+
 TEST_F(TimelineRoutes, AnOrderOfPosesKeepsWhatItSaysOfEachWhenItGetsTimes) {
   json timeline = Read(
       "timeline:   # the greeting\n  # asleep\n  - {pose: rest, hold: 0.5, ease: in-out}   # calm\n"

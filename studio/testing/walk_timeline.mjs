@@ -1,5 +1,8 @@
 // The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion
 // skin.
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
 import { boxOf, check, record, until } from './studio_driver.mjs';
 
 /** A PNG of one red pixel. */
@@ -191,6 +194,13 @@ export async function walkTimeline(context) {
   const { page, go } = context;
   await go('#/timeline');
   await page.getByRole('group', { name: 'Keys', exact: true }).waitFor();
+  const blocks = page.locator('.tl-block');
+  await until('a project without a timeline plays a loop', async () => (await blocks.count()) === 3);
+  writeFileSync(
+    join(context.folder, 'pipeline.yaml'),
+    `${context.pipeline()}timeline: [rest, bent]\n`,
+  );
+  await until('a list by hand takes its place', async () => (await blocks.count()) === 2);
   const timeline = new Timeline(context);
   await timeline.edit();
   await timeline.regions();

@@ -4,8 +4,8 @@
     [IMPORTER] [PICTURE.png FRAME]
 
 CACHE is a .pc2 or .mdd file beside its .obj. TRUTH is a folder that WriteTruth made. IMPORTER is
-`new` (File > Import > Wavefront, Blender 3.3 and later) or `legacy`, with "Keep Vert Order". All
-other settings, of the importer and of the Mesh Cache modifier, stay as they are. Prints
+`new` (File > Import > Wavefront, Blender 3.3 and later) or `legacy`. All settings, of the importer
+and of the Mesh Cache modifier, stay as they are. Prints
 error_over_diagonal=NUMBER.
 """
 import json
@@ -24,7 +24,7 @@ importer = arguments[2] if len(arguments) > 2 else "new"
 def import_mesh(path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if importer == "legacy":
-        bpy.ops.import_scene.obj(filepath=path, split_mode="OFF")
+        bpy.ops.import_scene.obj(filepath=path)
     else:
         bpy.ops.wm.obj_import(filepath=path)
     meshes = [o for o in bpy.data.objects if o.type == "MESH"]

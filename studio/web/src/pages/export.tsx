@@ -89,8 +89,8 @@ function NoAnimation({ poses }: { poses: number }) {
     <section aria-label="Formats">
       <h2>Animation</h2>
       <p class="soft">
-        {poses < 2
-          ? 'One pose gives a textured mesh. Add a second pose to pipeline.yaml to animate it.'
+        {poses < 1
+          ? 'There is no pose yet. Add one on the Poses page.'
           : 'This project’s pipeline.yaml has switched the export step off.'}
       </p>
     </section>

@@ -15,28 +15,32 @@ interface Known {
 const kKnown: Record<string, Known> = {
   glb: {
     title: 'glTF',
-    use: 'Web pages and game engines: one file, every frame a morph target',
+    use: 'Phones, web pages, game engines: one light file with few shapes; the error is measured',
+  },
+  'glb-full': {
+    title: 'glTF, full',
+    use: 'Every frame a morph target, textures of full size and of all poses',
   },
   'glb-few': {
     title: 'glTF, few targets',
-    use: 'Players that blend at most 8 shapes: smaller, the error is measured',
+    use: 'Players that blend at most 8 shapes; textures of full size',
   },
   fbx: { title: 'FBX', use: 'Blender, Unity, Unreal: blend shapes' },
   obj: {
     title: 'OBJ sequence',
-    use: 'Blender’s Stop-motion-OBJ: a numbered file for each frame',
+    use: 'Blender’s Stop-motion-OBJ: a numbered file for each frame, some 2 MB',
   },
   ply: {
     title: 'PLY sequence',
     use: 'Blender’s Stop-motion-OBJ and MeshLab: a file for each frame',
   },
-  pc2: { title: 'PC2', use: 'Point cache for Blender’s Mesh Cache' },
+  pc2: { title: 'PC2', use: 'Point cache for Blender’s Mesh Cache; the add-on binds it for you' },
   mdd: { title: 'MDD', use: 'Point cache for Maya, Houdini and Blender' },
   vat: {
     title: 'Vertex texture',
     use: 'Godot, Unity, three.js: frames in a picture, played by a shader',
   },
-  usda: { title: 'USD', use: 'usdview, Houdini, Omniverse: time samples' },
+  usda: { title: 'USD', use: 'usdview, Houdini, Omniverse: time samples; three.js shows it still' },
   video: {
     title: 'Film',
     use: 'MP4 to look at and to send round',
