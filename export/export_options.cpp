@@ -72,6 +72,12 @@ void ExportOptions::DescribeFilm(OptionVisitor& visit) {
        -1,
        360,
        {}});
+  visit("sound_at", sound_at,
+        {"when the sound begins in the film; below 0: so much of its beginning is left out",
+         "s",
+         -3600,
+         3600,
+         {}});
   visit("video_turntable", format.turntable,
         {"what character_turntable.mp4 shows: a frame's number or a key's name; empty: the first "
          "key",

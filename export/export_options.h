@@ -12,12 +12,13 @@ namespace keypose::exporting {
 constexpr double kLeastRate = 0.1, kMostRate = 1000;  // frames per second
 
 struct ExportOptions {
-  std::string formats = "glb,video";
+  std::string formats = "glb,video,sheet";
   double fps = 0;
   PlaybackOptions playback;
   std::string up = "z";    // axis that points up in the frames
   std::string unit = "m";  // of the frames
   std::string poses;
+  double sound_at = 0;  // s on the film's time
   FormatOptions format;
 
   void Describe(OptionVisitor& visit);

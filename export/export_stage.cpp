@@ -1,4 +1,6 @@
 // keypose-export: writes the animation in the formats of other programs.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +15,7 @@
 #include "export/formats.h"
 #include "export/how_to_open.h"
 #include "export/read_scene.h"
+#include "views/decode/read_sound.h"
 
 namespace {
 
@@ -175,17 +178,39 @@ void WarnOfSize(keypose::StageContext& stage, const Scene& scene) {
                "if it is a millimetre, give the option unit: mm");
 }
 
+/// The options with the sound where there is one, at its time.
+ExportOptions WithSound(keypose::StageContext& stage, const ExportOptions& options,
+                        const Scene& scene) {
+  ExportOptions heard = options;
+  if (!stage.Has("sound")) return heard;
+  const keypose::Sound whole = keypose::ReadSound(stage.Input("sound"), stage.progress());
+  heard.format.sound = keypose::Moved(whole, options.sound_at);
+  const double seconds = PlaybackMoments(scene.clip, scene.playback).back().seconds;
+  if (scene.frame_count() == 1) {
+    stage.Warn("the sound is not heard: the animation is one picture, which is no film");
+  } else if (heard.format.sound.length() == 0 || options.sound_at >= seconds) {
+    stage.Warn(
+        fmt::format("nothing of the sound is heard: it lasts {:.2f} s and begins at {:.2f} s of a "
+                    "film of {:.2f} "
+                    "s; give another sound_at",
+                    whole.seconds(), options.sound_at, seconds));
+  }
+  stage.Report("sound_seconds", whole.seconds());
+  return heard;
+}
+
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   keypose::exporting::PlaybackOptions playback = options.playback;
   playback.fps = RateOf(stage.Input("frames"), options);
   const Scene scene = keypose::exporting::ReadScene(
       stage, playback, options.up == "z", MetresOf(options.unit), keypose::NamesIn(options.poses));
   WarnOfSize(stage, scene);
+  const ExportOptions heard = WithSound(stage, options, scene);
   const fs::path out = stage.Output("animation");
   const bool per_frame = !scene.frame_texture_names.empty();
   const auto texture_names =
       WriteTextures(scene, per_frame ? stage.Inputs("textures")[0] : fs::path(), out / "textures");
-  const nlohmann::json formats = WriteFormats(stage, scene, options, texture_names);
+  const nlohmann::json formats = WriteFormats(stage, scene, heard, texture_names);
   const nlohmann::json summary = Summary(scene, texture_names, formats);
   keypose::WriteFile(out / "animation.json", summary.dump(1) + "\n");
   std::vector<std::string> written;
@@ -204,19 +229,22 @@ int main(int argc, char** argv) {
   spec.version = "13";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.title = "Export";
-  spec.inputs = {{"frames", "path",
-                  "frame_0000.ply, ... of one connectivity, and distortion.json; or one mesh", "",
-                  false, false},
-                 {"textures", "path",
-                  "of each key on the timeline, in order, in the frames' UV layout; or one for "
-                  "all; or a folder with one for each frame",
-                  "", true, true},
-                 {"layout", "file", "mesh with texture coordinates, for frames that have none", "",
-                  true, false},
-                 {"polygons", "file",
-                  "OBJ that the frames' triangles were made from: its quads and polygons are the "
-                  "faces of OBJ, USD and FBX",
-                  "", true, false}};
+  spec.inputs = {
+      {"frames", "path",
+       "frame_0000.ply, ... of one connectivity, and distortion.json; or one mesh", "", false,
+       false},
+      {"textures", "path",
+       "of each key on the timeline, in order, in the frames' UV layout; or one for "
+       "all; or a folder with one for each frame",
+       "", true, true},
+      {"layout", "file", "mesh with texture coordinates, for frames that have none", "", true,
+       false},
+      {"polygons", "file",
+       "OBJ that the frames' triangles were made from: its quads and polygons are the "
+       "faces of OBJ, USD and FBX",
+       "", true, false},
+      {"sound", "file", "of the film: WAV, FLAC, MP3, Opus or another that ffmpeg decodes", "",
+       true, false}};
   spec.outputs = {{"animation", "folder",
                    "the files of each format, textures/, animation.json, how_to_open.txt",
                    "animation", false, false}};

@@ -15,6 +15,7 @@
 #include "export/blender/blender_files.h"
 #include "export/caches/caches.h"
 #include "export/fbx/fbx.h"
+#include "export/film/exposure_sheet.h"
 #include "export/glb_textures.h"
 #include "export/gltf/gltf.h"
 #include "export/sequences/sequences.h"
@@ -159,7 +160,8 @@ void WriteFilm(const Job& job, WrittenFormat& written, Progress* progress) {
   const std::vector<int> order = RoundOf(job.scene);
   std::optional<Mp4Writer> mp4;
   if (CanWriteMp4()) {
-    mp4.emplace(job.folder / "character.mp4", options.width, options.height, fps);
+    mp4.emplace(job.folder / "character.mp4", options.width, options.height, fps,
+                job.options.sound);
     written.files.push_back("character.mp4");
   }
   GifWriter gif(job.folder / "character.gif", fps);
@@ -217,13 +219,28 @@ WrittenFormat WriteVideo(const Job& job) {
   return written;
 }
 
+/// A single frame is no film.
+WrittenFormat WriteSheet(const Job& job) {
+  if (job.scene.frame_count() == 1) return {};
+  return Save(job, MakeExposureSheet(job.scene, job.options.sound));
+}
+
 using Write = std::function<WrittenFormat(const Job&)>;
 const std::vector<std::pair<std::string, Write>>& Formats() {
   static const std::vector<std::pair<std::string, Write>> formats = {
-      {"glb", WriteGlb},       {"glb-full", WriteFullGlb}, {"glb-few", WriteFewTargets},
-      {"video", WriteVideo},   {"obj", WriteObj},          {"ply", WritePly},
-      {"fbx", Saved(MakeFbx)}, {"pc2", Saved(MakePc2)},    {"mdd", Saved(MakeMdd)},
-      {"vat", Saved(MakeVat)}, {"usda", Saved(MakeUsda)},  {"blender", Saved(MakeBlenderFiles)}};
+      {"glb", WriteGlb},
+      {"glb-full", WriteFullGlb},
+      {"glb-few", WriteFewTargets},
+      {"video", WriteVideo},
+      {"sheet", WriteSheet},
+      {"obj", WriteObj},
+      {"ply", WritePly},
+      {"fbx", Saved(MakeFbx)},
+      {"pc2", Saved(MakePc2)},
+      {"mdd", Saved(MakeMdd)},
+      {"vat", Saved(MakeVat)},
+      {"usda", Saved(MakeUsda)},
+      {"blender", Saved(MakeBlenderFiles)}};
   return formats;
 }
 

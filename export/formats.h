@@ -10,6 +10,7 @@
 #include "export/animation/scene.h"
 #include "export/film/film.h"
 #include "export/gltf/few_targets.h"
+#include "views/film/sound.h"
 
 namespace keypose::exporting {
 
@@ -32,6 +33,7 @@ struct FormatOptions {
   LightGlbOptions light;
   FewTargetsOptions few;
   FilmOptions film = {.azimuth_deg = 0};
+  Sound sound;            ///< of the film and the sheet, from the first picture on
   bool pictures = false;  ///< also the film's pictures, as PNG with alpha
   std::string turntable;  ///< frame number or name of a key; empty: the first key
 };

@@ -29,6 +29,10 @@ const std::map<std::string, std::string>& Paragraphs() {
       {"glb-few", std::string("character_few.glb\nFor engines that blend few targets. ") +
                       kGlbInBlender + " Set the frame rate to {fps:g} before."},
       {"video", "character.mp4, character.gif, character_turntable.mp4\nFilms: open them."},
+      {"sheet",
+       "character_sheet.html\nThe exposure sheet, a row for each picture: open it in a browser, "
+       "and "
+       "print it on A4."},
       {"obj",
        "obj/\nBlender with Stop-motion-OBJ: File > Import > Mesh Sequence, File Name `frame`, "
        "leave "

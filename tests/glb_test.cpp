@@ -13,6 +13,8 @@
 #include "core/testing/folder.h"
 #include "core/testing/paths.h"
 #include "tests/run_program.h"
+#include "views/decode/read_sound.h"
+#include "views/film/mp4.h"
 
 namespace keypose::tests::glb_test {
 
@@ -190,6 +192,52 @@ TEST_F(ExportedGlb, TheLightOneHasFewTargetsASmallTextureAndSaysHowFarItIsOff) {
   EXPECT_NE(light.find("image/jpeg"), std::string::npos);
   EXPECT_NE(full.find(ReadFile(texture_)), std::string::npos) << "as it is";
   EXPECT_LT(light.size(), full.size() / 2);
+}
+
+/// A WAV file of one channel, 8 bits: a square wave from `from_s` on, else silence.
+std::string SquareWave(double from_s, double seconds) {
+  constexpr int kRate = 8000;
+  const auto word = [](std::uint32_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 255);
+    return text;
+  };
+  std::string data;
+  for (int i = 0; i < seconds * kRate; ++i)
+    data += static_cast<char>(i < from_s * kRate ? 128 : i / 10 % 2 == 0 ? 200 : 56);
+  const auto size = static_cast<std::uint32_t>(data.size());
+  return "RIFF" + word(36 + size, 4) + "WAVEfmt " + word(16, 4) + word(1, 2) + word(1, 2) +
+         word(kRate, 4) + word(kRate, 4) + word(1, 2) + word(8, 2) + "data" + word(size, 4) + data;
+}
+
+TEST_F(ExportedGlb, TheFilmCarriesItsSoundAndTheSheetShowsIt) {
+  if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264 here";
+  WriteFile(folder_.path() / "line.wav", SquareWave(1.25, 3));
+  const RunResult exported = Export({"--sound", folder_.path() / "line.wav", "--sound_at", "-1",
+                                     "--formats", "video,sheet", "--fps", "4"});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  const Sound heard = ReadSound(animation_ / "character.mp4");
+  const double pictures = kFrames;
+  EXPECT_NEAR(heard.seconds(), pictures / 4, 0.025);
+  const auto loud = [&](double seconds) {
+    return std::abs(heard.samples[2 * std::llround(seconds * kSoundRate)]);
+  };
+  double before = 0, after = 0;
+  for (double t = 0.01; t < 0.23; t += 0.001) before = std::max<double>(before, loud(t));
+  for (double t = 0.27; t < 1.4; t += 0.001) after += loud(t) / 1130;
+  EXPECT_LT(before, 0.05) << "1.25 s of silence, of which 1 s is left out";
+  EXPECT_NEAR(after, 72 / 128.0, 0.1);
+  const std::string sheet = ReadFile(animation_ / "character_sheet.html");
+  EXPECT_NE(sheet.find("sound until 2.00 s"), std::string::npos);
+  EXPECT_FALSE(fs::exists(animation_ / "character.glb"));
+
+  const RunResult late = Export({"--sound", folder_.path() / "line.wav", "--sound_at", "9",
+                                 "--formats", "sheet", "--overwrite"});
+  EXPECT_EQ(late.exit_code, 0) << late.output;
+  EXPECT_NE(late.output.find("nothing of the sound is heard"), std::string::npos) << late.output;
+  WriteFile(folder_.path() / "notes.wav", "shot on Monday");
+  const RunResult none = Export({"--sound", folder_.path() / "notes.wav", "--overwrite"});
+  EXPECT_EQ(none.exit_code, 3) << none.output;
 }
 
 TEST_F(ExportedGlb, OneMeshIsAGlbAndATurntable) {

@@ -51,7 +51,7 @@ std::vector<int> VerticesByFaces(const Scene& scene) {
   const Mesh& mesh = scene.frames[0];
   std::vector<char> seen(mesh.vertex_count(), 0);
   std::vector<int> vertices;
-  for (const int vertex : NetOf(mesh, scene.polygons).vertices)
+  for (const int vertex : scene.net.vertices)
     if (!std::exchange(seen[vertex], 1)) vertices.push_back(vertex);
   return vertices;
 }
