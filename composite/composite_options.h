@@ -17,6 +17,7 @@ struct CompositeOptions {
   StatedLight light;
   std::string plate_colorspace;
   bool shadow = true, grain = true, video = true, compare = true, blender = true;
+  double sound_at = 0;  // s
 
   void Describe(OptionVisitor& visit) {
     visit("samples", samples, {"rays along each side of a pixel", "", 1, 16, {}});
@@ -68,6 +69,12 @@ struct CompositeOptions {
           {"of the character over its textures, where no filmed frame shows it", "", 0.1, 10, {}});
     visit("grain", grain, {"the film's grain on rendered pictures", ""});
     visit("video", video, {"write shot.mp4", ""});
+    visit("sound_at", sound_at,
+          {"when the sound begins in shot.mp4; below 0: so much of its beginning is left out",
+           "s",
+           -3600,
+           3600,
+           {}});
     visit(
         "compare", compare,
         {"write compare/: for each located frame filmed, rendered, and four times their difference",

@@ -80,7 +80,7 @@ class ShotWriter {
     for (const char* part : kParts) Make(folder_ / part);
     if (options.video && CanWriteMp4() && camera_.width > 1 && camera_.height > 1)
       video_ = std::make_unique<Mp4Writer>(folder_ / "shot.mp4", camera_.width / 2 * 2,
-                                           camera_.height / 2 * 2, input.times.fps);
+                                           camera_.height / 2 * 2, input.times.fps, options.sound);
   }
 
   Written WriteAll(Progress* progress) {

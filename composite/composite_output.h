@@ -8,6 +8,7 @@
 #include "composite/composing/compose.h"
 #include "composite/composing/join.h"
 #include "composite/composite_input.h"
+#include "views/film/sound.h"
 
 namespace keypose::composite {
 
@@ -15,6 +16,7 @@ struct OutputOptions {
   ComposeOptions compose;
   std::string ending = ".png";  ///< of rendered pictures: .png, .tif, .tiff or .exr
   bool video = true, compare = true, blender = true;
+  Sound sound;  ///< of shot.mp4, from its first picture on
 };
 
 /// How one key's render joins its filmed frame.

@@ -12,6 +12,7 @@
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
 #include "core/values/size_of.h"
+#include "views/decode/read_sound.h"
 
 namespace {
 
@@ -55,6 +56,11 @@ const keypose::StageSpec kSpec{
                {.name = "ocio_config",
                 .kind = "file",
                 .help = "OpenColorIO configuration (.ocio) of OpenEXR or DPX plates",
+                .optional = true},
+               {.name = "sound",
+                .kind = "file",
+                .help = "of shot.mp4: WAV, FLAC, MP3, Opus or another that ffmpeg decodes, or the "
+                        "film with its own",
                 .optional = true}},
     .outputs = {{.name = "pictures",
                  .kind = "folder",
@@ -182,6 +188,16 @@ void NoteEndings(StageContext& stage, const CompositeInput& input, const std::st
         filmed, rendered, input.scene ? "OpenEXR" : "PNG or TIFF"));
 }
 
+keypose::Sound SoundOfShot(StageContext& stage, const CompositeOptions& options,
+                           const CompositeInput& input) {
+  if (!stage.Has("sound") || !options.video) return {};
+  const double seconds = static_cast<double>(input.plan.pictures.size()) / input.times.fps;
+  keypose::HeardSound heard =
+      keypose::ReadSoundAt(stage.Input("sound"), options.sound_at, seconds, stage.progress());
+  if (!heard.warning.empty()) stage.Warn(heard.warning);
+  return std::move(heard.sound);
+}
+
 void Run(StageContext& stage, const CompositeOptions& options) {
   const CompositeInput input = ReadCompositeInput(stage, options.fps, options.plate_colorspace);
   RequireFormat(options.format, input);
@@ -197,6 +213,7 @@ void Run(StageContext& stage, const CompositeOptions& options) {
   output.ending = EndingOf(options.format, input);
   output.video = options.video;
   NoteEndings(stage, input, output.ending);
+  output.sound = SoundOfShot(stage, options, input);
   output.compare = options.compare;
   output.blender = options.blender;
   const std::filesystem::path folder = stage.Output("pictures");

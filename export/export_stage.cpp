@@ -183,19 +183,15 @@ ExportOptions WithSound(keypose::StageContext& stage, const ExportOptions& optio
                         const Scene& scene) {
   ExportOptions heard = options;
   if (!stage.Has("sound")) return heard;
-  const keypose::Sound whole = keypose::ReadSound(stage.Input("sound"), stage.progress());
-  heard.format.sound = keypose::Moved(whole, options.sound_at);
-  const double seconds = PlaybackMoments(scene.clip, scene.playback).back().seconds;
   if (scene.frame_count() == 1) {
     stage.Warn("the sound is not heard: the animation is one picture, which is no film");
-  } else if (heard.format.sound.length() == 0 || options.sound_at >= seconds) {
-    stage.Warn(
-        fmt::format("nothing of the sound is heard: it lasts {:.2f} s and begins at {:.2f} s of a "
-                    "film of {:.2f} "
-                    "s; give another sound_at",
-                    whole.seconds(), options.sound_at, seconds));
+    return heard;
   }
-  stage.Report("sound_seconds", whole.seconds());
+  const double seconds = PlaybackMoments(scene.clip, scene.playback).back().seconds;
+  keypose::HeardSound sound =
+      keypose::ReadSoundAt(stage.Input("sound"), options.sound_at, seconds, stage.progress());
+  if (!sound.warning.empty()) stage.Warn(sound.warning);
+  heard.format.sound = std::move(sound.sound);
   return heard;
 }
 

@@ -253,17 +253,19 @@ TEST_F(ScannedMeshes, OneTextureForAllIsUsedAsItIs) {
   EXPECT_THAT(ReadFile(folder_ / "fox/pipeline.yaml"), HasSubstr("bake: {enabled: false}"));
   fs::remove_all(folder_ / "fox");
   ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
-  const RunResult run = Run({"--set", "interpolate.align=none"});
+  const RunResult run =
+      Run({"--set", "interpolate.align=none", "--set", "export.formats=glb-full"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
-  EXPECT_THAT(ReadFile(Out("animation/character.glb")), HasSubstr(ReadFile(folder_ / "rest.png")));
+  EXPECT_THAT(ReadFile(Out("animation/character_full.glb")),
+              HasSubstr(ReadFile(folder_ / "rest.png")));
 }
 
 TEST_F(ScannedMeshes, PosesOfTheSameFacesEachShowTheirOwnTexture) {
   ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
-  const RunResult run =
-      Run({"--set", "interpolate.align=none", "--set", "export.pose_textures=png"});
+  const RunResult run = Run({"--set", "interpolate.align=none", "--set", "export.pose_textures=png",
+                             "--set", "export.formats=glb-full"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
-  const std::string glb = ReadFile(Out("animation/character.glb"));
+  const std::string glb = ReadFile(Out("animation/character_full.glb"));
   EXPECT_THAT(glb, HasSubstr(ReadFile(folder_ / "rest.png")));
   EXPECT_THAT(glb, HasSubstr(ReadFile(folder_ / "wave.png")));
 }
@@ -280,8 +282,11 @@ TEST_F(ScannedMeshes, APoseWithoutColoursTakesTheTemplates) {
 
 TEST_F(ScannedMeshes, BinaryGltfIsTakenWithItsTexture) {
   ASSERT_EQ(Init({"--same-faces"}).exit_code, kOk);
-  ASSERT_EQ(Run({"--set", "interpolate.align=none", "--until", "export"}).exit_code, kOk);
-  fs::copy(Out("animation/character.glb"), folder_ / "app.glb");
+  ASSERT_EQ(Run({"--set", "interpolate.align=none", "--set", "export.formats=glb-full", "--until",
+                 "export"})
+                .exit_code,
+            kOk);
+  fs::copy(Out("animation/character_full.glb"), folder_ / "app.glb");
   fs::remove_all(folder_ / "fox");
   const RunResult init = Init({}, "app.glb");
   ASSERT_EQ(init.exit_code, kOk) << init.output;

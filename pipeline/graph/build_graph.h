@@ -8,15 +8,12 @@
 
 #include "pipeline/disk/disk.h"
 #include "pipeline/graph/graph.h"
+#include "pipeline/graph/override.h"
 #include "pipeline/graph/pipeline_file.h"
 #include "pipeline/graph/stage_catalog.h"
 
 namespace keypose::pipeline {
 
-/// --set STEP.OPTION=V or STEP/POSE.OPTION=V
-struct Override {
-  std::string step, pose, option, value;
-};
 /// @throws UsageError  not of that form
 Override ParseOverride(const std::string& text);
 

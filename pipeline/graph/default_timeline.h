@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/graph/build_graph.h"
+#include "pipeline/graph/override.h"
 #include "pipeline/graph/pipeline_file.h"
 
 namespace keypose::pipeline {

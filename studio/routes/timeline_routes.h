@@ -1,4 +1,4 @@
-// The keys of the timeline.
+// The keys of the timeline, and its sound.
 #pragma once
 
 #include "studio/routes/page_routes.h"
@@ -9,6 +9,9 @@ class TimelineRoutes : public PageRoutes {
  public:
   using PageRoutes::PageRoutes;
   void AddTo(RouteTable& table) override;
+
+ private:
+  void AddSound(RouteTable& table);
 };
 
 }  // namespace keypose::studio

@@ -12,6 +12,7 @@ namespace keypose::studio::timeline_routes_test {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr char kHead[] = "# by hand\nposes: {rest: photos/rest, wave: photos/wave}\n";
 
@@ -119,6 +120,56 @@ TEST_F(TimelineRoutes, APoseThatIsGoneIsToldWithTheLineOfTheTimeline) {
   const Answer answer = routes_->Handle({"GET", "/api/timeline", {}, ""});
   EXPECT_EQ(answer.status, 400);
   EXPECT_THAT(answer.bytes, HasSubstr("pipeline.yaml:3: timeline pose 'bow' is not among the"));
+}
+
+/// A tenth of a second of silence, 8 bits. Source: the WAVE format of RIFF.
+std::string ShortWav() {
+  const std::string data(800, '\x80');
+  const std::string rate("\x40\x1f\0\0", 4);
+  const std::string size("\x20\x03\0\0", 4), whole("\x44\x03\0\0", 4);
+  return "RIFF" + whole + "WAVEfmt " + std::string("\x10\0\0\0\1\0\1\0", 8) + rate + rate +
+         std::string("\1\0\x08\0", 4) + "data" + size + data;
+}
+
+TEST_F(TimelineRoutes, ItsSoundIsAFileOfTheProject) {
+  Read("fps: 12  # on twos\n");
+  const auto get = [&] { return routes_->Handle({"GET", "/api/sound", {}, ""}).bytes; };
+  EXPECT_EQ(get(), "null");
+  const auto put = [&](const std::string& name, const std::string& bytes) {
+    return routes_->Handle({"PUT", "/api/sound", {{"name", name}}, bytes});
+  };
+  ASSERT_EQ(put("line.wav", ShortWav()).status, 200);
+  EXPECT_EQ(json::parse(get()),
+            json::parse(R"({"file": "sound/line.wav", "name": "line.wav", "at": 0})"));
+  EXPECT_EQ(ReadFile(folder_ / "sound/line.wav"), ShortWav());
+  EXPECT_EQ(routes_->Handle({"GET", "/api/sound/file", {}, ""}).bytes, ShortWav());
+  ASSERT_EQ(routes_->Handle({"PUT", "/api/sound/at", {}, R"({"at": 0.5})"}).status, 200);
+  EXPECT_EQ(json::parse(get())["at"], 0.5);
+  EXPECT_THAT(Text(), HasSubstr("fps: 12  # on twos"));
+  EXPECT_THAT(Text(), HasSubstr("sound: sound/line.wav"));
+  EXPECT_THAT(Text(), HasSubstr("sound_at: 0.5"));
+
+  std::string other = ShortWav();
+  other.back() = 'a';
+  const json second = json::parse(put("line.wav", other).bytes);
+  EXPECT_EQ(second["file"], "sound/line-2.wav") << "nothing is replaced";
+  EXPECT_EQ(second["at"], 0);
+  EXPECT_EQ(json::parse(put("line.wav", ShortWav()).bytes)["file"], "sound/line.wav");
+  ASSERT_EQ(routes_->Handle({"PUT", "/api/sound/remove", {}, "{}"}).status, 200);
+  EXPECT_EQ(get(), "null");
+  EXPECT_TRUE(fs::exists(folder_ / "sound/line.wav"));
+  EXPECT_THAT(Text(), Not(HasSubstr("sound")));
+}
+
+TEST_F(TimelineRoutes, WhatIsNoSoundStaysOut) {
+  Read("");
+  const Answer answer =
+      routes_->Handle({"PUT", "/api/sound", {{"name", "a.wav"}}, "shot on Monday"});
+  EXPECT_EQ(answer.status, 400) << answer.bytes;
+  EXPECT_THAT(answer.bytes, HasSubstr("is no film or sound"));
+  EXPECT_FALSE(fs::exists(folder_ / "sound"));
+  EXPECT_EQ(routes_->Handle({"PUT", "/api/sound", {{"name", "../a.wav"}}, ShortWav()}).status, 400);
+  EXPECT_EQ(routes_->Handle({"GET", "/api/sound/file", {}, ""}).status, 400);
 }
 
 }  // namespace keypose::studio::timeline_routes_test

@@ -124,4 +124,17 @@ Sound ReadSound(const std::filesystem::path& path, const Progress* progress) {
   return samples.Finished();
 }
 
+HeardSound ReadSoundAt(const std::filesystem::path& path, double at_s, double film_s,
+                       const Progress* progress) {
+  const Sound whole = ReadSound(path, progress);
+  HeardSound heard{Moved(whole, at_s), ""};
+  if (at_s < film_s && heard.sound.length() > 0) return heard;
+  heard.warning = fmt::format(
+      "nothing of the sound is heard: it lasts {:.2f} s and begins at {:.2f} s of a film of {:.2f} "
+      "s; "
+      "give another sound_at",
+      whole.seconds(), at_s, film_s);
+  return heard;
+}
+
 }  // namespace keypose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "core/values/progress.h"
 #include "views/film/sound.h"
@@ -18,5 +19,18 @@ inline constexpr double kLongestSound_s = 1800;
 /// @throws InputError  no sound, no decoder for it, damaged, longer than kLongestSound_s
 /// @throws DiskError   there is no such file
 Sound ReadSound(const std::filesystem::path& path, const Progress* progress = nullptr);
+
+/// What is heard in a film.
+struct HeardSound {
+  Sound sound;          ///< from the film's first picture on
+  std::string warning;  ///< that nothing is heard, and why; else empty
+};
+
+/// The sound of a file where it begins at this time of a film.
+/// @param at_s    below 0: so much of its beginning is left out
+/// @param film_s  how long the film lasts
+/// @throws InputError, DiskError  as ReadSound
+HeardSound ReadSoundAt(const std::filesystem::path& path, double at_s, double film_s,
+                       const Progress* progress = nullptr);
 
 }  // namespace keypose

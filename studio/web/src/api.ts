@@ -1,5 +1,14 @@
 // The studio's server, as the page sees it. docs/studio-api.md describes each request.
 
+/** The sound that the animation is timed to. */
+export interface ProjectSound {
+  /** its path in the project */
+  file: string
+  name: string
+  /** when it begins on the timeline [s] */
+  at: number
+}
+
 /** A request that the server refused, with the words that it gave. */
 export class ApiError extends Error {
   constructor(
@@ -494,6 +503,16 @@ export const api = {
   landedUrl: (path: string, version: number, width = 0) =>
     `/api/shoot/picture?${q({ path, width: String(width), version: String(version) })}`,
 
+  sound: () => get<ProjectSound | null>('/api/sound'),
+  /** `version`: another sound has another address. */
+  soundBytes: async (version: string) =>
+    (await ask(`/api/sound/file?${q({ version })}`)).blob(),
+  saveSound: async (name: string, bytes: Blob): Promise<ProjectSound> => {
+    const answer = await ask(`/api/sound?${q({ name })}`, { method: 'PUT', body: bytes })
+    return answer.json() as Promise<ProjectSound>
+  },
+  moveSound: (at: number) => send<ProjectSound>('PUT', '/api/sound/at', { at }),
+  removeSound: () => send<null>('PUT', '/api/sound/remove', {}),
   timeline: () => get<Timeline>('/api/timeline'),
   saveTimeline: (timeline: Timeline) => send<Timeline>('PUT', '/api/timeline', timeline),
   // shot: of a performance; '' for the animation between the keys

@@ -1,4 +1,4 @@
-// A sound to time against. It stays in this browser: the project does not have it.
+// The sound to time against, as the browser decodes and plays it.
 
 const kPeaksPerSecond = 200
 const kSnippetSeconds = 0.09
@@ -112,36 +112,4 @@ export class Sound {
     source.connect(this.context!.destination)
     return source
   }
-}
-
-export interface KeptSound {
-  name: string
-  file: Blob
-  offset: number
-}
-
-function store(mode: IDBTransactionMode): Promise<IDBObjectStore> {
-  return new Promise((done, fail) => {
-    const request = indexedDB.open('keypose-studio', 1)
-    request.onupgradeneeded = () => request.result.createObjectStore('sounds')
-    request.onsuccess = () => done(request.result.transaction('sounds', mode).objectStore('sounds'))
-    request.onerror = () => fail(request.error)
-  })
-}
-
-/** The sound that was chosen for a project the last time. */
-export async function keptSound(project: string): Promise<KeptSound | null> {
-  const sounds = await store('readonly')
-  return new Promise((done) => {
-    const request = sounds.get(project)
-    request.onsuccess = () => done((request.result as KeptSound | undefined) ?? null)
-    request.onerror = () => done(null)
-  })
-}
-
-/** null: forget it. */
-export async function keepSound(project: string, sound: KeptSound | null): Promise<void> {
-  const sounds = await store('readwrite')
-  if (sound) sounds.put(sound, project)
-  else sounds.delete(project)
 }

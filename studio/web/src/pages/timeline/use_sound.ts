@@ -1,8 +1,9 @@
-// The page's one sound: chosen once, found again in this browser.
-import { useCallback, useEffect, useMemo, useState } from 'preact/hooks'
+// The project's sound, as the timeline hears and changes it.
+import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
+import { api, type ProjectSound } from '../../api'
 import { useStudio } from '../../state'
-import { keepSound, keptSound, Sound } from './sound'
+import { Sound } from './sound'
 
 export interface SoundState {
   sound: Sound
@@ -18,50 +19,65 @@ export function useSound(): SoundState {
   const { project, tell, complain } = useStudio()
   const sound = useMemo(() => new Sound(), [])
   const [stamp, setStamp] = useState(0)
-  const [file, setFile] = useState<Blob | null>(null)
+  const loaded = useRef('')
   const changed = useCallback(() => setStamp((old) => old + 1), [])
 
+  const take = useCallback(
+    async (now: ProjectSound | null, bytes: Blob | null, current: () => boolean) => {
+      if (!now) {
+        loaded.current = ''
+        sound.clear()
+      } else {
+        if (loaded.current !== now.file || bytes) {
+          const blob = bytes ?? (await api.soundBytes(now.file))
+          if (!current()) return
+          await sound.load(blob, now.name)
+          loaded.current = now.file
+        }
+        sound.offset = now.at
+      }
+      changed()
+    },
+    [sound, changed],
+  )
+
+  // Also after somebody has edited pipeline.yaml.
   useEffect(() => {
     let current = true
-    const load = async () => {
-      const kept = await keptSound(project.folder)
-      if (!kept || !current) return
-      await sound.load(kept.file, kept.name)
-      sound.offset = kept.offset
-      setFile(kept.file)
-      changed()
-    }
-    // A private window keeps nothing; the page works without.
-    load().catch(() => undefined)
+    api
+      .sound()
+      .then((now) => (current ? take(now, null, () => current) : undefined))
+      .catch(complain)
     return () => {
       current = false
-      sound.dispose()
     }
-  }, [project.folder, sound, changed])
+  }, [project.folder, project.revision, take, complain])
+  useEffect(() => () => sound.dispose(), [sound])
 
-  const keep = (blob: Blob | null) =>
-    keepSound(
-      project.folder,
-      blob && { name: sound.name, file: blob, offset: sound.offset },
-    ).catch(() => tell('This browser keeps no files: choose the sound again next time.'))
-
+  const choose = async (file: File) => {
+    // Checked here first: what this browser cannot play, nobody could time against.
+    await sound.load(file, file.name)
+    const now = await api.saveSound(file.name, file)
+    sound.on = true
+    await take(now, file, () => true)
+    tell(`${now.file} is the project's sound now: its films carry it after the next run.`)
+  }
   return {
     sound,
     stamp,
-    choose: (chosen) => {
-      sound.load(chosen, chosen.name).then(() => {
-        sound.offset = 0
-        sound.on = true
-        setFile(chosen)
-        changed()
-        void keep(chosen)
-      }, complain)
+    choose: (file) => {
+      choose(file).catch((error) => {
+        complain(error)
+        sound.clear()
+        loaded.current = ''
+        api.sound().then((now) => take(now, null, () => true), complain)
+      })
     },
     remove: () => {
-      sound.clear()
-      setFile(null)
-      changed()
-      void keep(null)
+      api.removeSound().then((now) => {
+        tell('The project has no sound now; its file stays in the folder.')
+        return take(now, null, () => true)
+      }, complain)
     },
     setOn: (on) => {
       sound.on = on
@@ -71,7 +87,7 @@ export function useSound(): SoundState {
     setOffset: (seconds) => {
       sound.offset = seconds
       changed()
-      void keep(file)
+      api.moveSound(seconds).catch(complain)
     },
   }
 }

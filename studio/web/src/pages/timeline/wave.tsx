@@ -55,7 +55,7 @@ function SoundHead({ state, fps }: { state: SoundState; fps: number }) {
   const { sound } = state
   return (
     <>
-      <span class="tl-file" title={`${sound.name}, kept in this browser only`}>
+      <span class="tl-file" title={`${sound.name}, the sound of the project's films`}>
         {sound.name}
       </span>
       <div class="tl-tools">
@@ -111,7 +111,8 @@ export function SoundLane({ desk, state }: { desk: Desk; state: SoundState }) {
         <div class="tl-lane">
           <ChooseSound choose={state.choose} />
           <span class="soft small">
-            to time against; it stays in this browser and is no part of the project
+            to time against (WAV, FLAC, MP3, Opus); it becomes a file of the project, and its films
+            carry it
           </span>
         </div>
       </div>
