@@ -66,6 +66,46 @@ async function whileAway() {
   check(browser.questions.length === 1, 'what is saved is asked about');
 }
 
+/** A second of a tone, in one channel of 16 bits. Source: the WAVE format of RIFF. */
+function wav() {
+  const rate = 8000;
+  const bytes = Buffer.alloc(44 + 2 * rate);
+  bytes.write('RIFF\0\0\0\0WAVEfmt ', 'latin1');
+  bytes.writeUInt32LE(bytes.length - 8, 4);
+  const numbers = [
+    [16, 4], [1, 2], [1, 2], [rate, 4], [2 * rate, 4], [2, 2], [16, 2],
+  ];
+  let at = 16;
+  for (const [value, size] of numbers) at = bytes.writeUIntLE(value, at, size);
+  bytes.write('data', at);
+  bytes.writeUInt32LE(2 * rate, at + 4);
+  for (let i = 0; i < rate; ++i)
+    bytes.writeInt16LE(Math.round(20000 * Math.sin((2 * Math.PI * 220 * i) / rate)), 44 + 2 * i);
+  return bytes;
+}
+
+/** The sound is a file of the project, and is still there in another tab. */
+async function sound() {
+  await toTimeline();
+  const chooser = page.locator('.tl-sound input[type=file]');
+  await chooser.setInputFiles({ name: 'notes.wav', mimeType: 'audio/wav', buffer: Buffer.from('a') });
+  await page.getByText('notes.wav is no sound that this browser can read').waitFor();
+  await chooser.setInputFiles({ name: 'line.wav', mimeType: 'audio/wav', buffer: wav() });
+  await until('the sound is named', () => pipeline().includes('sound: sound/line.wav'));
+  check(readFileSync(join(folder, 'sound/line.wav')).equals(wav()), 'the file is another');
+  const begins = page.getByLabel('Frame at which the sound begins');
+  await begins.fill('12');
+  await begins.press('Enter');
+  await until('its time is written', () => pipeline().includes('sound_at: 0.5'));
+  await page.reload();
+  await page.locator('.tl-file', { hasText: 'line.wav' }).waitFor();
+  await until('its time is still there', async () => (await begins.inputValue()) === '12');
+  if (process.env.KEYPOSE_PICTURES)
+    await page.screenshot({ path: join(process.env.KEYPOSE_PICTURES, 'sound.png') });
+  await page.getByRole('button', { name: 'Remove the sound' }).click();
+  await until('the file does not name it', () => !pipeline().includes('sound'));
+}
+
 /** A mask that was painted, and then its photograph is shot again, twice. */
 async function shotAgain() {
   const shoot = (grey) => {
@@ -105,5 +145,6 @@ await walkThrough([
   ['a project of two poses', begin],
   ['a page that is closed at once', closedAtOnce],
   ['a studio that is away', whileAway],
+  ['a sound', sound],
   ['a photograph that is shot again', shotAgain],
 ]);

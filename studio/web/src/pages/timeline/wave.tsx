@@ -5,6 +5,7 @@ import { cssColor } from '../../css_color'
 import { clearedCanvas, useTheme } from './desk'
 import type { Desk } from './desk'
 import { Icon } from './icons'
+import { NumberField } from './number_field'
 import type { Sound } from './sound'
 import type { SoundState } from './use_sound'
 import { frameAt } from './view_window'
@@ -70,13 +71,10 @@ function SoundHead({ state, fps }: { state: SoundState; fps: number }) {
         </button>
         <label title="The frame at which the sound begins">
           from
-          <input
-            type="number"
-            class="number"
-            step={1}
+          <NumberField
+            label="Frame at which the sound begins"
             value={Math.round(sound.offset * fps)}
-            onChange={(event) => state.setOffset(Number(event.currentTarget.value) / fps)}
-            aria-label="Frame at which the sound begins"
+            change={(frame) => state.setOffset(frame / fps)}
           />
         </label>
         <button
