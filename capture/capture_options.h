@@ -31,7 +31,8 @@ struct CaptureOptions {
   int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
   double board_square_mm = 1000 * BoardLayout{}.square_m;
   std::string board_page = "A4";
-  std::string figure;  ///< as ParseFigureStrokes reads it
+  std::string figure;     ///< as ParseFigureStrokes reads it
+  std::string leave_out;  ///< as ParseLeftOut reads it
 
   bool LooksForBoard() const { return !SaysNo(board); }
   /// What was said of the board's squares and print; none: whatever the photographs show.
@@ -89,6 +90,8 @@ struct CaptureOptions {
     visit("board_page", board_page,
           {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
     visit("figure", figure, {kFigureHelp});
+    visit("leave_out", leave_out,
+          {"photographs that are not read, by name, with ; between them; they stay in the folder"});
   }
   std::vector<std::string> Problems() const {
     std::vector<std::string> problems = BoardWordProblems(board);

@@ -20,6 +20,7 @@
 #include "core/numbers/sha256.h"
 #include "core/pictures/image_turns.h"
 #include "core/values/errors.h"
+#include "core/values/left_out.h"
 #include "core/values/memory.h"
 
 namespace keypose::capture {
@@ -84,6 +85,9 @@ void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& impo
     if (std::find(import.user_masks.begin(), import.user_masks.end(), file) !=
         import.user_masks.end())
       continue;
+    if (std::any_of(import.left_out.begin(), import.left_out.end(),
+                    [&](const std::string& name) { return IsMaskOf(file, name); }))
+      continue;
     const auto photograph =
         std::find_if(import.photographs.begin(), import.photographs.end(),
                      [&](const Photograph& p) { return IsMaskOf(file, p.name); });
@@ -110,7 +114,7 @@ void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& impo
     throw InputError("capture: none of the masks in " + import.masks.string() +
                      " has a photograph's name; name that of " + import.photographs[0].name + ": " +
                      example);
-  if (!any && strangers.empty())
+  if (!any && strangers.empty() && import.left_out.empty())
     stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
   if (!strangers.empty())
     stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
@@ -184,15 +188,48 @@ void LeaveOutMasksOfAnother(StageContext& stage, PhotographImport* import) {
 
 }  // namespace
 
+namespace {
+
+/// Takes out what a person leaves out. Names of none are told: they may be misspelt.
+void LeaveOut(StageContext& stage, const std::string& text, PhotographImport* import) {
+  const std::vector<std::string> names = ParseLeftOut(text);
+  std::vector<std::string>& out = import->left_out;
+  std::vector<std::string> of_none = names;
+  for (PhotographGroup& group : import->groups)
+    std::erase_if(group.files, [&](const fs::path& file) {
+      const fs::path below = file.lexically_relative(import->folder);
+      const std::string written =
+          (below.has_parent_path() ? group.name + "_" : "") + WrittenName(file);
+      const auto means = [&](const std::string& name) {
+        return MeansPhotograph(name, below, written);
+      };
+      const bool leave = std::any_of(names.begin(), names.end(), means);
+      if (leave) out.push_back(written);
+      std::erase_if(of_none, means);
+      return leave;
+    });
+  std::erase_if(import->groups, [](const PhotographGroup& group) { return group.files.empty(); });
+  if (!of_none.empty())
+    stage.Warn("leave_out names photographs that are not there: " + JoinNames(of_none));
+  stage.ReportJson("left_out", nlohmann::json(out).dump());
+  if (import->groups.empty())
+    throw InputError("capture: all photographs in " + import->folder.string() +
+                     " are left out; take some back");
+  if (!out.empty()) stage.Note("left out, as leave_out says: " + JoinNames(out));
+}
+
+}  // namespace
+
 PhotographImport OpenPhotographs(StageContext& stage, const CaptureOptions& options) {
   PhotographImport import;
   import.folder = stage.Input("photos");
   import.groups = ListPhotographs(import.folder);
-  for (const PhotographGroup& group : import.groups)
-    import.files.insert(import.files.end(), group.files.begin(), group.files.end());
   if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
     stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() +
                                " that are no photographs were left out: " + KindsOf(ignored)));
+  if (!options.leave_out.empty()) LeaveOut(stage, options.leave_out, &import);
+  for (const PhotographGroup& group : import.groups)
+    import.files.insert(import.files.end(), group.files.begin(), group.files.end());
   import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
   RequireUsableSizes(import.photographs);

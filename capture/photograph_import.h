@@ -38,6 +38,7 @@ struct PhotographImport {
   std::vector<PhotographGroup> groups;
   std::vector<fs::path> backgrounds;  // for each group; empty if the user gave none
   std::vector<fs::path> files;        // of all groups
+  std::vector<std::string> left_out;  // by a person: names as they would be written
   std::vector<Photograph> photographs;
   std::vector<char> quarter_turns;
   std::vector<SizeGroup> sizes;  // the most common one first

@@ -30,6 +30,7 @@ std::vector<ViewStrokes> StrokesIn(StageContext& stage, const PhotographImport& 
   std::vector<std::string> names;
   for (const Photograph& photograph : import.photographs) names.push_back(photograph.name);
   for (const FigureStroke& stroke : ParseFigureStrokes(figure)) {
+    if (IndexOfPicture(stroke, import.left_out) >= 0) continue;
     const int image = IndexOfPicture(stroke, names);
     const auto i = static_cast<std::size_t>(image < 0 ? 0 : image);
     if (image < 0 || !import.user_masks[i].empty()) {

@@ -48,7 +48,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "elevations of the camera above the table, lowest first [deg]")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--angles", flags.session.plan.angles, "photographs of each ring")
+  app.add_option("--angles", flags.session.plan.angles,
+                 "photographs of each ring; of a pose after the first 6 suffice, in one ring")
       ->capture_default_str();
   app.add_option("--flips", flags.session.plan.flips,
                  "further times with the figure laid on another side, 0 to 3")
@@ -127,6 +128,7 @@ void Settle(CLI::App& app, Flags& flags) {
     throw UsageError(problems.front());
   for (const char* flag : {"--rings", "--angles", "--flips", "--focus-stack"})
     session.plan_given = session.plan_given || app.count(flag) > 0;
+  session.rings_given = app.count("--rings") > 0;
   session.project = fs::absolute(flags.folder).lexically_normal();
   if (!session.project.has_filename()) session.project = session.project.parent_path();
   if (!session.live_file.empty()) session.live_file = fs::absolute(session.live_file);

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "core/io/text/pose_yaml.h"
+
 namespace keypose::pipeline {
 
-/// With fewer photographs, a pose other than the template is not scanned: the template is fitted to
-/// them (`method: fit`). Decided once, when a pose is added, so that more photographs later never
-/// change the way by themselves.
-inline constexpr int kLeastScanPhotographs = 16;
+/// See kFewestOfAScan.
+inline constexpr int kLeastScanPhotographs = kFewestOfAScan;
 
 /// The filmed shot of a new project: paths as they shall stand in pipeline.yaml; empty: none.
 struct NewShot {

@@ -27,7 +27,8 @@ std::string Announcer::OnionOf(const std::string& name) const {
   return "";
 }
 
-void Announcer::PoseOpened(const ShotBook& book, const fs::path& onion) {
+void Announcer::PoseOpened(const ShotBook& book, const fs::path& onion,
+                           const std::string& bent_from) {
   onion_ = onion;
   const SideFile& side = book.side();
   json photographs = json::object(), skipped = json::array();
@@ -44,6 +45,7 @@ void Announcer::PoseOpened(const ShotBook& book, const fs::path& onion) {
               {"camera", side.camera},
               {"turntable", side.turntable},
               {"onion_pose", onion.filename().string()},
+              {"bent_from", bent_from},
               {"photographs", photographs},
               {"skipped", skipped}});
 }

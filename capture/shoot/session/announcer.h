@@ -18,8 +18,10 @@ class Announcer {
   /// @param project  paths in events are relative to it
   Announcer(Conversation& talk, const std::filesystem::path& project);
 
-  /// @param onion  the folder of the pose that was shot before; empty if there is none
-  void PoseOpened(const ShotBook& book, const std::filesystem::path& onion);
+  /// @param onion      the folder of the pose that was shot before; empty if there is none
+  /// @param bent_from  the template that is bent into this pose's few photographs, or ""
+  void PoseOpened(const ShotBook& book, const std::filesystem::path& onion,
+                  const std::string& bent_from);
   /// Told only when something in it has changed.
   void State(const std::string& state, const ShotBook& book, const Shot& target);
   void Asked(const std::string& ask, const std::string& words, const std::string& what_to_do,

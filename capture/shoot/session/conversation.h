@@ -15,6 +15,7 @@ struct Command {
   std::optional<double> angle_deg;  ///< kAgain, kAt
   std::optional<int> ring, flip;    ///< kAgain, with an angle
   std::string pose;                 ///< kNextPose
+  std::optional<int> angles;        ///< kNextPose: so many, of the first ring alone
   bool on = false;                  ///< kLive
   std::string id;                   ///< JSON to be given back; "" for none
   std::string word;                 ///< as it was given, for the answer

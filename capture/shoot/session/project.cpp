@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/io/text/files.h"
+#include "core/io/text/pose_yaml.h"
 #include "core/io/text/yaml_edit.h"
 #include "core/values/errors.h"
 
@@ -32,14 +33,6 @@ std::string NewPipelineText(const fs::path& project, const std::string& pose) {
       WithoutOddBytes(name), YamlScalar(pose));
 }
 
-std::vector<std::string> PosesOf(const YAML::Node& root) {
-  std::vector<std::string> poses;
-  const YAML::Node map = root["poses"];
-  if (map && map.IsMap())
-    for (const auto& entry : map) poses.push_back(entry.first.Scalar());
-  return poses;
-}
-
 /// The folder of photographs that the file names for the pose; "" if it names none.
 std::string FolderIn(const YAML::Node& root, const std::string& pose) {
   const YAML::Node rule = root["poses"][pose];
@@ -48,32 +41,31 @@ std::string FolderIn(const YAML::Node& root, const std::string& pose) {
   return photos.IsDefined() && photos.IsScalar() ? photos.Scalar() : "";
 }
 
-/// Whether the timeline says only in which order the poses come: all of them, or nothing.
-bool OnlyListsPoses(const YAML::Node& root, const std::vector<std::string>& poses) {
-  const YAML::Node timeline = root["timeline"];
-  if (!timeline.IsDefined() || timeline.IsNull()) return true;
-  if (!timeline.IsSequence() || timeline.size() != poses.size()) return false;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    if (!timeline[i].IsScalar() || timeline[i].Scalar() != poses[i]) return false;
-  return true;
-}
-
-std::string WithPose(const std::string& text, const YAML::Node& root, const std::string& pose) {
-  std::vector<std::string> poses = PosesOf(root);
-  const bool extend = OnlyListsPoses(root, poses);
-  std::string edited = WithValue(text, {"poses", pose}, YamlScalar("photos/" + pose));
-  poses.push_back(pose);
-  if (poses.size() == 1 && !root["template"].IsDefined())
-    edited = WithValue(edited, {"template"}, YamlScalar(pose));
-  if (!extend || poses.size() < 2) return edited;
-  std::string list;
-  for (const std::string& name : poses) list += (list.empty() ? "" : ", ") + YamlScalar(name);
-  return WithValue(edited, {"timeline"}, "[" + list + "]");
-}
-
 fs::path WithHome(const std::string& path) {
   const char* home = std::getenv("HOME");
   return home && path.starts_with("~/") ? fs::path(home) / path.substr(2) : fs::path(path);
+}
+
+fs::path FolderOf(const fs::path& project, const std::string& text, const std::string& pose) {
+  const std::string named = FolderIn(YAML::Load(text), pose);
+  const std::string folder = named.empty() ? "photos/" + pose : named;
+  return (project / WithHome(folder)).lexically_normal();
+}
+
+bool HasPhotographs(const fs::path& folder) {
+  std::error_code missing;
+  return fs::directory_iterator(folder, missing) != fs::directory_iterator();
+}
+
+/// The text of pipeline.yaml with the pose.
+std::string TextWith(const std::string& text, const fs::path& project, const std::string& pose,
+                     int photographs) {
+  const std::vector<std::string> poses = PosesIn(text);
+  const bool few = photographs < kFewestOfAScan && !poses.empty();
+  if (std::find(poses.begin(), poses.end(), pose) == poses.end()) return WithPose(text, pose, few);
+  const bool decided = !MethodIn(text, pose).empty() || TemplateIn(text) == pose ||
+                       HasPhotographs(FolderOf(project, text, pose));
+  return few && !decided ? WithMethod(text, pose, "fit") : text;
 }
 
 }  // namespace
@@ -87,33 +79,36 @@ bool IsPoseName(const std::string& name) {
   return true;
 }
 
-fs::path AddPose(const fs::path& project, const std::string& pose) {
+PosePlace AddPose(const fs::path& project, const std::string& pose, int photographs) {
   if (!IsPoseName(pose))
     throw UsageError(
         fmt::format("a pose's name may have letters, digits, '-' and '_' only; '{}' "
                     "has not",
                     WithoutOddBytes(pose)));
   const fs::path file = project / "pipeline.yaml";
-  std::string folder = "photos/" + pose;
   try {
-    if (!fs::exists(file)) {
-      WriteFileAtomically(file, NewPipelineText(project, pose));
-    } else {
-      const std::string text = ReadFile(file);
-      const YAML::Node root = YAML::Load(text);
-      const std::vector<std::string> poses = PosesOf(root);
-      if (std::find(poses.begin(), poses.end(), pose) == poses.end())
-        WriteFileAtomically(file, WithPose(text, root, pose));
-      else if (const std::string named = FolderIn(root, pose); !named.empty())
-        folder = named;
-    }
+    const std::string before = fs::exists(file) ? ReadFile(file) : "";
+    const std::string text = before.empty() ? NewPipelineText(project, pose)
+                                            : TextWith(before, project, pose, photographs);
+    if (text != before) WriteFileAtomically(file, text);
+    const bool bent = MethodIn(text, pose) == "fit";
+    return {FolderOf(project, text, pose), bent ? TemplateIn(text) : ""};
   } catch (const YamlEditError& error) {
     throw UsageError(fmt::format("the pose '{}' cannot be added to {}: {}; add it by hand", pose,
                                  file.string(), error.what()));
   } catch (const YAML::Exception& error) {
     throw UsageError(fmt::format("{} is not YAML: {}; mend it first", file.string(), error.what()));
   }
-  return (project / WithHome(folder)).lexically_normal();
+}
+
+bool HasOtherPose(const fs::path& project, const std::string& pose) {
+  const fs::path file = project / "pipeline.yaml";
+  try {
+    const auto poses = fs::exists(file) ? PosesIn(ReadFile(file)) : std::vector<std::string>();
+    return std::any_of(poses.begin(), poses.end(), [&](const auto& one) { return one != pose; });
+  } catch (const YamlEditError&) {
+    return false;  // AddPose says what is wrong
+  }
 }
 
 ShootLock::ShootLock(const fs::path& state_folder) {

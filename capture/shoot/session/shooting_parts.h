@@ -19,10 +19,11 @@ struct ShootingOptions {
   std::filesystem::path project;  ///< absolute; made if it is not there
   std::string pose;
   ShotPlan plan;
-  bool plan_given = false;            ///< by flags; else the pose's own plan goes on
-  std::string turntable_name;         ///< for the side file: none, grbl, steps, simulated
-  double settle_s = 1;                ///< rest after a turn
-  double retry_s = 2;                 ///< between two attempts at a device that fails
+  bool plan_given = false;     ///< by flags; else the pose's own plan goes on
+  bool rings_given = false;    ///< of it; else few angles of a pose after the first are one ring
+  std::string turntable_name;  ///< for the side file: none, grbl, steps, simulated
+  double settle_s = 1;         ///< rest after a turn
+  double retry_s = 2;          ///< between two attempts at a device that fails
   std::filesystem::path live_file;    ///< where frames of the live view go; empty: nowhere
   bool live = false;                  ///< live view is on from the start
   std::optional<CarriedWhite> white;  ///< from --white-balance

@@ -16,7 +16,9 @@
 #include "capture/shoot/session/user_requests.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
+#include "core/io/text/pose_yaml.h"
 #include "core/values/errors.h"
+#include "core/values/size_of.h"
 
 namespace keypose::capture::shoot {
 namespace {
@@ -40,6 +42,16 @@ fs::path PictureOf(const Exposure& exposure) {
       [](const fs::path& a, const fs::path& b) { return IsRawName(a) > IsRawName(b); });
 }
 
+std::optional<SideFile> SideFileOf(const fs::path& folder) {
+  try {
+    return fs::exists(folder / kShootNotes)
+               ? std::optional(ParseSideFile(ReadFile(folder / kShootNotes), "shoot.json"))
+               : std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;  // the book tells of it
+  }
+}
+
 /// The side file of the pose that was shot last, besides `pose`.
 std::optional<SideFile> NewestOther(const fs::path& photos, const std::string& pose) {
   fs::path newest;
@@ -57,7 +69,9 @@ std::optional<SideFile> NewestOther(const fs::path& photos, const std::string& p
   }
   if (newest.empty()) return std::nullopt;
   try {
-    return ParseSideFile(ReadFile(newest), newest.string());
+    SideFile side = ParseSideFile(ReadFile(newest), newest.string());
+    side.pose = newest.parent_path().filename();  // the folder may have been renamed since
+    return side;
   } catch (const InputError&) {
     return std::nullopt;  // another pose's damage is told when that pose is shot
   }
@@ -111,7 +125,7 @@ class ShootingSession {
     if (book_->side().camera == parts_.camera.Name()) return;
     book_->side().camera = parts_.camera.Name();
     book_->Save();
-    announcer_.PoseOpened(*book_, onion_);
+    announcer_.PoseOpened(*book_, onion_, bent_from_);
   }
 
   void WantAgain() {
@@ -153,11 +167,25 @@ class ShootingSession {
 
   // ---- poses
 
-  void OpenPose(const std::string& pose, const ShotPlan& plan, bool plan_given) {
-    const fs::path folder = AddPose(options_.project, pose);
+  /// A pose after the first that gets few angles, and of which no rings were said, has one ring, as
+  /// high as the first one of the pose that was shot last.
+  ShotPlan PlanOf(const std::string& pose, ShotPlan plan, bool given,
+                  const std::optional<SideFile>& other) const {
+    const bool few = plan.angles < kFewestOfAScan && HasOtherPose(options_.project, pose);
+    if (!given || options_.rings_given || !few) return plan;
+    const std::optional<SideFile> own = SideFileOf(options_.project / "photos" / pose);
+    if (own) plan.rings_deg = own->plan.rings_deg;
+    if (!own && other) plan.rings_deg = other->plan.rings_deg;
+    if (!own) plan.rings_deg.resize(1);
+    return plan;
+  }
+
+  void OpenPose(const std::string& pose, const ShotPlan& wish, bool plan_given) {
     const std::optional<SideFile> other = NewestOther(options_.project / "photos", pose);
+    const ShotPlan plan = PlanOf(pose, wish, plan_given, other);
+    const PosePlace place = AddPose(options_.project, pose, SizeOf(AllShots(plan)));
     book_.reset();  // its folder is tidied up first
-    book_ = std::make_unique<ShotBook>(folder, pose, plan, plan_given);
+    book_ = std::make_unique<ShotBook>(place.folder, pose, plan, plan_given);
     requests_.SetBook(book_.get());
     helper_.SetBook(book_.get());
     requests_.again.clear();
@@ -173,12 +201,18 @@ class ShootingSession {
     book_->Save();
     if (parts_.pose_begins) parts_.pose_begins(pose, side.plan);
     requests_.target = book_->Next().shot;
-    announcer_.PoseOpened(*book_, onion_);
+    bent_from_ = place.bent_from;
+    announcer_.PoseOpened(*book_, onion_, bent_from_);
   }
 
   void BeginNextPose() {
     const std::string pose = std::exchange(requests_.next_pose, "");
-    const ShotPlan plan = book_->side().plan;
+    ShotPlan plan = book_->side().plan;
+    if (const auto angles = std::exchange(requests_.next_angles, std::nullopt)) {
+      plan.rings_deg.resize(1);
+      plan.angles = *angles;
+      plan.flips = 0;
+    }
     OpenPose(pose, plan, false);
     requests_.paused = false;
   }
@@ -383,6 +417,7 @@ class ShootingSession {
   Helper helper_;
   std::unique_ptr<ShotBook> book_;
   fs::path onion_;  // the folder of the pose that was shot before
+  std::string bent_from_;
   bool told_done_ = false;
 };
 

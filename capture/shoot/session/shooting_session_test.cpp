@@ -213,6 +213,49 @@ TEST_F(SessionTest, CarriesTheWhiteBalanceToTheNextPoseAndForgetsItWhenTold) {
   EXPECT_FALSE(SideFileJson("bent").contains("white_balance"));
 }
 
+TEST_F(SessionTest, TheNextPoseMayHaveFewAnglesOfTheFirstRing) {
+  GreyCamera camera;
+  bool asked = false;
+  Script talk([&](const json& event) -> std::vector<Command> {
+    if (event.at("event") == "pose-done") {
+      if (std::exchange(asked, true)) return {Of(Command::Kind::kEnd)};
+      Command next = Of(Command::Kind::kNextPose);
+      next.pose = "wave";
+      next.angles = 4;
+      return {next};
+    }
+    return DoneWhenAsked(event);
+  });
+  options_.stays_when_complete = true;
+  Run(camera, talk);
+  EXPECT_EQ(SideFileJson("wave").at("plan").at("angles"), 4);
+  EXPECT_EQ(SideFileJson("wave").at("plan").at("rings_deg").size(), 1U);
+  EXPECT_TRUE(fs::exists(project_ / "photos/wave/r1_a270.jpg"));
+  EXPECT_NE(ReadFile(project_ / "pipeline.yaml").find("wave: {photos: photos/wave, method: fit}"),
+            std::string::npos);
+}
+
+TEST_F(SessionTest, FewAnglesOfALaterPoseAreOneRingAsHighAsTheLastOnes) {
+  GreyCamera camera;
+  options_.plan = {.rings_deg = {20, 50}, .angles = 3};
+  Script first(DoneWhenAsked);
+  Run(camera, first);
+  EXPECT_EQ(SideFileJson().at("plan").at("rings_deg"), json::array({20.0, 50.0}));
+  options_.plan = {.angles = 4};
+  options_.pose = "wave";
+  for (int i = 0; i < 2; ++i) {
+    Script again(DoneWhenAsked);
+    EXPECT_TRUE(Run(camera, again));
+    EXPECT_EQ(SideFileJson("wave").at("plan").at("rings_deg"), json::array({20.0}));
+  }
+  EXPECT_EQ(camera.releases, 8 + 5);
+  options_.pose = "bow";
+  options_.rings_given = true;
+  Script given(DoneWhenAsked);
+  Run(camera, given);
+  EXPECT_EQ(SideFileJson("bow").at("plan").at("rings_deg"), json::array({12.0, 40.0}));
+}
+
 TEST_F(SessionTest, AnAngleCanBeLeftOutAndIsMissed) {
   GreyCamera camera;
   Script talk([](const json& event) -> std::vector<Command> {

@@ -50,12 +50,7 @@ void UserRequests::Handle(const Command& command) {
       refusal = TableIsAt(command);
       break;
     case Command::Kind::kNextPose:
-      if (IsPoseName(command.pose)) {
-        next_pose = command.pose;
-        rethink_ = true;
-      } else {
-        refusal = "a pose's name may have letters, digits, '-' and '_' only";
-      }
+      refusal = NextPose(command);
       break;
   }
   announcer_.Answer(command, refusal);
@@ -84,6 +79,19 @@ std::string UserRequests::TableIsAt(const Command& command) {
   const double angle_deg = command.angle_deg.value_or(NAN);
   if (!std::isfinite(angle_deg) || std::abs(angle_deg) >= 1e6) return "that is no angle";
   table_is_at_deg = angle_deg;
+  rethink_ = true;
+  return "";
+}
+
+std::string UserRequests::NextPose(const Command& command) {
+  if (!IsPoseName(command.pose)) return "a pose's name may have letters, digits, '-' and '_' only";
+  if (command.angles) {
+    ShotPlan plan;
+    plan.angles = *command.angles;
+    if (const auto problems = plan.Problems(); !problems.empty()) return problems.front();
+  }
+  next_pose = command.pose;
+  next_angles = command.angles;
   rethink_ = true;
   return "";
 }

@@ -56,12 +56,14 @@ class UserRequests final : public Patience {
   bool live = false;
   bool skip_check = false;  ///< the ring's check is left out
   std::deque<Shot> again;
-  std::string next_pose;  ///< "" for none
+  std::string next_pose;           ///< "" for none
+  std::optional<int> next_angles;  ///< of it; none: the same plan
   std::optional<double> table_is_at_deg;
 
  private:
   void Handle(const Command& command);
   std::string Skip(const Command& command);
+  std::string NextPose(const Command& command);
   std::string TableIsAt(const Command& command);
 
   Conversation& talk_;

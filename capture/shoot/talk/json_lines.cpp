@@ -79,6 +79,7 @@ Command ParseJsonCommand(const std::string& line) {
     if (root.contains("ring")) command.ring = root.at("ring").get<int>();
     if (root.contains("flip")) command.flip = root.at("flip").get<int>();
     command.pose = root.value("pose", "");
+    if (root.contains("angles")) command.angles = root.at("angles").get<int>();
     command.on = root.value("on", false);
     if (root.contains("id")) command.id = root.at("id").dump();
     return command;

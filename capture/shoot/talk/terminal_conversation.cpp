@@ -40,6 +40,8 @@ std::string SessionWords(const json& event) {
       fmt::format("pose {}: {} photographs, {} angles of each ring ({} degrees high), into {}\n",
                   Text(event, "pose"), event.at("total").get<int>(),
                   event.at("plan").at("angles").get<int>(), rings, Text(event, "folder"));
+  if (const std::string bent = Text(event, "bent_from"); !bent.empty())
+    words += fmt::format("'{}' will be bent into them (`method: fit` in pipeline.yaml)\n", bent);
   if (const int done = event.at("done"); done > 0)
     words += fmt::format("{} are there already; it goes on where it was\n", done);
   return words;
@@ -127,6 +129,14 @@ class Terminal final : public Conversation {
                    "`? Only Enter goes on");
 }
 
+int AnglesOf(const std::string& word) {
+  char* end = nullptr;
+  const long angles = std::strtol(word.c_str(), &end, 10);
+  if (*end || angles < 1 || angles > 360)
+    throw InputError("'" + WithoutOddBytes(word) + "' is no number of angles, as in `next bent 6`");
+  return static_cast<int>(angles);
+}
+
 }  // namespace
 
 Command ParseWords(const std::string& line) {
@@ -161,7 +171,10 @@ Command ParseWords(const std::string& line) {
   } else if (word == "next") {
     needs("the pose's name, as in `next bent`");
     command.kind = Kind::kNextPose;
-    command.pose = rest;
+    std::istringstream words(rest);
+    std::string angles;
+    words >> command.pose >> angles;
+    if (!angles.empty()) command.angles = AnglesOf(angles);
   } else if (word == "end" || word == "quit" || word == "exit") {
     command.kind = Kind::kEnd;
   } else {

@@ -16,6 +16,9 @@ TEST(ParseWords, UnderstandsWhatTheDocumentationSays) {
   EXPECT_EQ(ParseWords("again 45").photograph, "45");
   EXPECT_EQ(ParseWords("at 22.5").angle_deg, 22.5);
   EXPECT_EQ(ParseWords("next bent").pose, "bent");
+  EXPECT_EQ(ParseWords("next bent 6").pose, "bent");
+  EXPECT_EQ(ParseWords("next bent 6").angles, 6);
+  EXPECT_THROW(ParseWords("next bent six"), InputError);
   EXPECT_EQ(ParseWords("skip").kind, Command::Kind::kSkip);
   EXPECT_EQ(ParseWords("pause").kind, Command::Kind::kPause);
   EXPECT_EQ(ParseWords("go").kind, Command::Kind::kGoOn);
