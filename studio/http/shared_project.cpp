@@ -6,6 +6,7 @@
 
 #include "core/values/errors.h"
 #include "pipeline/cache/project_lock.h"
+#include "studio/project/moves.h"
 
 namespace keypose::studio {
 
@@ -30,7 +31,10 @@ std::unique_ptr<Snapshot> OpenSnapshot(const fs::path& folder) {
 
 }  // namespace
 
-SharedProject::SharedProject(fs::path folder) : folder_(std::move(folder)) { Follow(); }
+SharedProject::SharedProject(fs::path folder) : folder_(std::move(folder)) {
+  UndoBrokenMoves(folder_);
+  Follow();
+}
 
 SharedProject::~SharedProject() {
   watch_.reset();

@@ -12,6 +12,7 @@
 #include "pipeline/run/builder.h"
 #include "pipeline/run/collect_ending.h"
 #include "studio/project/failure_pictures.h"
+#include "studio/project/left_out_photographs.h"
 #include "studio/project/originals.h"
 #include "studio/project/picks.h"
 
@@ -48,6 +49,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"method", snapshot.IsFitted(pose) ? "fit" : "scan"},
           {"photos", given(pipeline::kPhotosWord, "photos/" + pose)},
           {"photographs", OriginalPhotographs(photos).size()},
+          {"left_out", LeftOutNames(snapshot, pose).size()},
           {"masks", given("masks", "")},
           {"mesh", given("mesh", "")},
           {"has_landmarks", HasPicks(snapshot, pose)},

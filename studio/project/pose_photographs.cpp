@@ -19,6 +19,7 @@
 #include "core/values/file_names.h"
 #include "pipeline/disk/real_disk.h"
 #include "studio/project/kept_picture.h"
+#include "studio/project/left_out_photographs.h"
 #include "studio/project/originals.h"
 #include "studio/project/own_masks.h"
 
@@ -70,6 +71,25 @@ json NewPhotographJson(const std::string& name) {
   return one;
 }
 
+bool IsSamePhotograph(const Originals& originals, const std::string& out, const std::string& name) {
+  if (out == name) return true;
+  const fs::path one = originals.FileOf(out);
+  return !one.empty() && one == originals.FileOf(name);
+}
+
+/// What is left out of a subfolder is not captured, nor in the pose's own folder.
+void AddLeftOut(const Originals& originals, const std::string& out,
+                std::map<std::string, json>* by_name) {
+  const fs::path file = originals.FileOf(out);
+  if (file.empty()) return;
+  for (const auto& [name, one] : *by_name)
+    if (originals.FileOf(name) == file) return;
+  const bool below = out.find('/') != std::string::npos;
+  const std::string group = file.parent_path().filename();
+  const std::string name = below ? group + "_" + WrittenName(file) : file.filename().string();
+  if (IsValidUtf8(name)) (*by_name)[name] = NewPhotographJson(name);
+}
+
 }  // namespace
 
 json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
@@ -91,8 +111,13 @@ json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
     if (masks.originals().WasShotAgain(name)) one = NewPhotographJson(name);
   for (const std::string& name : OriginalPhotographs(snapshot.PhotoFolder(pose)))
     if (IsValidUtf8(name) && !IsCaptured(by_name, name)) by_name[name] = NewPhotographJson(name);
+  const std::vector<std::string> left_out = LeftOutNames(snapshot, pose);
+  for (const std::string& name : left_out) AddLeftOut(masks.originals(), name, &by_name);
   json all = json::array();
   for (auto& [name, one] : by_name) {
+    one["left_out"] = std::any_of(left_out.begin(), left_out.end(), [&](const auto& out) {
+      return IsSamePhotograph(masks.originals(), out, name);
+    });
     // A mask that capture has not seen yet is one's own as well.
     const bool of_another = masks.IsOfAnother(name);
     if (of_another) one["mask_given"] = false;

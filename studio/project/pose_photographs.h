@@ -14,7 +14,8 @@ namespace keypose::studio {
 
 /// All photographs of a pose: what capture and masks measured, and those that are not made yet, or
 /// were shot again since. "photograph": SHA-256 of its file. "mask_of_another": a person's mask is
-/// there, but was painted over another photograph of that name, and is not used.
+/// there, but was painted over another photograph of that name, and is not used. "left_out": a
+/// person leaves it out, and no step reads it.
 nlohmann::json PhotographsJson(Snapshot& snapshot, const std::string& pose);
 
 /// The file of a photograph: as captured, or the original where that is new.

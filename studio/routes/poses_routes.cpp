@@ -1,11 +1,17 @@
 #include "studio/routes/poses_routes.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/values/errors.h"
 #include "studio/meshes/mesh_bytes.h"
+#include "studio/project/bin.h"
 #include "studio/project/changes.h"
+#include "studio/project/left_out_photographs.h"
+#include "studio/project/pose_list.h"
 #include "studio/project/pose_photographs.h"
 
 namespace keypose::studio {
@@ -17,10 +23,22 @@ namespace {
 
 constexpr int kMostCloudPoints = 1'000'000;
 
+/// A session would go on in a folder that is not there any more.
+void RequireNoShooting(const fs::path& project) {
+  const int fd = open((project / ".keypose/shoot/lock").c_str(), O_RDWR | O_CLOEXEC);
+  if (fd < 0) return;
+  const bool free = flock(fd, LOCK_EX | LOCK_NB) == 0;
+  close(fd);
+  if (!free) throw LockedError("a shooting session is at work; end it before poses are changed");
+}
+
 }  // namespace
 
 void PosesRoutes::AddTo(RouteTable& table) {
   AddPhotographs(table);
+  AddPhotographChanges(table);
+  AddPoseChanges(table);
+  AddBin(table);
   AddMeshes(table);
   AddTextures(table);
 }
@@ -33,18 +51,6 @@ void PosesRoutes::AddPhotographs(RouteTable& table) {
       return PhotographsJson(now, pose);
     }));
   });
-  table.Put(
-      "/api/photos",
-      [this](const Question& question) {
-        if (project_.run().running())
-          throw LockedError("a run is at work; add photographs when it is done");
-        project_.With([&](Snapshot& now) {
-          AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
-          return 0;
-        });
-        return JsonAnswer({{"added", true}});
-      },
-      Changes::kQuietly);
   table.Get("/api/photo", [this](const Question& question) {
     const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
     const fs::path source = project_.With([&](Snapshot& now) {
@@ -56,6 +62,87 @@ void PosesRoutes::AddPhotographs(RouteTable& table) {
   table.Get("/api/cameras", [this](const Question& question) {
     return JsonAnswer(
         project_.With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));
+  });
+}
+
+template <class Change>
+Answer PosesRoutes::Changed(const Change& change) {
+  if (project_.run().running())
+    throw LockedError("a run is at work; change photographs and poses when it is done");
+  if (const std::string holder = project_.LockedBy(); !holder.empty())
+    throw LockedError(
+        fmt::format("the project is in use by {}; change photographs and poses after it", holder));
+  return JsonAnswer(project_.With([&](Snapshot& now) { return change(now); }));
+}
+
+void PosesRoutes::AddPhotographChanges(RouteTable& table) {
+  table.Put(
+      "/api/photos",
+      [this](const Question& question) {
+        return Changed([&](Snapshot& now) {
+          AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body,
+                        question.Get("replaces"));
+          if (!question.Get("replaces").empty()) project_.Forget();
+          return json{{"added", true}};
+        });
+      },
+      Changes::kQuietly);
+  table.Post("/api/photos/leave-out", [this](const Question& question) {
+    const json body = question.Json();
+    return JsonAnswer(project_.With([&](Snapshot& now) {
+      LeaveOut(now, body.at("pose"), body.at("names"), body.at("out"));
+      return json{{"done", true}};
+    }));
+  });
+  table.Post("/api/photos/delete", [this](const Question& question) {
+    const json body = question.Json();
+    return Changed([&](Snapshot& now) {
+      return json{{"id", BinPhotographs(now, body.at("pose"), body.at("names"))}};
+    });
+  });
+  table.Get("/api/photos/again", [this](const Question& question) {
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return AgainJson(now, question.Need("pose")); }));
+  });
+}
+
+void PosesRoutes::AddPoseChanges(RouteTable& table) {
+  const auto post = [&](const char* path, auto change) {
+    table.Post(path, [this, change](const Question& question) {
+      const json body = question.Json();
+      RequireNoShooting(project_.folder());
+      return Changed([&](Snapshot& now) {
+        change(now, body);
+        return json{{"done", true}};
+      });
+    });
+  };
+  post("/api/poses/add",
+       [](Snapshot& now, const json& body) { AddPose(now, body.at("pose"), body.at("few")); });
+  post("/api/poses/rename",
+       [](Snapshot& now, const json& body) { RenamePose(now, body.at("pose"), body.at("name")); });
+  post("/api/poses/delete", [](Snapshot& now, const json& body) { BinPose(now, body.at("pose")); });
+  post("/api/poses/order",
+       [](Snapshot& now, const json& body) { OrderPoses(now, body.at("poses")); });
+  post("/api/poses/template",
+       [](Snapshot& now, const json& body) { ChooseTemplate(now, body.at("pose")); });
+  post("/api/poses/method",
+       [](Snapshot& now, const json& body) { ChooseMethod(now, body.at("pose"), body.at("few")); });
+}
+
+void PosesRoutes::AddBin(RouteTable& table) {
+  table.Get("/api/bin", [this](const Question&) { return JsonAnswer(BinJson(project_.folder())); });
+  table.Get("/api/bin/picture", [this](const Question& question) {
+    const fs::path file = BinFile(project_.folder(), question.Need("id"), question.Need("path"));
+    const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
+    return PictureAnswer(PictureFile(project_.PictureFolder(), file, width));
+  });
+  table.Post("/api/bin/take-back", [this](const Question& question) {
+    const json body = question.Json();
+    return Changed([&](Snapshot& now) {
+      TakeBack(now, body.at("id"));
+      return json{{"done", true}};
+    });
   });
 }
 

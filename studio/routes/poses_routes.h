@@ -1,4 +1,4 @@
-// Photographs, cameras, meshes and textures of the poses.
+// Poses and their photographs, and the changes of both; cameras, meshes and textures; the bin.
 #pragma once
 
 #include "studio/routes/page_routes.h"
@@ -12,8 +12,14 @@ class PosesRoutes : public PageRoutes {
 
  private:
   void AddPhotographs(RouteTable& table);
+  void AddPhotographChanges(RouteTable& table);
+  void AddPoseChanges(RouteTable& table);
+  void AddBin(RouteTable& table);
   void AddMeshes(RouteTable& table);
   void AddTextures(RouteTable& table);
+  /// The answer to a change of the project's files, which no run may be reading.
+  template <class Change>
+  Answer Changed(const Change& change);
 };
 
 }  // namespace keypose::studio

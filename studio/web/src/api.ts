@@ -30,6 +30,8 @@ export interface Pose {
   photos: string
   /** number of photographs in the pose's folder */
   photographs: number
+  /** how many of them no step reads */
+  left_out: number
   /** the folder of masks that the project names, or '' */
   masks: string
   /** the mesh made elsewhere that the project names, or '' */
@@ -149,6 +151,31 @@ export interface Photograph {
   why: string
   /** false: in the folder, but capture has not made it yet, or an older one of this name */
   captured: boolean
+  /** a person leaves it out: no step reads it */
+  left_out: boolean
+}
+
+/** What runs again when a pose's photographs change. */
+export interface Again {
+  /** '': nothing reads them */
+  step: string
+  /** ids of the steps after it */
+  follow: string[]
+  /** that all of them took last */
+  seconds: number
+  /** false: nothing was made of the pose yet */
+  made: boolean
+}
+
+/** Something that was deleted on these pages. */
+export interface BinEntry {
+  id: string
+  what: 'photographs' | 'pose' | 'files'
+  pose: string
+  /** of photographs */
+  names: string[]
+  /** as they lay in the project */
+  files: string[]
 }
 
 export interface CameraView {
@@ -394,8 +421,34 @@ export const api = {
   createProject: (poses: string[], template: string, few: string[]) =>
     send<Project>('POST', '/api/project', { poses, template, few }),
   /** Adds one photograph to a pose's folder (only while no run is at work). */
-  addPhotograph: (pose: string, name: string, bytes: Blob) =>
-    ask(`/api/photos?${q({ pose, name })}`, { method: 'PUT', body: bytes }),
+  /** `replaces`: a photograph that goes to the bin, and whose name the new one gets. */
+  addPhotograph: (pose: string, name: string, bytes: Blob, replaces = '') =>
+    ask(`/api/photos?${q({ pose, name, ...(replaces && { replaces }) })}`, {
+      method: 'PUT',
+      body: bytes,
+    }),
+  /** out false: they are taken back. */
+  leaveOut: (pose: string, names: string[], out: boolean) =>
+    send<{ done: boolean }>('POST', '/api/photos/leave-out', { pose, names, out }),
+  /** Into the bin; the entry's id. */
+  deletePhotographs: (pose: string, names: string[]) =>
+    send<{ id: string }>('POST', '/api/photos/delete', { pose, names }),
+  again: (pose: string) => get<Again>(`/api/photos/again?${q({ pose })}`),
+  bin: () => get<BinEntry[]>('/api/bin'),
+  binUrl: (id: string, path: string, width: number) =>
+    `/api/bin/picture?${q({ id, path, width: String(width) })}`,
+  takeBack: (id: string) => send<{ done: boolean }>('POST', '/api/bin/take-back', { id }),
+  /** few: it gets few photographs, which the template is bent into. */
+  addPose: (pose: string, few: boolean) =>
+    send<{ done: boolean }>('POST', '/api/poses/add', { pose, few }),
+  renamePose: (pose: string, name: string) =>
+    send<{ done: boolean }>('POST', '/api/poses/rename', { pose, name }),
+  deletePose: (pose: string) => send<{ done: boolean }>('POST', '/api/poses/delete', { pose }),
+  orderPoses: (poses: string[]) => send<{ done: boolean }>('POST', '/api/poses/order', { poses }),
+  chooseTemplate: (pose: string) =>
+    send<{ done: boolean }>('POST', '/api/poses/template', { pose }),
+  chooseMethod: (pose: string, few: boolean) =>
+    send<{ done: boolean }>('POST', '/api/poses/method', { pose, few }),
 
   steps: () => get<Steps>('/api/steps'),
   stages: () => get<Stage[]>('/api/stages'),

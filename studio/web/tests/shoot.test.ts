@@ -17,10 +17,12 @@ import type { Session } from '../src/pages/shoot/session'
 import {
   draftOf,
   kFirstDraft,
+  offersSix,
   problemsOf,
   ringsOf,
   setupOf,
   summaryOf,
+  withAmount,
   withPlan,
 } from '../src/pages/shoot/setup'
 import { sentence } from '../src/words'
@@ -339,4 +341,22 @@ test('words of a program become sentences', () => {
   assert.equal(sentence('turn the table to 45 degrees'), 'Turn the table to 45 degrees.')
   assert.equal(sentence('Is it on?'), 'Is it on?')
   assert.equal(sentence(''), '')
+})
+
+test('six photographs are proposed for every pose after the first that has none yet', () => {
+  const rest = { name: 'rest', template: true, photographs: 48 }
+  const plans = { rest: { rings_deg: [15, 40], angles: 30, flips: 1 } }
+  assert.ok(offersSix('wave', [rest], plans))
+  assert.ok(!offersSix('rest', [rest], plans))
+  assert.ok(!offersSix('wave', [], {}))
+  assert.ok(!offersSix('wave', [{ ...rest, photographs: 0 }], {}))
+  assert.ok(!offersSix('wave', [rest, { name: 'wave', template: false, photographs: 3 }], plans))
+  assert.ok(!offersSix('wave', [rest], { ...plans, wave: { angles: 6 } }))
+  const draft = { ...kFirstDraft, pose: 'wave' }
+  const six = withAmount(draft, 'six', plans.rest)
+  assert.equal(summaryOf(six), '1 ring × 6 angles: 6 photographs, one each 60°')
+  assert.equal(six.rings, '15')
+  const ring = withAmount(draft, 'ring', plans.rest)
+  assert.equal(summaryOf(ring), '2 rings × 30 angles × 2 lays: 120 photographs, one each 12°')
+  assert.equal(withAmount(draft, 'own', plans.rest), draft)
 })

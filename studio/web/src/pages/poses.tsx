@@ -1,10 +1,15 @@
 // Poses: their photographs with masks, what was made of them, and how well it fits.
-import type { ComponentProps } from 'preact'
+import type { ComponentChildren, ComponentProps } from 'preact'
 import { useMemo, useRef, useState } from 'preact/hooks'
 
 import { api } from '../api'
 import type { Pose } from '../api'
 import { useStudio } from '../state'
+import { hasFiles } from '../stray_drops'
+import { Chooser } from './new_project/chooser'
+import { dropped } from './new_project/files'
+import type { Found } from './new_project/files'
+import { AddDialog } from './poses/add_dialog'
 import { ContactSheet } from './poses/contact_sheet'
 import { FigureView } from './poses/figure_view'
 import { useFigure } from './poses/use_figure'
@@ -35,18 +40,79 @@ export function PosesPage() {
   const { project } = useStudio()
   const [place, go] = usePlace()
   const pose = project.poses.find((one) => one.name === place.pose) ?? project.poses[0]
-  if (!pose)
-    return (
-      <main class="empty">
-        <h1>No poses</h1>
-        <p>Name a pose and its folder of photographs under `poses` in pipeline.yaml.</p>
-      </main>
-    )
-  // The key: nothing of one pose is shown for another while it loads.
-  return <PosePage key={pose.name} pose={pose} place={{ ...place, pose: pose.name }} go={go} />
+  // What is dropped or to be added; empty: a pose without photographs yet.
+  const [found, setFound] = useState<Found[] | null>(null)
+  const close = (name: string) => {
+    setFound(null)
+    if (name) go({ pose: name, tab: 'photographs', item: '' })
+  }
+  return (
+    <DropPlace pose={pose?.name ?? ''} take={setFound}>
+      {pose ? (
+        // The key: nothing of one pose is shown for another while it loads.
+        <PosePage
+          key={pose.name}
+          pose={pose}
+          place={{ ...place, pose: pose.name }}
+          go={go}
+          add={setFound}
+        />
+      ) : (
+        <main class="empty">
+          <h1>No poses</h1>
+          <p>Drop photographs of a pose here, or make one first.</p>
+          <button onClick={() => setFound([])}>New pose …</button>
+        </main>
+      )}
+      {found && <AddDialog found={found} current={pose?.name ?? ''} close={close} />}
+    </DropPlace>
+  )
 }
 
-function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: Place) => void }) {
+/** The whole page takes photographs that are dropped anywhere on it. */
+function DropPlace(props: {
+  pose: string
+  take: (found: Found[]) => void
+  children: ComponentChildren
+}) {
+  const [over, setOver] = useState(false)
+  const here = (event: DragEvent) => {
+    if (!hasFiles(event)) return
+    event.preventDefault()
+    event.dataTransfer!.dropEffect = 'copy'
+    setOver(true)
+  }
+  const drop = (event: DragEvent) => {
+    if (!hasFiles(event)) return
+    event.preventDefault()
+    setOver(false)
+    void dropped(event.dataTransfer!).then((found) => found.length > 0 && props.take(found))
+  }
+  return (
+    <div
+      class="drop-place"
+      onDragOver={here}
+      onDragLeave={(event) => event.relatedTarget === null && setOver(false)}
+      onDrop={drop}
+    >
+      {props.children}
+      {over && (
+        <div class="drop-here" aria-hidden="true">
+          <b>Add to {props.pose || 'a new pose'}</b>
+          <span>You are asked before anything is added. Folders can be poses of their own.</span>
+        </div>
+      )}
+    </div>
+  )
+}
+
+function PosePage(props: {
+  pose: Pose
+  place: Place
+  go: (place: Place) => void
+  add: (found: Found[]) => void
+}) {
+  const { pose, place, go, add } = props
   const { steps, version } = useStudio()
   const results = resultsOf(steps, pose.name)
   const photos = useLoaded(() => api.photos(pose.name), [pose.name, version])
@@ -70,7 +136,7 @@ function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: P
   return (
     <main class="page poses">
       <h1 class="hidden">Pose {pose.name}</h1>
-      <PoseSide current={pose} choose={(name) => go({ pose: name, tab, item: '' })} />
+      <PoseSide current={pose} choose={(name) => go({ pose: name, tab, item: '' })} add={() => add([])} />
       <div class="work">
         <Tabs
           pose={pose}
@@ -83,6 +149,7 @@ function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: P
               photos={photos}
               {...{ pose, judged, results, open, order, setOrder, cameFrom: brushed.current }}
               desk={desk}
+              add={add}
               showFigure={() => go({ pose: pose.name, tab: 'figure', item: '' })}
             />
           )}
@@ -124,8 +191,12 @@ function Photographs(
       <div class="empty">
         <h2>No photographs of {pose.name}</h2>
         <p>
-          Put them into <code>{pose.photos}</code>; they show here at once.
+          Drop them here, or put them into <code>{pose.photos}</code>; they show at once.
         </p>
+        <div class="row">
+          <Chooser folder={false} words="Choose files …" add={sheet.add} />
+          <Chooser folder words="Choose a folder …" add={sheet.add} />
+        </div>
       </div>
     )
   return <ContactSheet {...sheet} />

@@ -1,8 +1,9 @@
 // One pose of the new project: its name, its photographs, and where to drop them.
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
+import { useEffect, useMemo, useState } from 'preact/hooks'
 
 import { bytes, count } from '../../words'
-import { chosen, dropped, isDrawn, kAccept, kindOf } from './files'
+import { Chooser } from './chooser'
+import { dropped, isDrawn, kindOf } from './files'
 import type { Found, LeftOut, Photo } from './files'
 import { kScan, nameProblem } from './rows'
 import type { Row } from './rows'
@@ -47,35 +48,6 @@ export function LeftOutList({ files }: { files: LeftOut[] }) {
         ))}
       </ul>
     </details>
-  )
-}
-
-/** A button that opens the browser's own dialog for files or for a folder. */
-function Chooser(props: {
-  folder: boolean
-  words: string
-  label: string
-  add: (found: Found[]) => void
-}) {
-  const input = useRef<HTMLInputElement>(null)
-  return (
-    <>
-      <button onClick={() => input.current!.click()} aria-label={props.label}>
-        {props.words}
-      </button>
-      <input
-        ref={input}
-        type="file"
-        multiple
-        hidden
-        accept={props.folder ? undefined : kAccept}
-        {...(props.folder ? { webkitdirectory: true } : {})}
-        onChange={(event) => {
-          props.add(chosen(event.currentTarget.files))
-          event.currentTarget.value = '' // the same folder can be chosen again
-        }}
-      />
-    </>
   )
 }
 

@@ -2,44 +2,32 @@
 import type { Pose, Steps } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
+import { BinList } from './bin_list'
+import { PoseNames } from './pose_names'
 import { addressOf } from './route'
 import { isFromMesh } from './tabs'
 
 /** A step that fails with these words needs to be told what the figure is. */
 export const kAsksForFigure = 'keypose figure'
 
-export function PoseSide({ current, choose }: { current: Pose; choose: (name: string) => void }) {
-  const { project } = useStudio()
+export function PoseSide(props: {
+  current: Pose
+  choose: (name: string) => void
+  /** asks for a new pose */
+  add: () => void
+}) {
+  const { current, choose, add } = props
   return (
     <aside class="side" aria-label="Poses">
       <nav aria-labelledby="poses-title" class="stack">
         <h2 class="label" id="poses-title">Poses</h2>
-        <ul class="list">
-          {project.poses.map((pose) => (
-            <li key={pose.name}>
-              <button
-                aria-current={pose === current ? 'true' : undefined}
-                onClick={() => choose(pose.name)}
-              >
-                <span class="name">{pose.name}</span>
-                <span class="row facts-end">
-                  {pose.template && <span class="tag soft">template</span>}
-                  {pose.method === 'fit' && (
-                    <span class="tag soft" title="The template is bent into its few photographs">
-                      few
-                    </span>
-                  )}
-                  {!isFromMesh(pose) && (
-                    <span class="number small soft" title={count(pose.photographs, 'photograph')}>
-                      {pose.photographs}
-                      <span class="hidden"> photographs</span>
-                    </span>
-                  )}
-                </span>
-              </button>
-            </li>
-          ))}
-        </ul>
+        <PoseNames current={current} choose={choose} />
+        <div class="row">
+          <button class="quiet small" onClick={add}>
+            New pose …
+          </button>
+          <BinList />
+        </div>
       </nav>
       <Has pose={current} />
       <Next pose={current} />
@@ -54,7 +42,11 @@ function Has({ pose }: { pose: Pose }) {
     ...(isFromMesh(pose)
       ? ([['Given', true, pose.mesh]] as typeof rows)
       : ([
-          ['Photographs', pose.photographs > 0, String(pose.photographs)],
+          [
+            'Photographs',
+            pose.photographs > 0,
+            `${pose.photographs}${pose.left_out > 0 ? `, ${pose.left_out} left out` : ''}`,
+          ],
           ['Masks of your own', pose.masks !== '', pose.masks || 'none'],
           ['Cameras', pose.has_cameras, ''],
         ] as typeof rows)),
@@ -84,9 +76,14 @@ function Has({ pose }: { pose: Pose }) {
 }
 
 function Next({ pose }: { pose: Pose }) {
-  const { steps } = useStudio()
-  const { text, page } = nextOf(pose, steps)
-  const words = { run: 'Open Run', landmarks: 'Open Landmarks', figure: 'Show it' }
+  const { project, steps } = useStudio()
+  const { text, page } = nextOf(pose, steps, project.poses.length === 1)
+  const words = {
+    run: 'Open Run',
+    landmarks: 'Open Landmarks',
+    figure: 'Show it',
+    shoot: 'Shoot a second pose',
+  }
   const address = page === 'figure' ? addressOf({ pose: pose.name, tab: page, item: '' }) : `#/${page}`
   return (
     <section class="next" aria-labelledby="next-title">
@@ -101,14 +98,15 @@ function Next({ pose }: { pose: Pose }) {
 function nextOf(
   pose: Pose,
   steps: Steps,
-): { text: string; page?: 'run' | 'landmarks' | 'figure' } {
+  alone: boolean,
+): { text: string; page?: 'run' | 'landmarks' | 'figure' | 'shoot' } {
   const own = steps.steps.filter((step) => step.pose === pose.name)
   const failed = own.find((step) => step.state === 'failed')
   const open = own.filter((step) => ['would_run', 'never', 'waits'].includes(step.state))
   const registered = pose.meshes.includes('mesh')
   const first = own.find((step) => step.state !== 'done' && step.state !== 'missing')
   if (pose.photographs === 0 && !isFromMesh(pose))
-    return { text: `Put photographs of this pose into ${pose.photos}.` }
+    return { text: 'Drop photographs of this pose on the page.' }
   if (failed?.error.includes(kAsksForFigure))
     return { text: 'Show what the figure is: the photographs alone do not tell.', page: 'figure' }
   if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
@@ -119,6 +117,13 @@ function nextOf(
     return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }
   if (pose.method === 'fit')
     return { text: 'All is made. Compare it with its photographs in the wipe.' }
+  if (pose.template && alone && !isFromMesh(pose))
+    return {
+      text:
+        'All is made. A second pose makes it move: six photographs are enough, shot, or dropped ' +
+        'on this page.',
+      page: 'shoot',
+    }
   if (pose.template)
     return {
       text: `All is made. Look over the mesh in 3D${isFromMesh(pose) ? '' : ' and in the wipe'}.`,

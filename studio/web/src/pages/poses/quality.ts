@@ -36,7 +36,7 @@ export function signedPercent(share: number): string {
 
 function flagsOf(photograph: Photograph, sharpness: number, exposure: number): Flag[] {
   const flags: Flag[] = []
-  if (!photograph.captured) return flags
+  if (!photograph.captured || photograph.left_out) return flags
   if (!photograph.trusted)
     flags.push({ text: 'mask', why: photograph.why || 'the mask is not trusted', grade: 'bad' })
   if (sharpness < kBlurred)
@@ -55,7 +55,7 @@ function flagsOf(photograph: Photograph, sharpness: number, exposure: number): F
 }
 
 export function judge(photographs: Photograph[]): Judged[] {
-  const captured = photographs.filter((one) => one.captured)
+  const captured = photographs.filter((one) => one.captured && !one.left_out)
   const middleSharpness = median(captured.map((one) => one.sharpness))
   const middleExposure = median(captured.map((one) => one.exposure))
   return photographs.map((photograph) => {
@@ -73,7 +73,9 @@ export type Order = 'name' | 'worst'
 export function ordered(judged: Judged[], order: Order): Judged[] {
   const byName = (a: Judged, b: Judged) =>
     a.photograph.name.localeCompare(b.photograph.name, undefined, { numeric: true })
-  return [...judged].sort((a, b) =>
-    order === 'worst' ? b.badness - a.badness || byName(a, b) : byName(a, b),
-  )
+  const out = (one: Judged) => Number(one.photograph.left_out)
+  return [...judged].sort((a, b) => {
+    const apart = order === 'worst' ? out(a) - out(b) || b.badness - a.badness : 0
+    return apart || byName(a, b)
+  })
 }

@@ -3,8 +3,11 @@ import { useEffect, useRef, useState } from 'preact/hooks'
 import type { ComponentChildren } from 'preact'
 
 import { sentence } from '../../words'
+import { kScan } from '../new_project/rows'
 import { degrees } from './ring_map'
 import type { Session } from './session'
+import { kFullRing, kSix } from './setup'
+import { ringIsBetter } from './setup_form'
 
 const kDoing: Record<Session['doing'], string> = {
   begins: 'Begins …',
@@ -102,9 +105,14 @@ export function Say({ session }: { session: Session }) {
 
 export function NextPose(props: {
   session: Session
-  go: (pose: string) => void
+  /** the pose that is bent into few photographs; '': none yet */
+  template: string
+  /** angles: of the first ring alone; null: the same plan */
+  go: (pose: string, angles: number | null) => void
   close: () => void
 }) {
+  const { plan } = props.session
+  const all = plan.rings_deg.length * plan.angles * (plan.flips + 1)
   const [name, setName] = useState('')
   const field = useRef<HTMLInputElement>(null)
   useEffect(() => field.current?.focus(), [])
@@ -114,7 +122,7 @@ export function NextPose(props: {
       class="shoot-next"
       onSubmit={(event) => {
         event.preventDefault()
-        if (good) props.go(name)
+        if (good) props.go(name, kSix)
       }}
     >
       <label for="shoot-next">Next pose</label>
@@ -130,14 +138,22 @@ export function NextPose(props: {
           onKeyDown={(event) => event.key === 'Escape' && props.close()}
         />
         <button class="main" disabled={!good}>
-          Go on with it
+          Six photographs
+        </button>
+        <button
+          type="button"
+          disabled={!good}
+          onClick={() => props.go(name, all >= kScan ? null : kFullRing)}
+        >
+          {all >= kScan ? `All ${all}, as now` : 'A full ring'}
         </button>
         <button type="button" class="quiet" onClick={props.close}>
           Cancel
         </button>
       </div>
       <p class="small soft">
-        Same camera, table and plan; {props.session.pose} lies over the live picture as onion skin.
+        Same camera and table; {props.session.pose} lies over the live picture as onion skin.{' '}
+        {ringIsBetter(props.template || props.session.pose)}
       </p>
     </form>
   )

@@ -34,7 +34,7 @@ function useChosen(session: Session) {
 }
 
 export function Desk({ session }: { session: Session }) {
-  const { complain } = useStudio()
+  const { project, complain } = useStudio()
   const [onion, setOnion] = useState(0.4)
   const [naming, setNaming] = useState(false)
   const [live, setLive] = useState(true)
@@ -73,10 +73,10 @@ export function Desk({ session }: { session: Session }) {
     ArrowRight: () => step(1),
     Escape: () => (naming ? setNaming(false) : choose('')),
   })
-  const goOn = (pose: string) => {
+  const goOn = (pose: string, angles: number | null) => {
     setNaming(false)
     choose('')
-    tell('next-pose', { pose })
+    tell('next-pose', angles === null ? { pose } : { pose, angles })
   }
   return (
     <main class="page shoot-page">
@@ -111,7 +111,7 @@ export function Desk({ session }: { session: Session }) {
             )}
           </div>
           {naming ? (
-            <NextPose session={session} go={goOn} close={() => setNaming(false)} />
+            <NextPose session={session} template={project.template} go={goOn} close={() => setNaming(false)} />
           ) : (
             <MainButton session={session} act={acts.main} next={acts.next} />
           )}
@@ -136,6 +136,9 @@ function Progress({ session }: { session: Session }) {
       <p class="small soft" role="status">
         {doingWords(session)}
       </p>
+      {session.bentFrom && (
+        <p class="small soft">{session.bentFrom} will be bent into these photographs.</p>
+      )}
     </section>
   )
 }

@@ -75,6 +75,8 @@ export interface Session {
   total: number
   resumed: boolean
   onionPose: string
+  /** the template that is bent into the pose's few photographs, or '' */
+  bentFrom: string
   /** by name */
   photographs: Record<string, Landed>
   /** names, in the order in which they landed */
@@ -114,6 +116,7 @@ export const kNoSession: Session = {
   total: 0,
   resumed: false,
   onionPose: '',
+  bentFrom: '',
   photographs: {},
   landed: [],
   skipped: [],
@@ -169,6 +172,7 @@ function withPose(before: Session, event: Fields): Session {
     total: Number(event.total ?? 0),
     resumed: event.resumed === true,
     onionPose: String(event.onion_pose ?? ''),
+    bentFrom: String(event.bent_from ?? ''),
     photographs,
     landed: Object.keys(photographs),
     skipped: (event.skipped ?? []) as string[],

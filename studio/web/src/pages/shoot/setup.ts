@@ -58,6 +58,37 @@ export function withPlan(draft: Draft, plans: ShootStory['plans']): Draft {
   }
 }
 
+/** Photographs that suffice for a pose into which the template is bent, evenly round the figure. */
+export const kSix = 6
+export const kFullRing = 24
+/** What is proposed for a pose after the first: six, a ring for a scan of its own, or as typed. */
+export type Amount = 'six' | 'ring' | 'own'
+
+/** Whether the pose can have few photographs: another one, which has its own, is the template. */
+export function offersSix(
+  pose: string,
+  poses: { name: string; template: boolean; photographs: number }[],
+  plans: ShootStory['plans'],
+): boolean {
+  const own = poses.find((one) => one.name === pose)
+  if (own?.template || (own && own.photographs > 0) || pose in plans) return false
+  return poses.some((one) => one.template && one.name !== pose && one.photographs > 0)
+}
+
+/** The draft with the plan of an amount. @param full  how the template was shot, if that is known */
+export function withAmount(
+  draft: Draft,
+  amount: Amount,
+  full: ShootStory['plans'][string] | undefined,
+): Draft {
+  if (amount === 'own') return draft
+  const rings = full?.rings_deg?.join(', ') ?? kFirstDraft.rings
+  if (amount === 'six')
+    return { ...draft, rings: String(ringsOf(rings)?.[0] ?? 12), angles: String(kSix), flips: 0 }
+  const angles = String(full?.angles ?? kFirstDraft.angles)
+  return { ...draft, rings, angles, flips: full?.flips ?? 0 }
+}
+
 /** "12, 40", "12 40"; null: not numbers, or out of range */
 export function ringsOf(text: string): number[] | null {
   const parts = text.split(/[\s,;°]+/).filter((part) => part !== '')

@@ -5,8 +5,17 @@ import type { ComponentChildren } from 'preact'
 import type { ShootSetup, ShootStory } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
-import { draftOf, kFirstDraft, problemsOf, setupOf, summaryOf, withPlan } from './setup'
-import type { CameraKind, Draft, TableKind } from './setup'
+import {
+  draftOf,
+  kFirstDraft,
+  offersSix,
+  problemsOf,
+  setupOf,
+  summaryOf,
+  withAmount,
+  withPlan,
+} from './setup'
+import type { Amount, CameraKind, Draft, TableKind } from './setup'
 
 const kCameras: [CameraKind, string, string][] = [
   ['gphoto2', 'On a cable', 'Focus, exposure and white balance on manual.'],
@@ -208,8 +217,41 @@ function PlanFields({ draft, set, problems, fixed }: FieldProps & { fixed: boole
   )
 }
 
+/** Six photographs or a ring, and when which is better. */
+export function AmountChoice(props: {
+  amount: Amount
+  template: string
+  choose: (amount: Amount) => void
+}) {
+  const { amount, template, choose } = props
+  const button = (what: Amount, words: string) => (
+    <button type="button" aria-pressed={amount === what} onClick={() => choose(what)}>
+      {words}
+    </button>
+  )
+  return (
+    <div class="shoot-field">
+      <div class="choice" role="group" aria-label="How many photographs">
+        {button('six', 'Six photographs')}
+        {button('ring', 'A full ring')}
+      </div>
+      <p class="small soft">
+        {amount === 'ring' ? `A scan of its own. ` : `${template} is bent into six, all round. `}
+        {ringIsBetter(template)}
+      </p>
+    </div>
+  )
+}
+
+export const ringIsBetter = (template: string) =>
+  `A full ring is better where the pose shows places that ${template} hides (an open mouth, a ` +
+  'hand off the body), or where the figure itself was changed.'
+
 export interface SetupForm {
   draft: Draft
+  /** null: nothing is to be chosen */
+  amount: Amount | null
+  chooseAmount: (amount: Amount) => void
   /** the pose has its plan already */
   fixed: boolean
   set: (change: Partial<Draft>) => void
@@ -226,17 +268,29 @@ export function useSetup(story: ShootStory, pose: string): SetupForm {
     const last = story.setup ? draftOf(story.setup) : kFirstDraft
     return { ...last, pose: pose || last.pose || (project.poses[0]?.name ?? '') }
   })
-  const draft = withPlan(typed, story.plans)
+  const [chosen, choose] = useState<Amount>('six')
+  const offered = offersSix(typed.pose, project.poses, story.plans)
+  const amount = offered ? chosen : 'own'
+  const draft = withPlan(
+    withAmount(typed, amount, story.plans[project.template]),
+    story.plans,
+  )
   const [touched, setTouched] = useState<Set<string>>(new Set())
   const all = problemsOf(draft)
   const fixed = draft.pose in story.plans
   const shown = Object.entries(all).filter(([field]) => touched.has(field))
   return {
     draft,
+    amount: offered ? amount : null,
+    chooseAmount: choose,
     fixed,
     problems: Object.fromEntries(shown),
     set: (change) => {
-      setDraft((old) => ({ ...old, ...change }))
+      const plan = 'rings' in change || 'angles' in change || 'flips' in change
+      // What was proposed stays where another field of it is typed.
+      const { rings, angles, flips } = draft
+      if (plan) choose('own')
+      setDraft((old) => ({ ...old, ...(plan && { rings, angles, flips }), ...change }))
       setTouched((old) => new Set([...old, ...Object.keys(change)]))
     },
     ready: () => {
@@ -247,6 +301,7 @@ export function useSetup(story: ShootStory, pose: string): SetupForm {
 }
 
 export function SetupFields({ form, ports }: { form: SetupForm; ports: ShootStory['ports'] }) {
+  const { project } = useStudio()
   const { draft, set, problems } = form
   const fields = { draft, set, problems }
   return (
@@ -268,6 +323,13 @@ export function SetupFields({ form, ports }: { form: SetupForm; ports: ShootStor
         choose={(table) => set({ table })}
       />
       <PortField {...fields} ports={ports} />
+      {form.amount && (
+        <AmountChoice
+          amount={form.amount}
+          template={project.template}
+          choose={form.chooseAmount}
+        />
+      )}
       <PlanFields {...fields} fixed={form.fixed} />
       <p class="small number" aria-live="polite">
         {summaryOf(draft)}
