@@ -31,8 +31,9 @@ struct CaptureOptions {
   int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
   double board_square_mm = 1000 * BoardLayout{}.square_m;
   std::string board_page = "A4";
-  std::string figure;     ///< as ParseFigureStrokes reads it
-  std::string leave_out;  ///< as ParseLeftOut reads it
+  std::string other_things = "leave_out";  ///< or "keep"
+  std::string figure;                      ///< as ParseFigureStrokes reads it
+  std::string leave_out;                   ///< as ParseLeftOut reads it
 
   bool LooksForBoard() const { return !SaysNo(board); }
   /// What was said of the board's squares and print; none: whatever the photographs show.
@@ -52,6 +53,8 @@ struct CaptureOptions {
   BoardPattern Board() const {
     return PatternOf(Said().value_or(SaidBoard{}), board_square_mm / 1000);
   }
+
+  bool KeepsOtherThings() const { return other_things == "keep"; }
 
   MaskOptions Masking() const {
     MaskOptions masking;
@@ -89,6 +92,12 @@ struct CaptureOptions {
           {"side of a square, as measured on the print", "mm", 2, 200, {}});
     visit("board_page", board_page,
           {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
+    visit("other_things", other_things,
+          {"photographs of another thing, up to a quarter",
+           "",
+           -INFINITY,
+           INFINITY,
+           {"leave_out", "keep"}});
     visit("figure", figure, {kFigureHelp});
     visit("leave_out", leave_out,
           {"photographs that are not read, by name, with ; between them; they stay in the folder"});

@@ -10,6 +10,7 @@
 #include "capture/board_to_find.h"
 #include "capture/capture_options.h"
 #include "capture/find_photographs.h"
+#include "capture/other_things.h"
 #include "capture/own_mask_import.h"
 #include "capture/photograph_import.h"
 #include "capture/pictures/contact_sheet.h"
@@ -20,6 +21,7 @@
 #include "capture/segmentation/masking.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/pictures/other_thing_notes.h"
 #include "core/io/pictures/reduced_image.h"
 #include "core/io/text/files.h"
 #include "core/stage/stage.h"
@@ -211,10 +213,12 @@ std::vector<std::string> NamesWhere(const std::vector<Written>& all,
 /// A few bad photographs are only reported; many are an error.
 void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
                    const CaptureOptions& options) {
-  const auto blurred = NamesWhere(
-      all, [&](const Written& w) { return w.quality.crispness < options.min_sharpness; });
-  const auto black =
-      NamesWhere(all, [&](const Written& w) { return w.image.mask_fraction < options.min_mask; });
+  const auto is_black = [&](const Written& w) { return w.image.mask_fraction < options.min_mask; };
+  const auto black = NamesWhere(all, is_black);
+  // Without a figure there is nothing that could be sharp.
+  const auto blurred = NamesWhere(all, [&](const Written& w) {
+    return !is_black(w) && w.quality.crispness < options.min_sharpness;
+  });
   const auto limit =
       static_cast<std::size_t>(options.max_bad_share * static_cast<double>(all.size()));
   stage.ReportJson("blurred", nlohmann::json(blurred).dump());
@@ -223,6 +227,11 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
                JoinNames(blurred) +
                "; shoot them again with a tripod, a smaller aperture and fixed focus");
   stage.ReportJson("empty_masks", nlohmann::json(black).dump());
+  if (!black.empty() && black.size() <= limit)
+    stage.Warn(
+        "no figure was found in these photographs: " + JoinNames(black) +
+        "; if they show it, paint its mask or say by a click where it is; else take them out "
+        "of the folder");
   if (black.size() > limit)
     throw InputError("capture: the masks of " + std::to_string(black.size()) + " of " +
                      std::to_string(all.size()) +
@@ -357,6 +366,7 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   FindWaysOfMasks(stage, &import);
   ReportProgress(stage.progress(), 0.05, "reading photographs");
   DecodeAll(stage, import, options);
+  const std::vector<SetAside> aside = SetOtherThingsAside(stage, &import, options);
   SegmentAll(stage, import, options);
   const fs::path folder = stage.Output("images");
   fs::create_directories(folder / "masks");
@@ -384,6 +394,12 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   std::sort(set.images.begin(), set.images.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
   WriteImageSet(set);
+  OtherThingNotes left_out;
+  for (const SetAside& one : aside) {
+    left_out[one.name] = one.why;
+    cells.push_back(LeftOutCell(one.small, one.name + ": left out", kCellWidth));
+  }
+  WriteOtherThingNotes(folder, left_out);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
   if (!FocalKnown(import))
     stage.Note("capture: no focal length in the EXIF data; sfm starts from a guess and refines it");

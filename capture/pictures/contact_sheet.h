@@ -14,6 +14,10 @@ namespace keypose::capture {
 /// @param mask   same size, one channel
 Image8 ContactCell(const Image8& image, const Image8& mask, const std::string& name, int width);
 
+/// A cell of a photograph that is not used: grey, crossed out in red, with `caption` below.
+/// @param image  RGB
+Image8 LeftOutCell(const Image8& image, const std::string& caption, int width);
+
 /// Arranges cells in rows of about equal width and height.
 /// @throws InputError  no cells
 Image8 ContactSheet(const std::vector<Image8>& cells);

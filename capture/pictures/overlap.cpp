@@ -45,7 +45,7 @@ std::vector<cv::DMatch> RatioMatches(const cv::Mat& from, const cv::Mat& to) {
   return kept;
 }
 
-int SharedBy(const Sighted& first, const Sighted& second) {
+int SharedBy(const Sighted& first, const Sighted& second, double least_move_px) {
   const std::size_t fewest = SharedPlacesTuning::kFewestShared;
   if (first.places.size() < fewest || second.places.size() < fewest) return 0;
   const std::vector<cv::DMatch> there = RatioMatches(first.descriptors, second.descriptors),
@@ -55,8 +55,11 @@ int SharedBy(const Sighted& first, const Sighted& second) {
   std::vector<cv::Point2f> x, y;
   for (const cv::DMatch& match : there) {
     if (match_back[match.trainIdx] != match.queryIdx) continue;
-    x.push_back(first.places[match.queryIdx].pt);
-    y.push_back(second.places[match.trainIdx].pt);
+    const cv::Point2f here = first.places[match.queryIdx].pt,
+                      there_too = second.places[match.trainIdx].pt;
+    if (cv::norm(here - there_too) < least_move_px) continue;
+    x.push_back(here);
+    y.push_back(there_too);
   }
   if (x.size() < fewest) return 0;
   cv::UsacParams usac;  // with its own random state: the same result in any order of the pairs
@@ -80,25 +83,31 @@ int SharedBy(const Sighted& first, const Sighted& second) {
 
 }  // namespace
 
-std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progress* progress) {
+std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews,
+                                   std::vector<ImageTie> pairs, double least_move_px,
+                                   Progress* progress) {
   std::vector<Sighted> seen(previews.size());
   ParallelFor(std::ssize(previews), [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
-    seen[i] = FeaturesOf(previews[i]);
+    if (!previews[i].grey.empty()) seen[i] = FeaturesOf(previews[i]);
   });
-  std::vector<ImageTie> pairs;
-  for (int i = 0; i < std::ssize(previews); ++i)
-    for (int j = i + 1; j < std::ssize(previews); ++j) pairs.push_back({i, j, 0});
   ParallelFor(
       std::ssize(pairs),
       [&](std::int64_t k) {
         ImageTie& tie = pairs[k];
-        tie.matches = SharedBy(seen[tie.first], seen[tie.second]);
+        tie.matches = SharedBy(seen[tie.first], seen[tie.second], least_move_px);
       },
       8);
   std::erase_if(
       pairs, [](const ImageTie& tie) { return tie.matches < SharedPlacesTuning::kFewestShared; });
   return pairs;
+}
+
+std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progress* progress) {
+  std::vector<ImageTie> pairs;
+  for (int i = 0; i < std::ssize(previews); ++i)
+    for (int j = i + 1; j < std::ssize(previews); ++j) pairs.push_back({i, j, 0});
+  return SharedPlaces(previews, std::move(pairs), 0, progress);
 }
 
 }  // namespace keypose::capture

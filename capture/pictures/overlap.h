@@ -22,4 +22,11 @@ struct Preview {
 std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews,
                                    Progress* progress = nullptr);
 
+/// The same for some pairs, by the places alone that lie at least so far apart in the two pictures.
+/// @param previews  those of no pair may be empty
+/// @return the pairs that overlap
+std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews,
+                                   std::vector<ImageTie> pairs, double least_move_px,
+                                   Progress* progress = nullptr);
+
 }  // namespace keypose::capture

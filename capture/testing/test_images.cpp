@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace keypose::capture {
 namespace {
@@ -59,6 +60,14 @@ TestPhoto MakeTestPhoto(int index, int width, int height, TestWall wall) {
       *photo.truth.at(x, y) = inside ? 255 : 0;
     }
   return photo;
+}
+
+Image8 MakeTestStranger(int index, int width, int height, TestWall wall) {
+  TestPhoto photo = MakeTestPhoto(index, width, height, wall);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (*photo.truth.at(x, y)) std::swap(photo.image.at(x, y)[0], photo.image.at(x, y)[2]);
+  return std::move(photo.image);
 }
 
 Image8 Blurred(const Image8& image, int radius) {

@@ -16,6 +16,8 @@ enum class TestWall { kLight, kDark };
 
 /// Photograph `index` of a set; sizes may differ between calls.
 TestPhoto MakeTestPhoto(int index, int width, int height, TestWall wall);
+/// The same view of a figure of other colours: red and blue exchanged.
+Image8 MakeTestStranger(int index, int width, int height, TestWall wall);
 /// The wall alone.
 Image8 MakeTestWall(int width, int height, TestWall wall);
 /// Camera `i` of `count` around the origin, at `distance`, directed at it; `rise` is its height

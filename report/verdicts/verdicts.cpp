@@ -54,6 +54,14 @@ class Findings {
           Bold(std::to_string(blurred.size())) + " photographs are blurred: " + Joined(blurred) +
               ".",
           "shoot them again, or take them out of the folder");
+    if (const auto others = NamesOf(s, "other_things"); !others.empty())
+      Add(Grade::kLook, s,
+          "Another thing than the others, or the set without the figure, is shown by " +
+              Bold(Joined(others)) + ", left out.",
+          "take them out of the folder, or, if they do show the figure, set `other_things: keep`");
+    if (const auto empty = NamesOf(s, "empty_masks"); !empty.empty())
+      Add(Grade::kLook, s, "No figure was found in " + Bold(Joined(empty)) + ".",
+          "look at them: paint their masks, or take them out of the folder");
   }
 
   void Sfm(const StepRecord& s) {

@@ -9,6 +9,7 @@
 #include "core/io/pictures/drawn_mask.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/pictures/other_thing_notes.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/pictures/raw_io.h"
 #include "core/io/project/colmap_io.h"
@@ -50,6 +51,7 @@ json PhotographJson(const CapturedImage& image) {
           {"mask_given", image.mask_given},
           {"trusted", image.trusted},
           {"why", image.why},
+          {"another_thing", false},
           {"captured", true}};
 }
 
@@ -90,6 +92,12 @@ void AddLeftOut(const Originals& originals, const std::string& out,
   if (IsValidUtf8(name)) (*by_name)[name] = NewPhotographJson(name);
 }
 
+/// What capture has left out, by the names it gives.
+OtherThingNotes OtherThingsOf(Snapshot& snapshot, const std::string& pose) {
+  const auto folder = snapshot.ResultPath("capture", pose, "images");
+  return folder ? ReadOtherThingNotes(*folder) : OtherThingNotes{};
+}
+
 }  // namespace
 
 json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
@@ -111,6 +119,13 @@ json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
     if (masks.originals().WasShotAgain(name)) one = NewPhotographJson(name);
   for (const std::string& name : OriginalPhotographs(snapshot.PhotoFolder(pose)))
     if (IsValidUtf8(name) && !IsCaptured(by_name, name)) by_name[name] = NewPhotographJson(name);
+  const OtherThingNotes other_things = OtherThingsOf(snapshot, pose);
+  for (auto& [name, one] : by_name) {
+    const auto why = other_things.find(other_things.contains(name) ? name : WrittenName(name));
+    if (why == other_things.end() || masks.originals().WasShotAgain(name)) continue;
+    one["another_thing"] = true;
+    one["why"] = why->second;
+  }
   const std::vector<std::string> left_out = LeftOutNames(snapshot, pose);
   for (const std::string& name : left_out) AddLeftOut(masks.originals(), name, &by_name);
   json all = json::array();

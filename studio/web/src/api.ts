@@ -149,6 +149,8 @@ export interface Photograph {
   photograph: string
   trusted: boolean
   why: string
+  /** capture has left it out, as `why` says */
+  another_thing: boolean
   /** false: in the folder, but capture has not made it yet, or an older one of this name */
   captured: boolean
   /** a person leaves it out: no step reads it */

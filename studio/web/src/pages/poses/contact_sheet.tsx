@@ -86,13 +86,17 @@ function summaryOf(judged: Judged[]): string {
     judged.filter((one) => one.flags.some((flag) => flag.text === text)).length
   const parts = [count(judged.length, 'photograph')]
   const out = judged.filter((one) => one.photograph.left_out).length
-  const waiting = judged.filter(
-    (one) => !one.photograph.captured && !one.photograph.left_out,
+  const strange = judged.filter(
+    (one) => one.photograph.another_thing && !one.photograph.left_out,
   ).length
+  const waiting =
+    judged.filter((one) => !one.photograph.captured && !one.photograph.left_out).length - strange
   const given = judged.filter((one) => one.photograph.mask_given).length
   const dark = having('dark') + having('bright')
   if (out > 0) parts.push(`${out} left out`)
   if (waiting > 0) parts.push(`${waiting} not captured yet`)
+  if (strange > 0) parts.push(`${strange} of another thing`)
+  if (having('no figure') > 0) parts.push(`${having('no figure')} without a figure`)
   if (having('mask') > 0) parts.push(`${count(having('mask'), 'mask')} to look at`)
   if (having('blurred') > 0) parts.push(`${having('blurred')} blurred`)
   if (dark > 0) parts.push(`${dark} off in exposure`)
@@ -271,6 +275,7 @@ function Tile(props: {
 
 function Figures({ judged }: { judged: Judged }) {
   if (judged.photograph.left_out) return <span class="figures">left out: no step reads it</span>
+  if (judged.photograph.another_thing) return <span class="figures">shows another thing</span>
   if (!judged.photograph.captured) return <span class="figures">not captured yet</span>
   const has = (...texts: string[]) => judged.flags.find((flag) => texts.includes(flag.text))
   return (

@@ -20,6 +20,7 @@ export interface Judged {
 }
 
 const kBlurred = 0.5
+const kNoFigure = 0.002 // as min_mask of capture
 const kExposureOff = 0.15
 
 function median(values: number[]): number {
@@ -36,10 +37,16 @@ export function signedPercent(share: number): string {
 
 function flagsOf(photograph: Photograph, sharpness: number, exposure: number): Flag[] {
   const flags: Flag[] = []
-  if (!photograph.captured || photograph.left_out) return flags
+  if (photograph.left_out) return flags
+  if (photograph.another_thing)
+    flags.push({ text: 'another thing', why: photograph.why, grade: 'bad' })
+  if (!photograph.captured) return flags
   if (!photograph.trusted)
     flags.push({ text: 'mask', why: photograph.why || 'the mask is not trusted', grade: 'bad' })
-  if (sharpness < kBlurred)
+  // without a figure there is nothing that could be sharp
+  if (photograph.mask_fraction < kNoFigure)
+    flags.push({ text: 'no figure', why: 'no figure was found in it', grade: 'bad' })
+  else if (sharpness < kBlurred)
     flags.push({
       text: 'blurred',
       why: `${percent(sharpness)} of the sharpness that this set has in the middle`,
@@ -55,7 +62,9 @@ function flagsOf(photograph: Photograph, sharpness: number, exposure: number): F
 }
 
 export function judge(photographs: Photograph[]): Judged[] {
-  const captured = photographs.filter((one) => one.captured && !one.left_out)
+  const captured = photographs.filter(
+    (one) => one.captured && !one.left_out && one.mask_fraction >= kNoFigure,
+  )
   const middleSharpness = median(captured.map((one) => one.sharpness))
   const middleExposure = median(captured.map((one) => one.exposure))
   return photographs.map((photograph) => {
