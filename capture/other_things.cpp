@@ -14,9 +14,10 @@ namespace keypose::capture {
 namespace {
 
 using Members = std::vector<std::size_t>;
-using Names = std::vector<std::string>;
+using NameList = std::vector<std::string>;
 
-constexpr std::size_t kFewest = 4;  // photographs of a placement: of fewer, none is the odd one
+constexpr std::size_t kFewestOfAPlacement =
+    4;                              // photographs of a placement: of fewer, none is the odd one
 constexpr std::size_t kOneOf = 4;   // strangers: at most one of so many
 constexpr std::size_t kAThing = 3;  // photographs: fewer are no second figure's set
 
@@ -32,8 +33,8 @@ std::vector<char> SaidBySomebody(const PhotographImport& import, const std::stri
   return said;
 }
 
-Names NamesOf(const PhotographImport& import, const Members& members) {
-  Names names;
+NameList NamesOf(const PhotographImport& import, const Members& members) {
+  NameList names;
   for (const std::size_t i : members) names.push_back(import.photographs[i].name);
   return names;
 }
@@ -132,7 +133,7 @@ Members OthersIn(StageContext& stage, const PhotographImport& import, const Memb
     sketches.push_back(SketchOf(pictures.back()));
   }
   TellOfDoubles(stage, import, members, pictures, sketches);
-  if (members.size() < kFewest) return {};
+  if (members.size() < kFewestOfAPlacement) return {};
   const std::vector<Members> things = ThingsIn(members, pictures, sketches, said, stage.progress());
   if (kOneOf * things[0].size() < (kOneOf - 1) * members.size()) {
     if (options.KeepsOtherThings()) return {};
@@ -160,9 +161,9 @@ std::vector<SetAside> SetOtherThingsAside(StageContext& stage, PhotographImport*
     const Members here = OthersIn(stage, *import, members, said, options);
     others.insert(others.end(), here.begin(), here.end());
   }
-  const Names names = NamesOf(*import, others);
+  const NameList names = NamesOf(*import, others);
   const bool keeps = options.KeepsOtherThings();
-  stage.ReportJson("other_things", nlohmann::json(keeps ? Names{} : names).dump());
+  stage.ReportJson("other_things", nlohmann::json(keeps ? NameList{} : names).dump());
   if (others.empty()) return {};
   const std::string told =
       "show another thing than the others, or the set without the figure: " + JoinNames(names);

@@ -26,9 +26,9 @@ constexpr int kTints_from = 64, kTints_range = 128;
 /// other's sets) and on `keypose synth photos` and `room`.
 struct StrangerTuning {
   /// distance of the middles' colours that one thing's neighbours do not reach
-  KEYPOSE_TUNED(double, kMiddle, 0.5);
+  KEYPOSE_TUNED(double, kMiddle, 0.56);
   /// the same of colours that the border has less of
-  KEYPOSE_TUNED(double, kOwn, 0.7);
+  KEYPOSE_TUNED(double, kOwn, 0.75);
   /// shares of a middle that are its own below which there is none to compare
   KEYPOSE_TUNED(double, kLeastOwn, 0.05);
   /// times the middle link of the set's own chain: what is nearer belongs to it
