@@ -17,7 +17,6 @@
 #include "pipeline/graph/pipeline_file.h"
 #include "pipeline/graph/pipeline_overlay.h"
 #include "pipeline/graph/stage_info.h"
-#include "pipeline/run/observer.h"
 #include "pipeline/run/results_folder.h"
 #include "pipeline/run/work_size.h"
 #include "pipeline/testing/memory_disk.h"
@@ -188,71 +187,6 @@ TEST(Differences, ManyFilesAreSummedUp) {
   EXPECT_EQ(differences.back(), "and 45 more files of photos/rest");
 }
 
-TEST(Estimate, CountsEarlierDurationsAndOwnPace) {
-  Estimate estimate;
-  estimate.Begin({{{"a", {.seconds = 10}}, {"b", {.seconds = 30, .needs = {"a"}}}}, 1});
-  EXPECT_DOUBLE_EQ(estimate.Fraction(0), 0);
-  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 40);
-  estimate.Started("a", 0, 1);
-  EXPECT_NEAR(*estimate.SecondsLeft(5), 35, 1e-9);
-  estimate.Finished("a", 10);
-  EXPECT_NEAR(estimate.Fraction(10), 0.25, 1e-9);
-  estimate.Started("b", 10, 1);
-  estimate.Progressed("b", 0.5);
-  // Half done after 30 s: 60 s by its own pace, 30 s by the record; the estimate is the mean of
-  // both.
-  EXPECT_NEAR(*estimate.SecondsLeft(40), 22.5, 1e-9);
-}
-
-TEST(Estimate, SaysNothingOfTimeWhenNothingIsKnown) {
-  Estimate estimate;
-  estimate.Begin({{{"a", {}}, {"b", {}}}, 1});
-  EXPECT_FALSE(estimate.SecondsLeft(0));
-  estimate.Finished("never announced", 3);
-  EXPECT_EQ(estimate.total(), 2);
-  estimate.Finished("a", 100);
-  EXPECT_DOUBLE_EQ(estimate.Fraction(100), 0.5) << "counted in steps while a duration is unknown";
-}
-
-TEST(Estimate, IsNeverDoneWhileAStepRuns) {
-  Estimate estimate;
-  estimate.Begin({{{"a", {.seconds = 1}}}, 1});
-  estimate.Started("a", 0, 1);
-  estimate.Progressed("a", 1);
-  EXPECT_LT(estimate.Fraction(100), 1);
-  EXPECT_LT(estimate.FractionOf("a"), 1);
-  estimate.Finished("a", 100);
-  EXPECT_DOUBLE_EQ(estimate.Fraction(100), 1);
-}
-
-TEST(Estimate, GuessesAreScaledByHowLongTheFirstStepsTook) {
-  Estimate estimate;
-  const Expected guess{.seconds = 100, .measured = false, .threads = 1, .needs = {}};
-  estimate.Begin({{{"a", guess}, {"b", guess}}, 1});
-  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 200);
-  estimate.Started("a", 0, 1);
-  estimate.Finished("a", 300);
-  EXPECT_NEAR(*estimate.SecondsLeft(300), 300, 10)
-      << "a machine that took three times as long will go on so";
-}
-
-TEST(Estimate, StepsSideBySideShareTheTime) {
-  Estimate estimate;
-  estimate.Begin({{{"a", {.seconds = 40}},
-                   {"b", {.seconds = 40}},
-                   {"c", {.seconds = 10, .threads = 2, .needs = {"a", "b"}}}},
-                  2});
-  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 50);
-  estimate.Begin({{{"a", {.seconds = 40}}, {"b", {.seconds = 40, .needs = {"a"}}}}, 2});
-  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 80) << "one after the other, whatever cores are free";
-}
-
-TEST(Estimate, AStepOfWhichNothingIsKnownCountsAsAnAverageOne) {
-  Estimate estimate;
-  estimate.Begin({{{"a", {.seconds = 10}}, {"b", {.seconds = 30}}, {"own", {}}}, 1});
-  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 60);
-}
-
 TEST(Text, NamesAreOfAnyScript) {
   for (const char* name : {"rest", "m\u00e4hen", "ma\u0308hen", "\u8df3\u8e8d", "a_b-2"})
     EXPECT_TRUE(IsName(name)) << name;
@@ -293,13 +227,6 @@ TEST(WorkSize, MegapixelsComeFromTheHeaderOrTheSize) {
       << "a phone's twelve megapixels";
   EXPECT_NEAR(MegapixelsOf("a.NEF", std::string(2400000, 'x')), 2, 1e-9);
   EXPECT_NEAR(MegapixelsOf("broken.jpg", std::string(350000, 'x')), 1, 1e-9);
-}
-
-TEST(DurationText, Grows) {
-  EXPECT_EQ(DurationText(0.25), "0.2 s");
-  EXPECT_EQ(DurationText(42), "42 s");
-  EXPECT_EQ(DurationText(125), "2 min 05 s");
-  EXPECT_EQ(DurationText(4320), "1 h 12 min");
 }
 
 TEST(Overlay, ProjectChangesStepsFieldByField) {

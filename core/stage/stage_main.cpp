@@ -412,8 +412,11 @@ int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& option
   return 0;
 }
 
+/// Rooms begin their messages with their name, which need not stand there twice.
 int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
-  std::fprintf(stderr, "keypose %s: error: %s\n", spec.name.c_str(), message.c_str());
+  const std::string name = spec.name + ": ";
+  const std::string said = message.starts_with(name) ? message.substr(name.size()) : message;
+  std::fprintf(stderr, "keypose %s: error: %s\n", spec.name.c_str(), said.c_str());
   return static_cast<int>(code);
 }
 

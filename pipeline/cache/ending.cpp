@@ -71,7 +71,7 @@ std::string WarningsText(const Ending& ending, std::size_t columns) {
   return text;
 }
 
-std::string VerdictsText(const Ending& ending, std::size_t columns) {
+std::string VerdictsText(const Ending& ending, std::size_t columns, bool whole) {
   if (ending.verdicts.empty()) return "";
   std::size_t about = 0, grade = 0;
   for (const RunVerdict& verdict : ending.verdicts) {
@@ -79,11 +79,16 @@ std::string VerdictsText(const Ending& ending, std::size_t columns) {
     grade = std::max(grade, WidthOf(verdict.grade));
   }
   std::string text = "verdicts\n";
-  for (const RunVerdict& verdict : ending.verdicts)
-    text += Hanging(
-        "  " + PaddedTo(verdict.about, about) + "  " + PaddedTo(verdict.grade, grade) + "  ",
-        verdict.why, columns);
-  return text;
+  bool cut = false;
+  for (const RunVerdict& verdict : ending.verdicts) {
+    const std::string head =
+        "  " + PaddedTo(verdict.about, about) + "  " + PaddedTo(verdict.grade, grade) + "  ";
+    const bool fits = columns == 0 || whole || WidthOf(head + verdict.why) < columns;
+    cut = cut || !fits;
+    text += fits ? Hanging(head, verdict.why, columns)
+                 : CutTo(head + verdict.why, columns - 2) + "\u2026\n";
+  }
+  return cut ? text + "  the whole of it: keypose status --details\n" : text;
 }
 
 std::string ResultsText(const Ending& ending) {

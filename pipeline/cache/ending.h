@@ -36,7 +36,8 @@ struct Ending {
 /// Lines for the user, grouped by pose.
 /// @param columns  width of the terminal; 0: lines are not wrapped
 std::string WarningsText(const Ending& ending, std::size_t columns);
-std::string VerdictsText(const Ending& ending, std::size_t columns);
+/// On a terminal a line each, unless `whole`.
+std::string VerdictsText(const Ending& ending, std::size_t columns, bool whole = false);
 std::string ResultsText(const Ending& ending);
 /// "2 warnings"
 std::string WarningCount(const Ending& ending);

@@ -54,6 +54,18 @@ TEST(Ending, LinesOfTheEndFitTheTerminalAndPathsStayWhole) {
             "results\n  the animation  /a/very/long/path/to/the/animation/of/a/character.glb\n");
 }
 
+TEST(Ending, VerdictsOnATerminalHaveALineEachAndTheRestOnDemand) {
+  Ending ending;
+  ending.verdicts.push_back({"rest", "look", "the outlines lie half a pixel beside it", "tell"});
+  ending.verdicts.push_back({"bent", "good", "it fits", "tell"});
+  EXPECT_EQ(VerdictsText(ending, 30),
+            "verdicts\n  rest  look  the outlines\u2026\n  bent  good  it fits\n"
+            "  the whole of it: keypose status --details\n");
+  EXPECT_EQ(VerdictsText(ending, 40, true),
+            "verdicts\n  rest  look  the outlines lie half a\n              pixel beside it\n"
+            "  bent  good  it fits\n");
+}
+
 TEST(Ending, ReportThatIsNoneTellsNothing) {
   FakeHouse house;
   for (const auto& report :
@@ -103,14 +115,14 @@ TEST(Forecast, FirstRunIsForecastFromThePhotographs) {
   EXPECT_EQ(first.cores, 4);
   // Three photographs; two poses side by side have two cores each.
   EXPECT_DOUBLE_EQ(first.steps.at("solve/rest").seconds, 16 / 2.0);
-  EXPECT_FALSE(first.steps.at("solve/rest").measured);
+  EXPECT_EQ(first.steps.at("solve/rest").from, Expected::From::kCost);
   EXPECT_DOUBLE_EQ(first.steps.at("blend").seconds, 6 / 4.0)
       << "it goes back to the photographs of both poses";
   EXPECT_LT(first.steps.at("shape/rest").seconds, 0) << "nothing is known of it";
   house.WriteProject(
       "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: "
       "10}}}\noptions: {solve: {depth: 10}}\n");
-  EXPECT_TRUE(house.Run().forecast.steps.at("solve/rest").measured)
+  EXPECT_EQ(house.Run().forecast.steps.at("solve/rest").from, Expected::From::kOwnRun)
       << "an earlier run tells more than a guess";
 }
 

@@ -50,7 +50,9 @@ ExitCode InitMeshes(const InitOptions& options);
 /// The project of a performance. Films stay where they are; the other files are copied.
 ExitCode InitPerformance(const InitOptions& options);
 
-ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set);
+/// @param details  verdicts in full
+ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set,
+                       bool details);
 ExitCode ExplainCommand(const std::string& folder, const std::string& step,
                         const std::vector<std::string>& set);
 ExitCode LogCommand(const std::string& folder, const std::string& step);

@@ -264,8 +264,11 @@ class CommandLine {
   }
 
   void AddLookers() {
-    TakesSet(InProject(Command("status", "show which steps are up to date",
-                               [this] { return StatusCommand(run_.folder, run_.set); })));
+    CLI::App* status =
+        InProject(Command("status", "show which steps are up to date, and the verdicts",
+                          [this] { return StatusCommand(run_.folder, run_.set, details_); }));
+    status->add_flag("--details", details_, "verdicts in full");
+    TakesSet(status);
     CLI::App* explain =
         InProject(Command("explain", "show why a step would run, or last ran",
                           [this] { return ExplainCommand(run_.folder, step_, run_.set); }));
@@ -313,6 +316,7 @@ class CommandLine {
   RunOptions run_;
   InitOptions init_;
   std::string step_, packed_, executor_ = "local";
+  bool details_ = false;
   bool version_ = false, dot_ = false, force_ = false, without_cache_ = false;
   int keep_runs_ = 10;
 };

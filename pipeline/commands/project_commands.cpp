@@ -11,9 +11,9 @@
 #include "pipeline/commands/keypose_commands.h"
 #include "pipeline/run/builder.h"
 #include "pipeline/run/collect_ending.h"
-#include "pipeline/run/observer.h"
 #include "pipeline/run/opened_project.h"
 #include "pipeline/run/results_folder.h"
+#include "pipeline/run/time_left.h"
 #include "pipeline/text/terminal.h"
 #include "pipeline/text/text.h"
 
@@ -62,7 +62,8 @@ std::string Bullets(const std::vector<std::string>& lines) {
 
 }  // namespace
 
-ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set) {
+ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set,
+                       bool details) {
   OpenedProject opened = Open(folder, set);
   const Plan plan(opened.graph(), opened.workshop(), {});
   opened.workshop().hasher.Save();
@@ -75,7 +76,8 @@ ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>
     fmt::print("{}\n", line);
   }
   const Ending ending = EndingOf(plan, opened.disk(), opened.out());
-  if (!ending.verdicts.empty()) fmt::print("\n{}", VerdictsText(ending, TerminalColumns()));
+  if (!ending.verdicts.empty())
+    fmt::print("\n{}", VerdictsText(ending, TerminalColumns(), details));
   if (!ending.warnings.empty())
     fmt::print("\n{} of the steps that are up to date; `keypose run` shows them at its end\n",
                WarningCount(ending));

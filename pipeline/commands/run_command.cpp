@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 
@@ -31,6 +32,12 @@ std::int64_t MemoryAvailable() {
     std::getline(in, unit);
   }
   return 0;
+}
+
+/// Number of programs that wanted a core in the last minute; 0 if the system does not tell.
+double MachineLoad() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
 DisplayKind KindOf(const std::string& progress) {
@@ -85,7 +92,8 @@ RunResult RunOnce(const std::filesystem::path& project, const std::vector<Overri
   }
   ResultsFolder results(opened.disk(), opened.out(), opened.state() / "out.json");
   const auto display = MakeDisplay(KindOf(options.progress), opened.clock());
-  const Limits limits{options.cores > 0 ? options.cores : MachineCores(), MemoryAvailable()};
+  const Limits limits{options.cores > 0 ? options.cores : MachineCores(), MemoryAvailable(),
+                      MachineLoad()};
   Builder builder(plan, opened.workshop(), opened.processes(), opened.clock(), results, *display,
                   limits);
   RunRecord record;

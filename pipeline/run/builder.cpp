@@ -31,6 +31,37 @@ ExitCode CodeOf(int raw) {
   }
 }
 
+/// Why a step failed, in words.
+const char* WordsOf(ExitCode code) {
+  switch (code) {
+    case ExitCode::kUsage:
+      return "an option is wrong";
+    case ExitCode::kInput:
+      return "what it was given cannot be used";
+    case ExitCode::kDisk:
+      return "a file, the disk or the memory";
+    case ExitCode::kTool:
+      return "a program or solver that it needs";
+    case ExitCode::kQuality:
+      return "its result is not good enough";
+    default:
+      return "a fault in its program";
+  }
+}
+
+/// Without "keypose capture: error: " before a line: the step is named already.
+std::string WithoutProgram(const std::string& said) {
+  const std::string mark = ": error: ";
+  std::string text;
+  std::istringstream in(said);
+  for (std::string line; std::getline(in, line);) {
+    const auto at = line.find(mark);
+    const bool named = line.starts_with("keypose ") && at != std::string::npos;
+    text += (text.empty() ? "" : "\n") + (named ? line.substr(at + mark.size()) : line);
+  }
+  return text;
+}
+
 std::string LastLines(const std::string& text, int count) {
   std::vector<std::string> lines;
   std::istringstream in(text);
@@ -121,6 +152,7 @@ Forecast Builder::MakeForecast() const {
   }
   Forecast forecast;
   forecast.cores = limits_.cores;
+  forecast.load = limits_.load;
   WorkSize size(plan_.graph(), workshop_.disk, workshop_.project);
   for (int i = 0; i < plan_.size(); ++i) {
     if (!may_run(i)) continue;
@@ -130,10 +162,14 @@ Forecast Builder::MakeForecast() const {
     if (step.info->cores > 0) expected.threads = std::min(expected.threads, step.info->cores);
     for (const int need : step.needs) expected.needs.push_back(steps[need].id);
     const auto sibling = of_rule.find(step.rule);
-    expected.measured = known(i) || sibling != of_rule.end();
-    if (expected.measured) {
-      expected.seconds = known(i) ? plan_[i].last->seconds : sibling->second;
+    if (known(i)) {
+      expected.from = Expected::From::kOwnRun;
+      expected.seconds = plan_[i].last->seconds;
+    } else if (sibling != of_rule.end()) {
+      expected.from = Expected::From::kSibling;
+      expected.seconds = sibling->second;
     } else if (const double work = size.CoreSeconds(i); work >= 0) {
+      expected.from = Expected::From::kCost;
       expected.seconds = work / expected.threads;
     }
   }
@@ -392,7 +428,8 @@ void Replace(const std::string& from, const std::string& to, std::string* text) 
 void Builder::KeepOfFailure(int step, std::string& said) {
   const fs::path made = WorkFolder(step) / "made", kept = FailedFolder(step);
   if (!workshop_.disk.Stat(made / "log.txt")) return;
-  if (said.empty()) said = LastLines(workshop_.disk.ReadEnd(made / "log.txt", 1 << 16), 6);
+  if (said.empty())
+    said = WithoutProgram(LastLines(workshop_.disk.ReadEnd(made / "log.txt", 1 << 16), 6));
   workshop_.disk.Remove(kept);
   workshop_.disk.Move(made / "log.txt", kept / "log.txt");
   for (const std::string& name : workshop_.disk.Children(made)) {
@@ -433,7 +470,7 @@ void Builder::Fail(const Running& running, int raw_code, const std::string& mess
 std::string Builder::FailureMessage(int step, ExitCode code, int raw_code,
                                     const std::string& said) const {
   const std::string& id = plan_.graph().steps[step].id;
-  std::string message = fmt::format("{} failed with exit code {}", id, static_cast<int>(code));
+  std::string message = fmt::format("{} failed: {}", id, WordsOf(code));
   if (raw_code > 128 && code == ExitCode::kBug) {
     message += fmt::format(": it was ended by signal {}", raw_code - 128);
     if (raw_code == 128 + 9)

@@ -20,6 +20,7 @@ namespace keypose::pipeline {
 struct Limits {
   int cores = 1;                  ///< all running steps together
   std::int64_t memory_bytes = 0;  ///< all running steps together; 0: no limit
+  double load = 0;                ///< number of other programs that want a core
 };
 
 struct RunResult {

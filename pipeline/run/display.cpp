@@ -6,14 +6,15 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/run/time_left.h"
 #include "pipeline/text/terminal.h"
 #include "pipeline/text/text.h"
 
 namespace keypose::pipeline {
 namespace {
 
-std::string Left(const std::optional<double>& seconds) {
-  return seconds ? fmt::format(", {} left", DurationText(*seconds)) : "";
+std::string LeftText(const std::optional<SecondsLeft>& left) {
+  return left ? fmt::format(", {} left", RangeText(*left)) : "";
 }
 
 std::string FinishedText(const std::string& step, const std::string& status, double seconds) {
@@ -25,18 +26,18 @@ std::string FinishedText(const std::string& step, const std::string& status, dou
 class Display : public RunObserver {
  public:
   explicit Display(const Clock& clock) : clock_(clock) {}
-  void Begin(const Forecast& forecast) override { estimate_.Begin(forecast); }
+  void Begin(const Forecast& forecast) override { estimate_.Begin(forecast, clock_.Now()); }
   void Started(const std::string& step, const std::vector<std::string>&, int threads) override {
     estimate_.Started(step, clock_.Now(), threads);
   }
   void Progressed(const std::string& step, double fraction, const std::string&) override {
-    estimate_.Progressed(step, fraction);
+    estimate_.Progressed(step, clock_.Now(), fraction);
   }
-  void Finished(const std::string& step, const std::string& status, double seconds) override {
+  void Finished(const std::string& step, const std::string& status, double) override {
     up_to_date_ += status == "cached";
     made_ += status == "made";
     failed_ += status == "failed";
-    estimate_.Finished(step, status == "cached" ? 0 : seconds);
+    estimate_.Finished(step, clock_.Now(), status);
   }
 
  protected:
@@ -44,7 +45,7 @@ class Display : public RunObserver {
   double Fraction() { return fraction_ = std::max(fraction_, estimate_.Fraction(clock_.Now())); }
   /// Rounded down: 100 only when all is done.
   int Percent() { return static_cast<int>(100 * Fraction()); }
-  std::optional<double> SecondsLeft() const { return estimate_.SecondsLeft(clock_.Now()); }
+  std::optional<SecondsLeft> Left() const { return estimate_.Left(clock_.Now()); }
   std::string Summary() const {
     const std::string up_to_date =
         fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s");
@@ -65,7 +66,7 @@ class Display : public RunObserver {
   }
 
   const Clock& clock_;
-  Estimate estimate_;
+  TimeLeft estimate_;
   int up_to_date_ = 0, made_ = 0, failed_ = 0;
   double fraction_ = 0;
 };
@@ -90,15 +91,26 @@ class Lines final : public Display {
   }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     Display::Finished(step, status, seconds);
+    last_line_.erase(step);
     if (status != "cached") Print(FinishedText(step, status, seconds));
   }
   void Note(const std::string& line) override { Print(line); }
+  /// A step that is silent for long is shown to be at work.
+  void Tick() override {
+    constexpr double kSecondsOfSilence = 60;
+    for (auto& [step, time] : last_line_) {
+      if (clock_.Now() - time < kSecondsOfSilence) continue;
+      time = clock_.Now();
+      const int percent = static_cast<int>(100 * estimate_.FractionOf(step));
+      Print(fmt::format("{} is still at work ({} %)", step, percent));
+    }
+  }
   void End(const Ending& ending) override { Say(Closing(ending)); }
 
  private:
   void Print(const std::string& line) {
     if (estimate_.total() == 0) return Say(line + "\n");
-    Say(fmt::format("[{:3} %{}] {}\n", Percent(), Left(SecondsLeft()), line));
+    Say(fmt::format("[{:3} %{}] {}\n", Percent(), LeftText(Left()), line));
   }
   std::map<std::string, double> last_line_;
 };
@@ -160,7 +172,7 @@ class Bars final : public Display {
     }
     if (!running_.empty()) {
       add(fmt::format("{} {:3} % of all, {} of {} steps{}", Bar(Fraction()), Percent(),
-                      estimate_.finished(), estimate_.total(), Left(SecondsLeft())));
+                      estimate_.finished(), estimate_.total(), LeftText(Left())));
     }
     Say(text);
   }
@@ -189,6 +201,11 @@ class JsonLines final : public Display {
     Print({{"event", "finish"}, {"step", step}, {"status", status}, {"seconds", seconds}});
   }
   void Note(const std::string& line) override { Print({{"event", "note"}, {"text", line}}); }
+  /// The time left is told anew where no step says anything.
+  void Tick() override {
+    constexpr double kSecondsOfSilence = 2;
+    if (clock_.Now() - last_line_ >= kSecondsOfSilence) Print({{"event", "time"}});
+  }
   void End(const Ending& ending) override {
     PrintAll("warning", ending.warnings);
     PrintAll("verdict", ending.verdicts);
@@ -207,9 +224,14 @@ class JsonLines final : public Display {
   }
   void Print(nlohmann::json line) {
     line["overall"] = Fraction();
-    if (const auto left = SecondsLeft()) line["seconds_left"] = *left;
+    if (const auto left = Left()) {
+      line["seconds_left"] = left->likely;
+      line["seconds_left_range"] = {left->low, left->high};
+    }
+    last_line_ = clock_.Now();
     Say(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
+  double last_line_ = 0;
 };
 
 }  // namespace

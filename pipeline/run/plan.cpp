@@ -228,7 +228,7 @@ std::vector<std::string> Plan::ReasonsOf(const StepPlan& step) const {
   }
   const StepRecord& last = *step.last;
   if (last.failed && last.failed_fingerprint == step.fingerprint) {
-    reasons.push_back(fmt::format("its last try failed with exit code {}", last.exit_code));
+    reasons.push_back("its last try failed");
   }
   if (last.fingerprint.empty()) {
     if (reasons.empty()) reasons.push_back("it has never succeeded");

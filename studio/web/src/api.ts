@@ -629,6 +629,7 @@ export interface RunLine {
   seconds?: number
   overall?: number
   seconds_left?: number
+  seconds_left_range?: [number, number]
   reasons?: string[]
   [key: string]: unknown
 }

@@ -7,7 +7,7 @@ import { kPages, pageAt, pagesOf } from './page_table'
 import { NewProjectPage } from './pages/new_project'
 import { useUpload } from './pages/new_project/upload'
 import { StudioState, useStudio } from './state'
-import { duration, percent } from './words'
+import { percent } from './words'
 
 function useRoute(): string {
   const read = () => location.hash.replace(/^#\/?/, '').split('/')[0] || 'poses'
@@ -46,10 +46,10 @@ function RunState() {
   const { steps, running, connected, tabs, complain, reload } = useStudio()
   if (!connected) return <span class="bad">The studio does not answer</span>
   if (running) {
-    const left = running.seconds_left === null ? '' : `, ${duration(running.seconds_left)} left`
+    const left = running.left === null ? '' : `, ${running.left} left`
     return (
       <>
-        <a href="#/run" class="soft number" style="text-decoration:none">
+        <a href="#/run" class="soft number small" style="text-decoration:none">
           {percent(running.overall)}
           {left}
         </a>
@@ -119,7 +119,7 @@ function Shell() {
       </header>
       {project.problem && !isNew && !current.needsNoPlan ? (
         <main class="empty">
-          <h1>pipeline.yaml has a mistake</h1>
+          <h1>The project’s file, pipeline.yaml, has a mistake</h1>
           <pre>{project.problem}</pre>
           <p>Mend it in an editor; this page notices at once.</p>
           {project.kind === 'performance' && (

@@ -1,10 +1,12 @@
 // A run's state, from the lines that `keypose run --progress jsonl` prints.
 import type { RunLine } from './api'
+import { durationRange } from './words'
 
 export interface Running {
   /** [0, 1] of the whole run */
   overall: number
-  seconds_left: number | null
+  /** in words, "2 to 5 min"; null while nothing is known of it */
+  left: string | null
   /** fraction and words by step that is at work */
   steps: Record<string, { fraction: number; what: string }>
   /** steps that this run has finished, with their status */
@@ -14,10 +16,14 @@ export interface Running {
 
 export const kNoRun: Running = {
   overall: 0,
-  seconds_left: null,
+  left: null,
   steps: {},
   finished: {},
   notes: [],
+}
+
+function leftIn({ seconds_left: likely, seconds_left_range: range }: RunLine): string | null {
+  return likely === undefined ? null : durationRange(likely, range ?? [likely, likely])
 }
 
 /** The run's state after one more line. */
@@ -25,7 +31,7 @@ export function afterLine(run: Running, line: RunLine): Running {
   const next: Running = {
     ...run,
     overall: line.overall ?? run.overall,
-    seconds_left: line.seconds_left ?? null,
+    left: leftIn(line),
   }
   const step = line.step
   if (line.event === 'start' && step)

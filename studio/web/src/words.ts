@@ -10,6 +10,33 @@ export function duration(seconds: number): string {
   return `${Math.floor(whole / 3600)} h ${two((whole % 3600) / 60)} min`
 }
 
+/** To 5 seconds, minutes, or 10 minutes; never zero. */
+function rounded(seconds: number): { number: number; text: string; unit: string } {
+  if (seconds < 57.5) {
+    const number = Math.max(5, 5 * Math.round(seconds / 5))
+    return { number, text: String(number), unit: 's' }
+  }
+  if (seconds < 59.5 * 60) {
+    const minutes = Math.max(1, Math.round(seconds / 60))
+    return { number: 60 * minutes, text: String(minutes), unit: 'min' }
+  }
+  const tens = Math.max(6, Math.round(seconds / 600))
+  const hours = String(Math.floor(tens / 6))
+  if (tens % 6 === 0) return { number: 600 * tens, text: hours, unit: 'h' }
+  return { number: 600 * tens, text: `${hours} h ${(tens % 6) * 10}`, unit: 'min' }
+}
+
+/** "2 min 05 s" where it is known well, else "2 to 5 min", "40 s to 2 min"; as the terminal says it. */
+export function durationRange(likely: number, range: [number, number]): string {
+  const [low, high] = range
+  if (high <= 1.35 * low) return duration(likely)
+  const from = rounded(low)
+  const to = rounded(high)
+  if (from.number === to.number) return `about ${to.text} ${to.unit}`
+  if (from.unit === to.unit && to.number < 3600) return `${from.text} to ${to.text} ${to.unit}`
+  return `${from.text} ${from.unit} to ${to.text} ${to.unit}`
+}
+
 /** "1.2 MB" */
 export function bytes(count: number): string {
   if (count >= 1e9) return `${(count / 1e9).toFixed(1)} GB`

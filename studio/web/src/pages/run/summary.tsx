@@ -2,7 +2,7 @@
 import type { Verdict, Warning } from '../../api'
 import { useStudio } from '../../state'
 import { Bar } from '../../bar'
-import { duration, percent } from '../../words'
+import { percent } from '../../words'
 import { Icon } from './icons'
 import { kStateWords, shownState } from './step_words'
 import type { Shown } from './step_words'
@@ -51,13 +51,12 @@ export function Summary() {
 export function RunUnderWay() {
   const { running } = useStudio()
   if (!running) return null
-  const left = running.seconds_left
   const last = running.notes[running.notes.length - 1]
   return (
     <section class="run-now" aria-label="The run under way">
       <b class="number">{percent(running.overall)}</b>
       <Bar share={running.overall} />
-      <span class="soft number">{left === null ? '' : `${duration(left)} left`}</span>
+      <span class="soft number">{running.left === null ? '' : `${running.left} left`}</span>
       {last && (
         <details>
           <summary title={last}>{last}</summary>
