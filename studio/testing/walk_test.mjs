@@ -399,7 +399,7 @@ async function walkMarkup() {
   browser.expected = /\/api\/(photo|mask)\?/;
   rmSync(photo);
   writeFileSync(join(folder, 'pipeline.yaml'), 'poses: [<b>x</b>\n');
-  await page.getByRole('heading', { name: 'pipeline.yaml has a mistake' }).waitFor();
+  await page.getByRole('heading', { name: 'The project’s file, pipeline.yaml, has a mistake' }).waitFor();
   await record(page, 'mistake', null);
 }
 

@@ -3,6 +3,8 @@ import { test } from 'node:test'
 
 import { kAccept, sorted } from '../src/pages/new_project/files'
 import { emptyRow, fewOf, withFiles } from '../src/pages/new_project/rows'
+import { headOf } from '../src/pages/new_project/upload'
+import type { Upload } from '../src/pages/new_project/upload'
 
 const found = (path: string, bytes = 1) => ({ file: new File([new Uint8Array(bytes)], path), path })
 
@@ -45,4 +47,17 @@ test('a pose of few photographs is one that the template is bent into, never the
   const rows = [row('rest', 6), row('wave', 6), row('bent', 16)]
   assert.deepEqual(fewOf(rows, 'rest'), ['wave'])
   assert.deepEqual(fewOf(rows, 'bent'), ['rest', 'wave'])
+})
+
+test('a project whose photographs did not all arrive is not said to be made', () => {
+  const photo = sorted([found('a.jpg')]).photos[0]
+  const one = { pose: 'rest', photo, why: 'there is no space left on the disk' }
+  const ended = (sent: number, failed: number): Upload => ({
+    ...{ state: 'ended', sent, total: sent, bytesSent: 0, bytesTotal: 0, now: '', left: [] },
+    failed: Array.from({ length: failed }, () => one),
+  })
+  assert.equal(headOf(ended(3, 0)), 'The project is made')
+  assert.equal(headOf(ended(3, 1)), 'Not all photographs were taken')
+  assert.equal(headOf(ended(3, 3)), 'No photograph was taken')
+  assert.equal(headOf({ ...ended(3, 0), state: 'cancelled' }), 'Stopped')
 })

@@ -28,8 +28,8 @@ function ModeChoice(props: { mode: Mode; onMode: (mode: Mode) => void }) {
   )
   return (
     <div class="choice lm-modes" role="group" aria-label="Mode">
-      {button('pick', 'Pick', 'Pairs of places on template and pose')}
-      {button('paint', 'Paint', 'Stiffness and regions on the template')}
+      {button('pick', 'Pick', 'Pairs of places on the pose that gives its net, and another')}
+      {button('paint', 'Paint', 'Stiffness and regions, on the pose that gives its net')}
     </div>
   )
 }
@@ -48,8 +48,11 @@ export function LandmarksPage() {
   if (!template)
     return (
       <main class="empty">
-        <h1>No template yet</h1>
-        <p>Choose the template pose in pipeline.yaml; landmarks go from it to the other poses.</p>
+        <h1>No pose gives the others their net yet</h1>
+        <p>
+          Landmarks go from that pose, the template, to the others. Name it in the project’s file,
+          pipeline.yaml: <code>template: POSE</code>.
+        </p>
       </main>
     )
   const modes = <ModeChoice mode={mode} onMode={setMode} />
@@ -58,7 +61,10 @@ export function LandmarksPage() {
     return (
       <main class="empty">
         <h1>Landmarks need a second pose</h1>
-        <p>They join the template with another pose; this project has only {template.name}.</p>
+        <p>
+          They join the pose that gives the others their net with another one; this project has only{' '}
+          {template.name}.
+        </p>
         <p>
           <a class="button" href="#/poses">
             Add a pose

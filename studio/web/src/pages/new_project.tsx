@@ -120,8 +120,8 @@ export function NewProjectPage() {
             <div class="row spread">
               <button onClick={more}>Add a pose</button>
               <p class="soft small">
-                The template’s mesh and texture layout are used for all poses: take the most open
-                one.
+                The template is the pose that gives the others their net, of mesh and texture: take
+                the most open one.
               </p>
             </div>
             <Foot rows={rows} make={() => void make()} />

@@ -177,7 +177,7 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
       <button
         class="main lm-wide"
         disabled={atWork || running !== null || steps.locked_by !== ''}
-        title={steps.locked_by || `Runs what ${pose} needs, up to its registration (Ctrl+Enter)`}
+        title={steps.locked_by || `Lays the net on ${pose}, and runs what that needs (Ctrl+Enter)`}
         data-action="register"
         onClick={register}
       >
@@ -187,7 +187,7 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
         <p class="small soft">
           {props.pairs < 4
             ? 'Four pairs that are not in one plane are a good start.'
-            : `${pose} has not been registered yet.`}
+            : `The net has not been laid on ${pose} yet (registered).`}
         </p>
       )}
     </section>

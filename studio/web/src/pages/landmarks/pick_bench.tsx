@@ -34,7 +34,7 @@ const kKeys: [string, string][] = [
   ['T', 'turn together or apart'],
   ['P', 'plain or textured'],
   ['S', 'suggest'],
-  ['Ctrl Enter', 'register'],
+  ['Ctrl Enter', 'register: lay the net on the pose'],
   ['Ctrl Z', 'undo; with Shift: redo'],
 ]
 

@@ -2,7 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import type { Advice, Pick } from '../../api'
+import type { Advice, Pick, Pose } from '../../api'
 import { useStudio } from '../../state'
 import { useUnsavedGuard } from '../poses/route'
 import type { Hit } from '../../view/viewer'
@@ -27,6 +27,10 @@ export type Place = Omit<Pick, 'name'>
 
 const kSaid_ms = 4000
 
+/** Whether it has the mesh on which landmarks are picked. */
+const canBePicked = (pose: Pose): boolean =>
+  pose.meshes.includes(pose.template ? 'mesh' : 'clean')
+
 export const placeOf = (hit: Hit): Place => ({ face: hit.face, barycentric: hit.barycentric })
 
 /** The files of all poses, loaded again whenever the project changes. */
@@ -37,10 +41,12 @@ export function usePickFiles(): PickFiles {
     () => new PickFiles(api, () => redraw((old) => old + 1), tell),
     [tell],
   )
-  const names = project.poses.map((pose) => pose.name).join('\n')
+  // A pose without a mesh has no landmarks to load, and that is no fault.
+  const picked = project.poses.filter((pose) => pose.method === 'fit' || canBePicked(pose))
+  const names = picked.map((pose) => pose.name).join('\n')
   useEffect(() => {
     const load = async () => {
-      await files.load(names.split('\n'))
+      await files.load(names ? names.split('\n') : [])
       // A change that could not be saved, perhaps as the studio was away, is tried again.
       if (files.failed) await files.save()
     }

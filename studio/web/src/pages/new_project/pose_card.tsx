@@ -55,14 +55,14 @@ export function LeftOutList({ files }: { files: LeftOut[] }) {
 function FewWords({ photos, template }: { photos: number; template: boolean }) {
   if (template)
     return photos < kFewest ? (
-      <p class="warn small">The template needs {kFewest} photographs; 24 or more are better.</p>
+      <p class="warn small">The pose that gives its net needs {kFewest} photographs; 24 or more are better.</p>
     ) : null
   if (photos < kFewestFitted)
     return <p class="warn small">A pose needs {kFewestFitted} photographs; 6 are better.</p>
   if (photos >= kScan) return null
   return (
     <p class="small soft">
-      The template will be bent into them; {kScan} or more all round make a scan of their own.
+      The pose that gives its net will be bent into them; {kScan} or more all round make a scan of their own.
     </p>
   )
 }
@@ -136,7 +136,7 @@ export function PoseCard(props: {
             checked={props.template}
             onChange={props.setTemplate}
           />
-          template
+          gives the others their net (template)
         </label>
         {props.remove && (
           <button class="quiet" onClick={props.remove} aria-label={`Remove ${called}`}>

@@ -2,7 +2,7 @@
 import { useStudio } from '../../state'
 import { Bar } from '../../bar'
 import { bytes, count } from '../../words'
-import { cancel, leave, send } from './upload'
+import { cancel, headOf, leave, send } from './upload'
 import type { Failed, Upload } from './upload'
 
 function FailedList({ failed }: { failed: Failed[] }) {
@@ -21,12 +21,6 @@ function FailedList({ failed }: { failed: Failed[] }) {
       </ul>
     </section>
   )
-}
-
-function headOf(upload: Upload): string {
-  if (upload.state === 'sending') return 'Sends the photographs'
-  if (upload.state === 'cancelled') return 'Stopped'
-  return 'The project is made'
 }
 
 export function Sending({ upload }: { upload: Upload }) {

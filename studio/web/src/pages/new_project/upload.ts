@@ -36,6 +36,14 @@ const kNothing: Upload = {
   left: [],
 }
 
+/** Pure. A project whose photographs did not all arrive is not said to be made. */
+export function headOf({ state, failed, sent }: Upload): string {
+  if (state === 'sending') return 'Sends the photographs'
+  if (state === 'cancelled') return 'Stopped'
+  if (failed.length === 0) return 'The project is made'
+  return failed.length === sent ? 'No photograph was taken' : 'Not all photographs were taken'
+}
+
 let upload: Upload | null = null
 let cancelled = false
 const listeners = new Set<() => void>()

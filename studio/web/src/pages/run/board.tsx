@@ -81,7 +81,7 @@ function PoseHead({ pose }: { pose: string }) {
   const facts: string[] = []
   if (known && project.kind === 'poses') {
     facts.push(isFromMesh(known) ? 'mesh' : `${known.photographs} photos`)
-    if (known.template) facts.push('template')
+    if (known.template) facts.push('gives its net')
   }
   return (
     <th scope="col">

@@ -148,7 +148,7 @@ function Failure({ step }: { step: Step }) {
   const asksForFigure = step.error.includes(kAsksForFigure)
   return (
     <div class="run-failure">
-      <b>It failed with exit code {step.exit_code}.</b>
+      <b>It failed.</b>
       {step.error && <p>{step.error}</p>}
       {step.pictures.map((one) => (
         <FailureSheet key={one.picture} picture={one} figure={asksForFigure} />
