@@ -28,8 +28,8 @@ ColourSketch SketchOf(const Image8& picture);
 
 /// How unlike two pictures are by colour: the larger of two distances of distributions (1 minus
 /// what they share), each over what different things have at least: of the middles (0.56), and of
-/// what the middles have of their own (0.75). Neighbours on a ring have 0.1 to 0.5, the least like
-/// of one real set 0.55 to 0.85, two things 1.2 and more.
+/// what the middles have of their own (0.75). Neighbours on a ring
+/// have 0.1 to 0.5, the least like of one set 0.3 to 1, two things mostly 1.1 and more.
 double Unlikeness(const ColourSketch& first, const ColourSketch& second);
 
 /// The photographs by the things that they show, the largest group first, each ascending. Two
