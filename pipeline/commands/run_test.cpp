@@ -106,7 +106,7 @@ TEST_F(RunTest, ExplainAndStatusSayWhatChanged) {
 TEST_F(RunTest, FailureExitsWithTheStagesCodeAndKeepsItsLog) {
   const Ended ended = Run({"--set", "join.exit_code=6"});
   EXPECT_EQ(ended.code, 6);
-  EXPECT_THAT(ended.text, HasSubstr("join failed: its result is not good enough"));
+  EXPECT_THAT(ended.text, HasSubstr("failed: its result is not good enough"));
   EXPECT_THAT(ended.text, HasSubstr("told to fail"));
   EXPECT_THAT(Keypose({"log", "join", "-C", (root_ / "hero").string()}).text,
               HasSubstr("join at work"));

@@ -44,11 +44,4 @@ std::string SetOption(Snapshot& snapshot, const OptionChange& change, const std:
 void CreateProject(const std::filesystem::path& folder, const std::vector<std::string>& poses,
                    const std::string& template_pose, const std::vector<std::string>& few);
 
-/// Adds a file to a pose's folder of photographs. Never replaces one with other content, but the
-/// one that it is said to take the place of: that goes to the bin, and the new one gets its name.
-/// @param replaces  of a photograph; empty: none
-/// @throws UsageError  no photograph's name, or another photograph of that name is there
-void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::string& name,
-                   const std::string& bytes, const std::string& replaces = "");
-
 }  // namespace keypose::studio

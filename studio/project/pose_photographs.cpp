@@ -188,7 +188,7 @@ fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, in
   if (ours && info.format == "png" &&
       (width == 0 || (info.width == width && info.height == height)))
     return mask;
-  return KeptPicture(folder, mask, fmt::format("drawn mask {} {}", width, height), ".png",
+  return KeptPicture(folder, mask, fmt::format("mask as drawn {} {}", width, height), ".png",
                      [&](const fs::path& file) {
                        Image8 image = ours ? ReadImage(mask, 1) : AsCaptureTakes(mask);
                        // Capture turns portraits among landscapes; masks lie as their photographs

@@ -8,6 +8,7 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/values/errors.h"
 #include "studio/meshes/mesh_bytes.h"
+#include "studio/project/added_photographs.h"
 #include "studio/project/bin.h"
 #include "studio/project/changes.h"
 #include "studio/project/left_out_photographs.h"
