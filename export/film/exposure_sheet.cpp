@@ -18,9 +18,9 @@ constexpr char kStyle[] =
     "p{margin:.3em 0 .8em}table{border-collapse:collapse}thead{display:table-header-group}"
     "th{text-align:left;border-bottom:1.5px solid #000}td,th{padding:0 .6em}"
     "td{border-bottom:.5px solid #999;height:14px;line-height:14px;white-space:nowrap}"
-    "tr.second td{border-top:1.5px solid #000}tr.page{break-before:page}td.key{font-weight:bold}"
+    "tr.second td{border-top:2px solid #000}tr.page{break-before:page}td.key{font-weight:bold}"
     "td.number{text-align:right;font-variant-numeric:tabular-nums}td.sound{padding:0}"
-    "td.notes{width:18em}svg{display:block}@page{size:A4;margin:12mm}";
+    "td.notes{width:18em}svg{display:block;fill:#555}@page{size:A4;margin:12mm}";
 
 std::string Text(const std::string& text) {
   std::string safe;
