@@ -7,6 +7,7 @@
 
 namespace keypose::capture::left_out_program_test {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -30,7 +31,7 @@ TEST_F(LeftOut, IsNotReadNorAreItsMaskAndItsClicks) {
                                                  "p15.jpg", "p16.jpg", "p17.jpg", "p18.jpg"));
   EXPECT_THAT(outcome.output, HasSubstr("left out, as leave_out says: p11.jpg"));
   EXPECT_THAT(outcome.output, Not(HasSubstr("warning")));
-  EXPECT_THAT(Report(), HasSubstr("\"left_out\": [\"p11.jpg\"]"));
+  EXPECT_THAT(Report(), ContainsRegex("\"left_out\": \\[[^]]*\"p11.jpg\""));
 }
 
 TEST_F(LeftOut, TheOthersAreAsIfItWereNotThere) {

@@ -346,7 +346,7 @@ TEST_F(SfmProgram, MorePicturesThanTheMemoryHoldsAreSaidBeforeTheWork) {
   const Outcome outcome = Sfm("ulimit -v 3000000;", "model", "--max_image_size 20000");
   EXPECT_EQ(outcome.code, 4) << outcome.output;
   EXPECT_THAT(outcome.output,
-              HasSubstr("sfm: the work on 8 photographs (2048 megapixels) needs 5.1 GB"));
+              HasSubstr("the work on 8 photographs (2048 megapixels) needs 5.1 GB"));
   EXPECT_THAT(outcome.output, Not(HasSubstr("Processed file")));
 }
 
