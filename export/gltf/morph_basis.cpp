@@ -51,10 +51,12 @@ Eigen::MatrixXd PrincipalWeights(const Eigen::MatrixXd& products, int count) {
 /// Fewer targets than this leave more than `bound` even on average: principal components leave the
 /// least sum of squares, and the largest distance is not below the mean.
 int LeastCount(const Eigen::MatrixXd& products, Eigen::Index vertices, int limit, double bound) {
-  const Eigen::VectorXd strengths =
+  constexpr double kRounding = 1e-12;  // of the strongest: below it nothing is known
+  Eigen::VectorXd strengths =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly)
-          .eigenvalues()
-          .cwiseMax(0);  // ascending
+          .eigenvalues();  // ascending
+  const double least = kRounding * strengths.maxCoeff();
+  for (double& strength : strengths) strength = strength > least ? strength : 0;
   const double allowed = bound * bound * static_cast<double>(products.rows() * vertices);
   int count = limit;
   double left = strengths.head(products.rows() - limit).sum();

@@ -71,6 +71,20 @@ std::string WarningsText(const Ending& ending, std::size_t columns) {
   return text;
 }
 
+namespace {
+
+/// What fits into a line, without the begin of a word; not less than the head.
+std::string CutAtAWord(const std::string& text, std::size_t columns, std::size_t head) {
+  std::string cut = CutTo(text, columns);
+  const bool within = cut.size() < text.size() && text[cut.size()] != ' ';
+  const std::size_t space = cut.find_last_of(' ');
+  if (within && space != std::string::npos && space > head) cut.erase(space);
+  while (cut.size() > head && cut.ends_with(' ')) cut.pop_back();
+  return cut;
+}
+
+}  // namespace
+
 std::string VerdictsText(const Ending& ending, std::size_t columns, bool whole) {
   if (ending.verdicts.empty()) return "";
   std::size_t about = 0, grade = 0;
@@ -86,7 +100,7 @@ std::string VerdictsText(const Ending& ending, std::size_t columns, bool whole) 
     const bool fits = columns == 0 || whole || WidthOf(head + verdict.why) < columns;
     cut = cut || !fits;
     text += fits ? Hanging(head, verdict.why, columns)
-                 : CutTo(head + verdict.why, columns - 2) + "\u2026\n";
+                 : CutAtAWord(head + verdict.why, columns - 2, head.size()) + "\u2026\n";
   }
   return cut ? text + "  the whole of it: keypose status --details\n" : text;
 }

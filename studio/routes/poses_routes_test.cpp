@@ -25,6 +25,7 @@ constexpr char kFile[] =
 class PosesRoutes : public ::testing::Test {
  protected:
   PosesRoutes() {
+    fs::create_directories(Path("landmarks"));
     WriteFile(Path("pipeline.yaml"), kFile);
     for (const char* name : {"rest/a.jpg", "rest/b.jpg", "rest/c.jpg", "wave/a.jpg", "wave/b.jpg"})
       Picture(fs::path("photos") / name, shade_ += 10);

@@ -65,6 +65,7 @@ TEST_F(Project, DecidesHowAPoseIsFoundWhileItHasNoPhotographs) {
             "poses:\n  rest: photos/rest\n  wave: {photos: photos/wave, method: fit}  # soon\n"
             "  bow: {method: scan}\n");
   Write("poses:\n  rest: photos/rest\n  wave: photos/wave\n");
+  fs::create_directories(folder_ / "photos/wave");
   WriteFile(folder_ / "photos/wave/a.jpg", "");
   EXPECT_EQ(AddPose(folder_, "wave", 6).bent_from, "") << "there are photographs already";
 }

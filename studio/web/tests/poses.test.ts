@@ -93,7 +93,7 @@ test('what runs again is said with the time that it took', () => {
 
 test('what is left out is not judged, and changes nothing of how others are', () => {
   const one = (name: string, sharpness: number, more: Partial<Photograph> = {}) =>
-    ({ name, sharpness, exposure: 100, trusted: true, captured: true, left_out: false, ...more }) as Photograph
+    ({ name, sharpness, exposure: 100, mask_fraction: 0.3, trusted: true, captured: true, left_out: false, ...more }) as Photograph
   const set = [one('a', 10), one('b', 10), one('c', 1), one('d', 0.1, { left_out: true, trusted: false })]
   const judged = judge(set)
   assert.deepEqual(
