@@ -51,11 +51,11 @@ Eigen::MatrixXd PrincipalWeights(const Eigen::MatrixXd& products, int count) {
 /// Fewer targets than this leave more than `bound` even on average: principal components leave the
 /// least sum of squares, and the largest distance is not below the mean.
 int LeastCount(const Eigen::MatrixXd& products, Eigen::Index vertices, int limit, double bound) {
-  constexpr double kRounding = 1e-12;  // of the strongest: below it nothing is known
+  constexpr double kUnknown = 1e-12;  // of the strongest: below it nothing is known
   Eigen::VectorXd strengths =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly)
           .eigenvalues();  // ascending
-  const double least = kRounding * strengths.maxCoeff();
+  const double least = kUnknown * strengths.maxCoeff();
   for (double& strength : strengths) strength = strength > least ? strength : 0;
   const double allowed = bound * bound * static_cast<double>(products.rows() * vertices);
   int count = limit;

@@ -163,8 +163,9 @@ json ProjectJson(Snapshot& snapshot) {
   project["has_frames"] = snapshot.FramesPath("").has_value();
   project["has_shot"] = snapshot.file().shot.has_value();
   project["has_report"] = fs::exists(snapshot.project() / "out/report/index.html");
-  for (const std::string& pose : snapshot.graph().poses)
-    project["poses"].push_back(PoseJson(snapshot, pose));
+  // In the file's order, which people change; the graph begins with the template.
+  for (const pipeline::PoseRule& rule : snapshot.file().poses)
+    project["poses"].push_back(PoseJson(snapshot, rule.name));
   return project;
 }
 
