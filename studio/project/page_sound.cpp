@@ -9,6 +9,7 @@
 #include "core/io/text/yaml_edit.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
+#include "pipeline/disk/project_paths.h"
 #include "studio/project/changes.h"
 #include "views/decode/read_sound.h"
 
@@ -74,7 +75,7 @@ json SoundToPage(Snapshot& snapshot) {
 fs::path SoundFileOf(const Snapshot& snapshot) {
   const pipeline::Setting* given = snapshot.file().Given(kWord);
   if (!given) throw UsageError("the project has no sound");
-  return snapshot.project() / given->text;
+  return snapshot.project() / pipeline::WithHome(given->text);
 }
 
 void PutSound(Snapshot& snapshot, const std::string& name, const std::string& bytes) {
