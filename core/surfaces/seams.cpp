@@ -157,7 +157,8 @@ WeldedMesh Weld(const Mesh& mesh, const Seams& seams) {
 
 WeldedMesh WeldWholeFaces(const Mesh& mesh) {
   WeldedMesh whole = Weld(mesh, FindSeams(mesh));
-  return whole.mesh.face_count() == mesh.face_count() ? whole : Weld(mesh, {});
+  if (whole.mesh.face_count() != mesh.face_count()) return Weld(mesh, {});
+  return whole;
 }
 
 }  // namespace keypose

@@ -9,6 +9,7 @@
 #include "core/io/project/opencv_lens.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/rig_programs.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -80,6 +81,8 @@ void RequireShallow(const std::string& text, const std::string& file) {
 
 void AddAnipose(const std::string& text, const std::string& file, RigCalibration* rig) {
   RequireShallow(text, file);
+  // What TOML requires; the library checks it late and reads beyond its memory to say where.
+  if (!IsValidUtf8(text)) throw InputError(file + " is not UTF-8 text, as TOML must be");
   toml::value root;
   try {
     std::istringstream in(text);

@@ -180,6 +180,9 @@ TEST_F(RigPrograms, AniposeFreeMoCapAndPose2Sim) {
             std::string::npos);
   EXPECT_NE(Fault(Put("calibration.toml", "[cam_0\n")).find("is not whole TOML"),
             std::string::npos);
+  EXPECT_NE(
+      Fault(Put("calibration.toml", "# Kamera vor der T\xfcr\na = 1\n")).find("is not UTF-8 text"),
+      std::string::npos);
   EXPECT_NE(Fault(Put("calibration.toml", "a = " + std::string(60, '['))).find("nested too deeply"),
             std::string::npos);
 }

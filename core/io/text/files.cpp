@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <numeric>
-#include <sstream>
 
 #include "core/values/errors.h"
 
@@ -109,10 +109,21 @@ std::string ReadFile(const fs::path& path) {
     throw DiskError(path.string() + " is a pipe or a device, but a file is needed; save it as one");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw DiskError("cannot open " + path.string() + ": " + std::strerror(errno));
-  std::ostringstream text;
-  text << in.rdbuf();
+  // At once: a stream that grows as it is read would copy large files several times over.
+  std::error_code unknown;
+  const std::uintmax_t size = fs::file_size(path, unknown);
+  std::string text(unknown ? 1 : size + 1,
+                   '\0');  // one more: the read that fills it not is the last
+  std::size_t length = 0;
+  constexpr std::size_t kMore = 1 << 16;
+  while (in) {
+    if (length == text.size()) text.resize(length + kMore);  // its length was not known, or it grew
+    in.read(text.data() + length, static_cast<std::streamsize>(text.size() - length));
+    length += static_cast<std::size_t>(in.gcount());
+  }
   if (in.bad()) throw DiskError("cannot read " + path.string() + ": " + std::strerror(errno));
-  return std::move(text).str();
+  text.resize(length);
+  return text;
 }
 
 void WriteFile(const fs::path& path, std::string_view text) {
