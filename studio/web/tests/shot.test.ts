@@ -237,12 +237,24 @@ test('what four clicks give is called rough; clicks that do not agree are told',
 
 test('an answer to a question of before a change does not undo the change', async () => {
   const { file } = fileOf()
-  const asked = file.changes
+  const asked = file.moment
   file.change('click 1', [click('1')])
   await file.save()
   while (file.saving) await new Promise((go) => setTimeout(go, 2))
   file.take([], 'of before', asked)
   assert.deepEqual(file.clicks, [click('1')])
-  file.take([], 'of another', file.changes)
+  file.take([], 'of another', file.moment)
   assert.deepEqual(file.clicks, [])
+})
+
+test('an answer that the saving has overtaken takes nothing back, and undo goes on', async () => {
+  const { file, told } = fileOf()
+  file.change('click 1', [click('1')])
+  assert.ok(file.saving)
+  const asked = file.moment // the server reads the file before it has the change
+  while (file.saving) await new Promise((go) => setTimeout(go, 2))
+  file.take([], '0 of before', asked)
+  assert.deepEqual(file.clicks, [click('1')])
+  assert.deepEqual(told, [])
+  assert.equal(file.undo(), 'click 1')
 })

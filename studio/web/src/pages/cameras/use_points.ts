@@ -45,7 +45,7 @@ export function usePoints(): PointsDesk {
   }
   useEffect(() => {
     let current = true
-    const asked = file.changes
+    const asked = file.moment
     pointsApi.read().then(
       (now) => {
         if (!current) return

@@ -34,7 +34,7 @@ export function useFigure(pose: string): FigureDesk {
   }, [pose, tell])
   useEffect(() => {
     let current = true
-    const asked = strokes.changes
+    const asked = strokes.moment
     api.figure(pose).then(
       (now) => {
         if (!current) return

@@ -19,8 +19,8 @@ export class ClickFile<One = Click> {
   saving = false
   /** why the last change is not in the file, or '' */
   failed = ''
-  /** so many changes were made here */
-  changes = 0
+  /** Counts changes made here and ends of their saving: it dates what the server is asked. */
+  moment = 0
   private past: Entry<One>[] = []
   private future: Entry<One>[] = []
   private revision = ''
@@ -42,10 +42,11 @@ export class ClickFile<One = Click> {
 
   /**
    * The file as the server has it. Undo ends here if somebody else has written it.
-   * @param asked  `changes` when the server was asked: an answer of before a change is no news
+   * @param asked  `moment` when the server was asked: what it read before a change was written is no news,
+   * also when the answer is overtaken by that of the saving
    */
-  take(clicks: readonly One[], revision: string, asked = this.changes): void {
-    if (asked !== this.changes || this.saving || this.dirty || revision === this.revision) return
+  take(clicks: readonly One[], revision: string, asked = this.moment): void {
+    if (asked !== this.moment || this.saving || this.dirty || revision === this.revision) return
     if (this.past.length > 0) this.tell(`The ${this.noun} were changed elsewhere; undo begins anew.`)
     this.clicks = clicks
     this.revision = revision
@@ -79,7 +80,7 @@ export class ClickFile<One = Click> {
   private put(clicks: readonly One[]): void {
     this.clicks = clicks
     this.dirty = true
-    ++this.changes
+    ++this.moment
     this.changed()
     void this.save()
   }
@@ -98,6 +99,7 @@ export class ClickFile<One = Click> {
       await this.refused(error)
     } finally {
       this.saving = false
+      ++this.moment
       this.changed()
     }
   }

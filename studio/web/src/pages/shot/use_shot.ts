@@ -45,7 +45,7 @@ export function useShot(): ShotDesk {
   }
   useEffect(() => {
     let current = true
-    const asked = clicks.changes
+    const asked = clicks.moment
     shotApi.shot().then(
       (now) => {
         if (current) take(now, asked)

@@ -125,9 +125,11 @@ export function useTimeline(frames: Frames | null): Editing | null {
   )
   const load = useCallback(async () => {
     if (saver.dirty) return
+    const before = saver.answer
     try {
       const read = await api.timeline()
-      if (!saver.dirty) adopt(read)
+      // A save may have overtaken this answer; what it brought is newer.
+      if (!saver.dirty && saver.answer === before) adopt(read)
     } catch (error) {
       complain(error)
     }
