@@ -1,4 +1,4 @@
-// Bundles the tests of the page's models, and runs them: node run.mjs
+// Bundles the tests of the page's models, and runs them in one process: node run.mjs
 import { spawnSync } from 'node:child_process'
 import { mkdtempSync, readdirSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
@@ -11,16 +11,15 @@ const here = dirname(fileURLToPath(import.meta.url))
 const tests = readdirSync(here).filter((name) => name.endsWith('.test.ts'))
 const folder = mkdtempSync(join(tmpdir(), 'studio_tests_'))
 try {
+  const all = join(folder, 'all.mjs')
   buildSync({
-    entryPoints: tests.map((name) => join(here, name)),
+    stdin: { contents: tests.map((name) => `import './${name}'`).join('\n'), resolveDir: here },
     bundle: true,
     platform: 'node',
     format: 'esm',
-    outdir: folder,
-    outExtension: { '.js': '.mjs' },
+    outfile: all,
   })
-  const files = tests.map((name) => join(folder, name.replace('.ts', '.mjs')))
-  const done = spawnSync(process.execPath, ['--test', ...files], { stdio: 'inherit' })
+  const done = spawnSync(process.execPath, [all], { stdio: 'inherit' })
   process.exitCode = done.status ?? 1
 } finally {
   rmSync(folder, { recursive: true })
