@@ -2,7 +2,9 @@
 """Simulated sessions of `keypose shoot`: through faults, Ctrl-C and SIGKILL they end in the project
 that an undisturbed session makes, bit for bit.
 
-    sessions_test.py BIN        BIN: the folder of the programs
+    sessions_test.py BIN ANGLES [TEST ...]
+
+BIN is the folder of the programs. ANGLES are those of a ring: 24, or 12 for the tests that CMakeLists.txt names.
 """
 import json
 import os
@@ -27,8 +29,10 @@ from simulated_sessions import (
     TOOL,
     USAGE,
     Undisturbed,
+    angle,
     contents,
     landed,
+    photograph,
     setUpModule,
     shoot,
     shoot_command,
@@ -57,14 +61,14 @@ class Sessions(unittest.TestCase):
     def test_three_poses_through_five_faults_end_in_the_undisturbed_project(self):
         project = Folder("five").path
         said = shoot(project, "rest", "--faults", "lost-reply@4,stall@9")
-        self.assertIn("all 24 photographs", said)
+        self.assertIn(f"all {ANGLES} photographs", said)
         said = shoot(project, "bent", "--faults", "unplug@11,card-full@7")
         self.assertIn("cable", said)
         self.assertIn("card is full", said)
         process = subprocess.Popen(
             shoot_command(project, "wave"), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
         )
-        wait_for_photographs(project, "wave", 13)
+        wait_for_photographs(project, "wave", ANGLES // 2 + 1)
         process.kill()
         process.wait()
         before = landed(project, "wave")
@@ -150,9 +154,9 @@ class Sessions(unittest.TestCase):
         project = Folder("again").path
         shoot(project, "rest")
         before = landed(project, "rest")
-        shoot(project, "rest", "--again", "45")
+        shoot(project, "rest", "--again", str(angle(3)))
         after = landed(project, "rest")
-        self.assertEqual([name for name in before if before[name] != after[name]], ["r1_a045.jpg"])
+        self.assertEqual([name for name in before if before[name] != after[name]], [photograph(3) + ".jpg"])
         self.expect_same(project, Undisturbed.of(["rest"]), but=STAND)
 
     def test_a_blurred_photograph_is_found_and_cured_by_shooting_it_again(self):
@@ -229,30 +233,30 @@ class Sessions(unittest.TestCase):
         talk.process.stdin.flush()
         talk.until("refused")
         talk.say("shoot")
-        photo = talk.until("photograph", photograph="r1_a030")
-        self.assertEqual(photo["path"], "photos/rest/r1_a030.jpg")
+        photo = talk.until("photograph", photograph=photograph(2))
+        self.assertEqual(photo["path"], f"photos/rest/{photograph(2)}.jpg")
         self.assertEqual(photo["entry"]["findings"], [])
         talk.say("pause")
         talk.until("state", state="paused")
-        talk.say("again", photograph="r1_a015", id=1)
+        talk.say("again", photograph=photograph(1), id=1)
         talk.until("accepted", id=1)
         self.assertTrue(talk.until("photograph")["again"])
         talk.say("again", angle_deg=17)
         talk.until("refused", command="again")
-        talk.say("skip", photograph="r1_a315")
+        talk.say("skip", photograph=photograph(ANGLES - 3))
         talk.until("accepted", command="skip")
         ring = talk.until("ring")
-        self.assertEqual(ring["missing_deg"], [315])
+        self.assertEqual(ring["missing_deg"], [angle(ANGLES - 3)])
         self.assertEqual(ring["findings"][0]["code"], "missing")
         talk.until("pose-done", pose="rest", skipped=1)
         talk.until("state", state="idle")
-        talk.say("again", photograph="r1_a315")
-        talk.until("photograph", photograph="r1_a315")
+        talk.say("again", photograph=photograph(ANGLES - 3))
+        talk.until("photograph", photograph=photograph(ANGLES - 3))
         talk.until("state", state="idle")
         talk.say("next-pose", pose="bent")
         self.assertEqual(talk.until("session", pose="bent")["onion_pose"], "rest")
         self.assertEqual(talk.until("state", state="shooting")["onion"], "photos/rest/r1_a000.jpg")
-        talk.until("photograph", photograph="r1_a045")
+        talk.until("photograph", photograph=photograph(3))
         ended = talk.end()
         self.assertFalse(ended["complete"])
         self.assertIn("the same command goes on", ended["words"])

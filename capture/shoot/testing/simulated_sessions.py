@@ -1,6 +1,6 @@
 """Simulated sessions of `keypose shoot` on a project named fox, for sessions_test.py.
 
-Takes the folder of the programs off the command line's arguments.
+Takes the folder of the programs, and how many angles a ring has, off the command line's arguments.
 """
 import json
 import os
@@ -13,7 +13,7 @@ import time
 
 BIN = os.path.abspath(sys.argv.pop(1))
 POSES = ["rest", "bent", "wave"]
-ANGLES = 24
+ANGLES = int(sys.argv.pop(1))
 # Exit codes of docs/shoot.md.
 USAGE, INPUT, TOOL, LOCKED, INTERRUPTED = 2, 3, 5, 7, 130
 # Says how the table stands: after `again` not where a ring ends.
@@ -107,17 +107,21 @@ class Folder:
 
 
 class Undisturbed:
+    """One project for each turntable, whose content is kept after each pose."""
+
     projects = {}
 
     @classmethod
     def of(cls, poses, turntable="simulated"):
-        key = (tuple(poses), turntable)
-        if key not in cls.projects:
-            project = Folder(f"undisturbed_{len(cls.projects)}").path
-            for pose in poses:
-                shoot(project, pose, turntable=turntable)
-            cls.projects[key] = contents(project)
-        return cls.projects[key]
+        """@param poses  the first ones of POSES"""
+        assert poses == POSES[: len(poses)]
+        if turntable not in cls.projects:
+            cls.projects[turntable] = (Folder(f"undisturbed_{len(cls.projects)}").path, [])
+        project, after = cls.projects[turntable]
+        for pose in POSES[len(after) : len(poses)]:
+            shoot(project, pose, turntable=turntable)
+            after.append(contents(project))
+        return after[len(poses) - 1]
 
 
 class Conversation:
@@ -165,6 +169,15 @@ class Conversation:
         assert self.process.wait(timeout=30) == 0
         self.process.stdout.close()
         return ended
+
+
+def angle(index):
+    """Of the photograph with that number in the ring, from 0 on [deg]."""
+    return index * 360 // ANGLES
+
+
+def photograph(index):
+    return f"r1_a{angle(index):03}"
 
 
 def landed(project, pose):
