@@ -163,8 +163,8 @@ class Sessions(unittest.TestCase):
     def test_sixty_frames_through_five_faults_give_the_undisturbed_curves(self):
         self.disturb(60, 'drop@8,noise@12,glitch:tailBend3@16,drop@27,noise@33,unplug@50,glitch:rigLift@55', stuck=20, power=35, killed=45)
 
-    def test_sixteen_frames_through_five_faults_give_the_undisturbed_curves(self):
-        self.disturb(16, 'drop@2,noise@3,glitch:tailBend3@4,unplug@14', stuck=7, power=12, killed=13)
+    def test_twelve_frames_through_five_faults_give_the_undisturbed_curves(self):
+        self.disturb(12, 'drop@1,noise@2,glitch:tailBend3@3,unplug@11', stuck=4, power=8, killed=9)
 
     def disturb(self, frames, faults, stuck, power, killed):
         wanted = self.undisturbed(frames)

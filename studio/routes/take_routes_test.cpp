@@ -20,29 +20,41 @@ using nlohmann::json;
 
 class TakeRoutes : public ::testing::Test, public TestingFolder {
  protected:
+  /// One project with a recorded take, which each test gets as a copy. `keypose status` asks all
+  /// stages what they are, so that no test needs to.
+  static void SetUpTestSuite() {
+    made = std::make_unique<TestingFolder>();
+    const fs::path example = made->path() / "armature/example";
+    fs::create_directories(example.parent_path());
+    // A smaller one than that of the route, which takes what is there.
+    Program("keypose-armature", {"example", "--folder", example.string(), "--vertices", "3000"});
+    Program("keypose-armature",
+            {"record", "--description", (example / "theropod.txt").string(), "--port", "simulated",
+             "--session", (made->path() / "armature/walk").string(), "--frames", "4", "--step",
+             "2"});
+    fs::create_directories(made->path() / "photos/rest");
+    WriteFile(made->path() / "pipeline.yaml", "poses: {rest: photos/rest}\n");
+    Program("keypose", {"status", "-C", made->path().string()});
+    fs::remove_all(made->path() / "photos");
+    fs::remove(made->path() / "pipeline.yaml");
+  }
+  static void TearDownTestSuite() { made.reset(); }
+
   TakeRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
-    fs::create_directories(folder_ / "armature");
+    fs::copy(made->path(), folder_, fs::copy_options::recursive);
     routes_ = std::make_unique<Routes>(folder_);
-    // A smaller one than that of the route, which takes what is there.
-    Program({"example", "--folder", (folder_ / "armature/example").string(), "--vertices", "3000"});
     setup_ = json::parse(Post("example", json::object()).bytes);
     setup_["mesh"] = setup_["set"] = "";  // ball and stick
-    Record("walk");
     fs::create_directories(folder_ / ".keypose/studio");
     WriteFile(folder_ / ".keypose/studio/armature.json", setup_.dump());
   }
   ~TakeRoutes() override { routes_.reset(); }
 
-  void Program(std::vector<std::string> words) {
-    words.insert(words.begin(), (pipeline::ProgramFolder() / "keypose-armature").string());
-    const ChildResult made = RunChild(words, folder_, 60);
-    ASSERT_EQ(made.exit_code, 0) << made.output;
-  }
-  void Record(const std::string& take) {
-    Program({"record", "--description", (folder_ / "armature/example/theropod.txt").string(),
-             "--port", "simulated", "--session", (folder_ / "armature" / take).string(), "--frames",
-             "4", "--step", "2"});
+  static void Program(const std::string& program, std::vector<std::string> words) {
+    words.insert(words.begin(), (pipeline::ProgramFolder() / program).string());
+    const ChildResult done = RunChild(words, made->path(), 60);
+    ASSERT_EQ(done.exit_code, 0) << done.output;
   }
   Answer Post(const std::string& path, const json& body) {
     return routes_->Handle({"POST", "/api/armature/" + path, {}, body.dump()});
@@ -67,6 +79,7 @@ class TakeRoutes : public ::testing::Test, public TestingFolder {
   }
   static std::string Words(const Answer& answer) { return json::parse(answer.bytes)["error"]; }
 
+  static inline std::unique_ptr<TestingFolder> made;
   std::unique_ptr<Routes> routes_;
   json setup_;
 };
@@ -198,7 +211,7 @@ class TakeUses : public TakeRoutes {
  protected:
   void Bake() {
     const std::string example = (folder_ / "armature/example/theropod").string();
-    Program({"bake", "--description", example + ".txt", "--chains", example + "_chains.txt",
+    Program("keypose-armature", {"bake", "--description", example + ".txt", "--chains", example + "_chains.txt",
              "--curves", (folder_ / "armature/walk/curves.json").string(), "--frames",
              (folder_ / "armature/walk/frames").string()});
   }

@@ -31,6 +31,7 @@ class Studio:
             text=True,
         )
         address = self.program.stdout.readline().strip()
+        self.left_open = set()
         self.port = int(address.split(':')[2].split('/')[0])
         self.token = address.split('token=')[1]
         answer = self.ask('GET', f'/enter?token={self.token}', cookie='')
@@ -41,13 +42,16 @@ class Studio:
             if line.lower().startswith('set-cookie')
         )
 
-    def raw(self, data, wait=90.0):
+    def raw(self, data, wait=90.0, ends=False):
         """Status, head and body of the answer to these bytes; status 0: the connection was closed
-        without one. A busy machine or a sanitized studio needs longer than the usual half second."""
+        without one. A busy machine or a sanitized studio needs longer than the usual half second.
+        ends: nothing more is sent, and the studio sees that."""
         with socket.create_connection(('127.0.0.1', self.port), timeout=wait) as connection:
             got = b''
             try:
                 connection.sendall(data)
+                if ends:
+                    connection.shutdown(socket.SHUT_WR)
                 while chunk := connection.recv(65536):
                     got += chunk
                     head, _, body = got.partition(b'\r\n\r\n')
@@ -392,7 +396,11 @@ def endless_head(studio, pick):
         head + b'X: b\r\n' * 5000 + b'\r\n',
         b'\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03',
     ]
-    return studio.raw(pick.choice(tricks), wait=8)[0] in (0, 400, 403, 404, 413, 414, 431)
+    # Once each stays open, so that the studio waits until its patience ends; then they hang up.
+    trick = pick.choice(tricks)
+    ends = trick in studio.left_open
+    studio.left_open.add(trick)
+    return studio.raw(trick, wait=8, ends=ends)[0] in (0, 400, 403, 404, 413, 414, 431)
 
 
 KINDS = [
