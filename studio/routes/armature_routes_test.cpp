@@ -9,7 +9,9 @@
 
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/routes/routes.h"
+#include "studio/runs/children.h"
 
 namespace keypose::studio::armature_routes_test {
 
@@ -18,6 +20,17 @@ using nlohmann::json;
 
 class ArmatureRoutes : public ::testing::Test, public TestingFolder {
  protected:
+  /// A smaller one than that of the route, which takes what is there.
+  static void SetUpTestSuite() {
+    made = std::make_unique<TestingFolder>();
+    const std::string program = (pipeline::ProgramFolder() / "keypose-armature").string();
+    const ChildResult done = RunChild(
+        {program, "example", "--folder", (made->path() / "example").string(), "--vertices", "3000"},
+        made->path(), 60);
+    ASSERT_EQ(done.exit_code, 0) << done.output;
+  }
+  static void TearDownTestSuite() { made.reset(); }
+
   ArmatureRoutes() {
     ::signal(SIGPIPE, SIG_IGN);
     routes_ = std::make_unique<Routes>(folder_);
@@ -31,7 +44,13 @@ class ArmatureRoutes : public ::testing::Test, public TestingFolder {
     return routes_->Handle({"GET", "/api/armature" + path, std::move(query), ""});
   }
   json Story() { return json::parse(Get("").bytes); }
-  json Example() { return json::parse(Post("example", json::object()).bytes); }
+  json Example() {
+    fs::create_directories(folder_ / "armature");
+    fs::copy(made->path() / "example", folder_ / "armature/example");
+    return MadeExample();
+  }
+  /// By the route itself.
+  json MadeExample() { return json::parse(Post("example", json::object()).bytes); }
   /// Waits for at most half a minute.
   static bool Until(const std::function<bool()>& condition) {
     for (int i = 0; i < 600 && !condition(); ++i) usleep(50'000);
@@ -39,11 +58,12 @@ class ArmatureRoutes : public ::testing::Test, public TestingFolder {
   }
   std::size_t Frames() { return Get("/frames").bytes.size(); }
 
+  static inline std::unique_ptr<TestingFolder> made;
   std::unique_ptr<Routes> routes_;
 };
 
 TEST_F(ArmatureRoutes, SessionIsStartedFollowedAndEnded) {
-  json setup = Example();
+  json setup = MadeExample();
   setup["mesh"] = setup["set"] = "";  // ball and stick
   ASSERT_EQ(Post("start", setup).status, 200);
   EXPECT_EQ(Post("start", setup).status, 409);

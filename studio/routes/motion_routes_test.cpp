@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
@@ -105,6 +106,8 @@ class MotionRoutes : public ::testing::Test, public TestingFolder {
     WriteFile(folder_ / "pipeline.yaml", kProject);
   }
 
+  ~MotionRoutes() override { routes_.reset(); }
+
   void AddTool(const std::string& name, const std::vector<std::string>& inputs, const json& outputs,
                const json& options = json::array()) {
     const fs::path program = folder_ / "tools" / name;
@@ -147,26 +150,36 @@ class MotionRoutes : public ::testing::Test, public TestingFolder {
                  Image8(64, 32, 3, static_cast<std::uint8_t>(40 * (i + 1))));
   }
   void Project(const std::string& top, const std::string& steps) {
+    routes_.reset();
     WriteFile(folder_ / "pipeline.yaml", top + kProject + steps);
   }
   void Run(const std::string& until) {
+    routes_.reset();
     const fs::path log = folder_.string() + ".log";
     const std::string command = BinFolder() + "/keypose run -C " + folder_.string() + " --until " +
                                 until + " > " + log.string() + " 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << ReadFile(log);
     fs::remove(log);
   }
+  /// Reads the project anew after a run or another pipeline.yaml.
+  Answer Handle(const Question& question) {
+    if (!routes_) routes_ = std::make_unique<Routes>(folder_);
+    return routes_->Handle(question);
+  }
   Answer Ask(const std::string& path, const std::string& shot) {
-    return Routes(folder_).Handle({"GET", path, {{"shot", shot}}, ""});
+    return Handle({"GET", path, {{"shot", shot}}, ""});
   }
   Answer Texture(const std::map<std::string, std::string>& query) {
-    return Routes(folder_).Handle({"GET", "/api/frames/texture", query, ""});
+    return Handle({"GET", "/api/frames/texture", query, ""});
   }
   json Colours() { return Frames("walk").at("colours"); }
   json Frames(const std::string& shot) { return json::parse(Ask("/api/frames", shot).bytes); }
   json Shots() { return json::parse(Ask("/api/project", "").bytes).at("poses"); }
 
   const Mesh body = MakeIcosphere(1), scan = MakeIcosphere(2);
+
+ private:
+  std::unique_ptr<Routes> routes_;
 };
 
 TEST_F(MotionRoutes, BeforeItIsTrackedThereIsNoneAndWhatToRunIsSaid) {

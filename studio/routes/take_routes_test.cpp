@@ -20,23 +20,16 @@ using nlohmann::json;
 
 class TakeRoutes : public ::testing::Test, public TestingFolder {
  protected:
-  /// One project with a recorded take, which each test gets as a copy. `keypose status` asks all
-  /// stages what they are, so that no test needs to.
+  /// One project with a recorded take, which each test gets as a copy.
   static void SetUpTestSuite() {
     made = std::make_unique<TestingFolder>();
     const fs::path example = made->path() / "armature/example";
     fs::create_directories(example.parent_path());
     // A smaller one than that of the route, which takes what is there.
-    Program("keypose-armature", {"example", "--folder", example.string(), "--vertices", "3000"});
-    Program("keypose-armature",
-            {"record", "--description", (example / "theropod.txt").string(), "--port", "simulated",
+    Program({"example", "--folder", example.string(), "--vertices", "3000"});
+    Program({"record", "--description", (example / "theropod.txt").string(), "--port", "simulated",
              "--session", (made->path() / "armature/walk").string(), "--frames", "4", "--step",
              "2"});
-    fs::create_directories(made->path() / "photos/rest");
-    WriteFile(made->path() / "pipeline.yaml", "poses: {rest: photos/rest}\n");
-    Program("keypose", {"status", "-C", made->path().string()});
-    fs::remove_all(made->path() / "photos");
-    fs::remove(made->path() / "pipeline.yaml");
   }
   static void TearDownTestSuite() { made.reset(); }
 
@@ -51,8 +44,8 @@ class TakeRoutes : public ::testing::Test, public TestingFolder {
   }
   ~TakeRoutes() override { routes_.reset(); }
 
-  static void Program(const std::string& program, std::vector<std::string> words) {
-    words.insert(words.begin(), (pipeline::ProgramFolder() / program).string());
+  static void Program(std::vector<std::string> words) {
+    words.insert(words.begin(), (pipeline::ProgramFolder() / "keypose-armature").string());
     const ChildResult done = RunChild(words, made->path(), 60);
     ASSERT_EQ(done.exit_code, 0) << done.output;
   }
@@ -211,7 +204,7 @@ class TakeUses : public TakeRoutes {
  protected:
   void Bake() {
     const std::string example = (folder_ / "armature/example/theropod").string();
-    Program("keypose-armature", {"bake", "--description", example + ".txt", "--chains", example + "_chains.txt",
+    Program({"bake", "--description", example + ".txt", "--chains", example + "_chains.txt",
              "--curves", (folder_ / "armature/walk/curves.json").string(), "--frames",
              (folder_ / "armature/walk/frames").string()});
   }
