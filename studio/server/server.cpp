@@ -8,7 +8,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
@@ -133,6 +136,21 @@ void SendFile(const Answer& answer, const httplib::Request& request, httplib::Re
       });
 }
 
+/// As it is. The library would compress texts as well as Brotli can, which takes seconds for the
+/// page's program, to save what costs nothing on the loopback; what is given in pieces it leaves
+/// alone.
+/// @param bytes  stay where they are until `owner` is gone
+void SendBytes(std::string_view bytes, std::shared_ptr<const void> owner, const std::string& type,
+               httplib::Response& response) {
+  if (bytes.empty()) return response.set_content("", type.c_str());
+  response.set_content_provider(
+      bytes.size(), type.c_str(),
+      [bytes, owner = std::move(owner)](std::size_t offset, std::size_t length,
+                                        httplib::DataSink& sink) {
+        return sink.write(bytes.data() + offset, length);
+      });
+}
+
 /// For a header: every byte that is not a letter or digit of ASCII as %XX.
 std::string PercentEncoded(const std::string& text) {
   std::string encoded;
@@ -146,7 +164,7 @@ std::string PercentEncoded(const std::string& text) {
   return encoded;
 }
 
-void Send(const Question& question, const Answer& answer, const httplib::Request& request,
+void Send(const Question& question, Answer answer, const httplib::Request& request,
           httplib::Response& response) {
   response.status = answer.status;
   if (!answer.download.empty())
@@ -154,10 +172,12 @@ void Send(const Question& question, const Answer& answer, const httplib::Request
                         "attachment; filename*=UTF-8''" + PercentEncoded(answer.download));
   if (question.path.starts_with("/report/"))
     response.set_header("Content-Security-Policy", kReportPolicy);
-  if (!answer.file.empty())
+  if (!answer.file.empty()) {
     SendFile(answer, request, response);
-  else
-    response.set_content(answer.bytes, answer.type.c_str());
+  } else {
+    const auto bytes = std::make_shared<const std::string>(std::move(answer.bytes));
+    SendBytes(*bytes, bytes, answer.type, response);
+  }
 }
 
 /// Ends all connections to this port of this process. The library waits seconds for callers that
@@ -187,7 +207,7 @@ bool SendPage(const std::vector<PageFile>& page, const std::string& path,
   for (const PageFile& file : page) {
     if (file.name != name) continue;
     response.set_header("Content-Security-Policy", kPagePolicy);
-    response.set_content(file.bytes.data(), file.bytes.size(), PageType(name).c_str());
+    SendBytes({file.bytes.data(), file.bytes.size()}, nullptr, PageType(name), response);
     return true;
   }
   return false;
@@ -246,11 +266,11 @@ struct StudioServer::Impl {
     const auto any = [this](const httplib::Request& request, httplib::Response& response) {
       if (request.method == "GET" && SendPage(page, PathOf(request), response)) return;
       const Question question = QuestionOf(request);
-      const Answer answer = routes.Handle(question);
+      Answer answer = routes.Handle(question);
       // A project is made by the page, or by `keypose shoot`; every tab then asks for it.
       if (question.path == "/api/project" || question.path == "/api/armature")
         KeepSession(folder, session);
-      Send(question, answer, request, response);
+      Send(question, std::move(answer), request, response);
     };
     server.Get(".*", any);
     server.Post(".*", any);
