@@ -1,4 +1,5 @@
 // Starts a studio and a browser for the tests of the page; what all of these share.
+// A walk takes 20 s or more: Chromium starts, draws without a graphics card, and axe-core looks at each page twice.
 import { spawn } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
