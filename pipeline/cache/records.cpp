@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/values/size_of.h"
+#include "pipeline/cache/run_history.h"
 
 namespace keypose::pipeline {
 
@@ -15,15 +16,6 @@ using nlohmann::json;
 
 Records::Records(Disk& disk, std::filesystem::path state_folder)
     : disk_(disk), state_folder_(std::move(state_folder)) {}
-
-namespace {
-
-/// Whether the text can be a fingerprint, and so safely name a folder.
-bool IsFingerprint(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
-}  // namespace
 
 std::filesystem::path Records::StepFile(const std::string& step_id) const {
   return state_folder_ / "steps" / (step_id + ".json");

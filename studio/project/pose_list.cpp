@@ -13,6 +13,7 @@
 #include "pipeline/text/text.h"
 #include "studio/project/changes.h"
 #include "studio/project/moves.h"
+#include "studio/project/reviews.h"
 
 namespace keypose::studio {
 
@@ -141,6 +142,7 @@ void RenamePose(Snapshot& snapshot, const std::string& pose, const std::string& 
   }
   whole.Write(edited);
   moves.Keep();
+  RenameReviewed(whole.project, pose, name);
 }
 
 void OrderPoses(Snapshot& snapshot, const std::vector<std::string>& order) {

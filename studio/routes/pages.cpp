@@ -10,6 +10,7 @@
 #include "studio/routes/motion_routes.h"
 #include "studio/routes/new_project_routes.h"
 #include "studio/routes/poses_routes.h"
+#include "studio/routes/review_routes.h"
 #include "studio/routes/run_routes.h"
 #include "studio/routes/shoot_routes.h"
 #include "studio/routes/shot_routes.h"
@@ -32,8 +33,9 @@ std::vector<std::unique_ptr<PageRoutes>> Make(SharedProject& project) {
 
 std::vector<std::unique_ptr<PageRoutes>> AllPages(SharedProject& project) {
   return Make<ArmatureRoutes, CamerasRoutes, ExportRoutes, FigureRoutes, FilmsRoutes,
-              LandmarksRoutes, MasksRoutes, MotionRoutes, NewProjectRoutes, PosesRoutes, RunRoutes,
-              ShootRoutes, ShotRoutes, StateRoutes, TakeRoutes, TimelineRoutes>(project);
+              LandmarksRoutes, MasksRoutes, MotionRoutes, NewProjectRoutes, PosesRoutes,
+              ReviewRoutes, RunRoutes, ShootRoutes, ShotRoutes, StateRoutes, TakeRoutes,
+              TimelineRoutes>(project);
 }
 
 }  // namespace keypose::studio

@@ -10,6 +10,7 @@ import { LandmarksPage } from './pages/landmarks'
 import { MotionPage } from './pages/motion'
 import { NewProjectPage } from './pages/new_project'
 import { PosesPage } from './pages/poses'
+import { ReviewPage } from './pages/review'
 import { RunPage } from './pages/run'
 import { ShootPage } from './pages/shoot'
 import { ShotPage } from './pages/shot'
@@ -69,6 +70,7 @@ export const kPages: Page[] = [
     of: ['poses', 'takes'],
     early: { name: 'Armature', page: ArmaturePage },
   },
+  { path: 'review', name: 'Review', page: ReviewPage, of: ['poses', 'performance', 'takes'] },
   {
     path: 'export',
     name: 'Report & export',

@@ -114,15 +114,17 @@ export class Viewer {
     this.renderer.domElement.remove()
   }
 
-  /** Shows a mesh, or a cloud if it has no faces. Keeps the turn if `keep_turn`. */
-  show(data: MeshData, look: Look, keep_turn = false): void {
+  /**
+   * Shows a mesh, or a cloud if it has no faces. Keeps the turn if `keep_turn`.
+   * @param box  what the view is of; views of one box and turn have the same camera
+   */
+  show(data: MeshData, look: Look, keep_turn = false, box = boxOf(data.positions)): void {
     const first = this.shown === null
     // Read before the middle and the size change, as it is relative to them.
     const turn: Turn = first ? { direction: [0.35, -0.9, 0.28], distance: 1.75 } : this.turn()
     this.clear()
     this.shown = new Surface(data, look, this.pictures)
     this.scene.add(this.shown.object)
-    const box = boxOf(data.positions)
     if (!keep_turn || first) {
       this.center.set((box[0] + box[3]) / 2, (box[1] + box[4]) / 2, (box[2] + box[5]) / 2)
       this.size = Math.hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]) || 1

@@ -88,7 +88,7 @@ function Pair(props: { pose: Pose; results: string; camera: CameraView; behind: 
         >
           <ViewerStage label="Render" ready={setViewer} />
         </div>
-        <Edge edge={edge} move={setEdge} />
+        <Edge edge={edge} move={setEdge} label="Share of the photograph" />
       </div>
     </div>
   )
@@ -119,8 +119,9 @@ function useRender(
   }, [viewer, data, camera])
 }
 
-/** The handle between photograph and render. */
-function Edge({ edge, move }: { edge: number; move: (edge: number) => void }) {
+/** The handle between two things in one place; `edge` is where it stands, in percent. */
+export function Edge(props: { edge: number; move: (edge: number) => void; label: string }) {
+  const { edge, move } = props
   const drag = (event: PointerEvent) => {
     const handle = event.currentTarget as HTMLElement
     if (!handle.hasPointerCapture(event.pointerId)) return
@@ -146,7 +147,7 @@ function Edge({ edge, move }: { edge: number; move: (edge: number) => void }) {
       class="edge"
       role="slider"
       tabIndex={0}
-      aria-label="Share of the photograph"
+      aria-label={props.label}
       aria-valuemin={0}
       aria-valuemax={100}
       aria-valuenow={Math.round(edge)}
