@@ -123,7 +123,7 @@ std::string FingerprintIn(const std::map<std::string, std::string>& values,
 
 }  // namespace
 
-ResultHistory::ResultHistory(Snapshot& snapshot) : snapshot_(snapshot) {
+ResultHistory::ResultHistory(Snapshot& snapshot, bool running) : snapshot_(snapshot) {
   for (const pipeline::PoseRule& rule : snapshot.file().poses)
     if (snapshot.HasPose(rule.name)) subjects_.push_back({rule.name, {}, {}});
   subjects_.push_back({"", {}, {}});
@@ -134,7 +134,7 @@ ResultHistory::ResultHistory(Snapshot& snapshot) : snapshot_(snapshot) {
       pipeline::PastRuns(snapshot.opened_project().disk(), snapshot.opened_project().state());
   for (ReviewSubject& subject : subjects_) {
     std::set<std::string> seen;
-    for (const Moment& moment : MomentsOf(subject, runs)) {
+    for (const Moment& moment : MomentsOf(subject, runs, running)) {
       ResultVersion version = VersionOf(subject, moment);
       if (seen.insert(version.id).second) subject.versions.push_back(std::move(version));
     }
@@ -177,7 +177,7 @@ ResultHistory::State ResultHistory::StateNow(std::string* when) const {
 /// Newest first: what the subject's steps had made at the end of each run, where that was another
 /// than before. A run of some steps leaves the others as they were.
 std::vector<ResultHistory::Moment> ResultHistory::MomentsOf(
-    const ReviewSubject& subject, const std::vector<pipeline::PastRun>& runs) const {
+    const ReviewSubject& subject, const std::vector<pipeline::PastRun>& runs, bool running) const {
   std::vector<Moment> moments;
   const auto own = [&](const State& state) {
     std::vector<std::string> fingerprints;
@@ -199,9 +199,8 @@ std::vector<ResultHistory::Moment> ResultHistory::MomentsOf(
     add(state, run.begin);
   }
   std::string when;
-  const State now = StateNow(&when);
-  add(now, when);
-  if (!moments.empty()) moments.back().now = own(now) != nothing;
+  if (!running) add(StateNow(&when), when);
+  if (!moments.empty()) moments.back().now = true;
   std::reverse(moments.begin(), moments.end());
   if (SizeOf(moments) > kMostVersions) moments.resize(kMostVersions);
   return moments;

@@ -49,8 +49,10 @@ class ResultHistory {
   /// Of each subject at most this many versions.
   static constexpr int kMostVersions = 20;
 
+  /// @param running  a run is at work: what it has made so far is no result yet, as its steps are
+  /// of two runs
   /// @pre `snapshot` outlives this object
-  explicit ResultHistory(Snapshot& snapshot);
+  explicit ResultHistory(Snapshot& snapshot, bool running = false);
 
   const std::vector<ReviewSubject>& subjects() const { return subjects_; }
   /// @throws UsageError  there is no such pose
@@ -76,7 +78,7 @@ class ResultHistory {
   const std::optional<pipeline::Artifact>& ArtifactOf(const std::string& fingerprint);
   State StateNow(std::string* when) const;
   std::vector<Moment> MomentsOf(const ReviewSubject& subject,
-                                const std::vector<pipeline::PastRun>& runs) const;
+                                const std::vector<pipeline::PastRun>& runs, bool running) const;
   ResultVersion VersionOf(const ReviewSubject& subject, const Moment& moment);
   void AddFiles(const pipeline::Step& step, const pipeline::Artifact& artifact,
                 ResultVersion* version, std::map<std::string, std::string>* contents) const;

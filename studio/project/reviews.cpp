@@ -95,7 +95,7 @@ void RequireSayable(const NewReview& review) {
 
 }  // namespace
 
-json ReviewsJson(Snapshot& snapshot) {
+json ReviewsJson(Snapshot& snapshot, bool running) {
   std::string problem;
   json reviews = json::array();
   try {
@@ -104,18 +104,19 @@ json ReviewsJson(Snapshot& snapshot) {
     problem = error.what();
   }
   json subjects = json::array();
-  const ResultHistory history(snapshot);
+  const ResultHistory history(snapshot, running);
   for (const ReviewSubject& subject : history.subjects())
     if (!subject.steps.empty()) subjects.push_back(SubjectJson(subject, reviews));
   return {{"revision", RevisionOf(snapshot.project() / kReviewsFile)},
           {"problem", problem},
+          {"running", running},
           {"subjects", subjects}};
 }
 
 void AddReview(Snapshot& snapshot, const NewReview& review, const std::string& revision,
-               double when) {
+               double when, bool running) {
   RequireSayable(review);
-  const ResultHistory history(snapshot);
+  const ResultHistory history(snapshot, running);
   const ResultVersion& version = history.Version(review.pose, review.version);
   if (version.shown.empty())
     throw UsageError("of that result nothing is left to look at; press Run to make it again");

@@ -14,12 +14,14 @@ inline constexpr char kReviewsFile[] = "reviews.json";
 /// What there is to look at, and what was said of it:
 /// - revision  of reviews.json
 /// - problem   why reviews.json cannot be read, or ""
+/// - running   a run is at work, whose results come when it ends
 /// - subjects  [{pose, versions, reviews}], `pose` "" for the film
 ///   - versions  newest first: {id, when, now, gone, mesh, texture, files: [{path, title, film}]}
 ///   - reviews   newest first: {index, verdict, note, when, holds, version}: `holds` says that it
 ///               was said of what is there now, `version` of what it was said ("": not there any
 ///               more)
-nlohmann::json ReviewsJson(Snapshot& snapshot);
+/// @param running  as ResultHistory takes it
+nlohmann::json ReviewsJson(Snapshot& snapshot, bool running);
 
 struct NewReview {
   std::string pose, version;
@@ -33,7 +35,7 @@ struct NewReview {
 /// @throws ChangedMeanwhile  reviews.json is not of this revision @throws InputError  it cannot be
 /// read
 void AddReview(Snapshot& snapshot, const NewReview& review, const std::string& revision,
-               double when);
+               double when, bool running);
 /// Takes one back. @throws as AddReview
 void RemoveReview(Snapshot& snapshot, int index, const std::string& revision);
 /// Reviews of a pose that has another name from now on.

@@ -40,11 +40,15 @@ void ReviewRoutes::AddTo(RouteTable& table) {
   AddWords(table);
 }
 
+bool ReviewRoutes::IsRunning() { return project_.run().running() || !project_.LockedBy().empty(); }
+
 void ReviewRoutes::AddPictures(RouteTable& table) {
   // The path of what `choose` takes of the version that is asked for.
   const auto path_of = [this](const Question& question, const char* version, const auto& choose) {
+    const bool running = IsRunning();
     return WithinCache(project_, project_.With([&](Snapshot& now) -> fs::path {
-      return choose(ResultHistory(now).Version(question.Get("pose"), question.Need(version)));
+      return choose(
+          ResultHistory(now, running).Version(question.Get("pose"), question.Need(version)));
     }));
   };
   const auto mesh = [](const ResultVersion& version) { return version.mesh; };
@@ -69,27 +73,32 @@ void ReviewRoutes::AddPictures(RouteTable& table) {
 
 void ReviewRoutes::AddWords(RouteTable& table) {
   table.Get("/api/review", [this](const Question&) {
-    return JsonAnswer(project_.With([](Snapshot& now) { return ReviewsJson(now); }));
+    const bool running = IsRunning();
+    project_.Forget();  // the records of runs are read anew; the plan must not be older than these
+    return JsonAnswer(project_.With([&](Snapshot& now) { return ReviewsJson(now, running); }));
   });
   table.Get("/api/review/compare", [this](const Question& question) {
+    const bool running = IsRunning();
     return JsonAnswer(project_.With([&](Snapshot& now) {
-      return ResultHistory(now).CompareJson(question.Get("pose"), question.Need("before"),
-                                            question.Need("after"));
+      return ResultHistory(now, running)
+          .CompareJson(question.Get("pose"), question.Need("before"), question.Need("after"));
     }));
   });
   table.Post("/api/review", [this](const Question& question) {
     const json body = question.Json();
+    const bool running = IsRunning();
     return JsonAnswer(project_.With([&](Snapshot& now) {
       AddReview(now, {body.at("pose"), body.at("version"), body.at("verdict"), body.at("note")},
-                body.at("revision"), pipeline::RealClock().Now());
-      return ReviewsJson(now);
+                body.at("revision"), pipeline::RealClock().Now(), running);
+      return ReviewsJson(now, running);
     }));
   });
   table.Post("/api/review/remove", [this](const Question& question) {
     const json body = question.Json();
+    const bool running = IsRunning();
     return JsonAnswer(project_.With([&](Snapshot& now) {
       RemoveReview(now, body.at("index"), body.at("revision"));
-      return ReviewsJson(now);
+      return ReviewsJson(now, running);
     }));
   });
 }

@@ -13,6 +13,7 @@ class ReviewRoutes final : public PageRoutes {
  private:
   void AddPictures(RouteTable& table);
   void AddWords(RouteTable& table);
+  bool IsRunning();
 };
 
 }  // namespace keypose::studio

@@ -93,7 +93,8 @@ function addFilms() {
   for (let i = 0; i < 6; ++i)
     writeFileSync(join(frames, `frame_000${i}.ply`), cubePly(0.1 + 0.01 * i));
   const made = join(scratch, 'films');
-  const words = ['--frames', frames, '--animation', made, '--formats', 'video', '--fps', '12'];
+  const words = ['--frames', frames, '--animation', made, '--formats', 'video', '--fps', '12',
+    '--video_width', '320', '--video_height', '240'];
   execFileSync(join(bin, 'keypose-export'), words, { stdio: 'ignore' });
   copyFileSync(join(made, 'character.mp4'), join(folder, 'tools/before.mp4'));
   copyFileSync(join(made, 'character_turntable.mp4'), join(folder, 'tools/after.mp4'));
@@ -205,16 +206,19 @@ async function oneCamera() {
   await mode('Side by side').click();
   const views = page.locator('.rv-pair canvas');
   const ground = await colourAt(0.02, 0.5);
-  const top = async (half) => {
-    for (let y = 0.02; y < 0.5; y += 0.02) if (!isNear(await colourAt(half, y), ground)) return y;
-    return 1;
+  /** Where it begins below the top, in one column [px]. */
+  const top = async (across) => {
+    const box = await boxOf(page.locator('.rv-pair'));
+    const x = Math.round(box.x + across * box.width);
+    const { rgb } = readPng(await page.screenshot({ clip: { x, y: box.y, width: 1, height: box.height } }));
+    return rgb.findIndex((one) => !isNear(one, ground));
   };
   const first = [await top(0.25), await top(0.75)];
   await views.first().focus();
-  for (let i = 0; i < 6; ++i) await page.keyboard.press('+');
+  for (let i = 0; i < 3; ++i) await page.keyboard.press('+');
   await until('both come closer', async () => {
     const now = [await top(0.25), await top(0.75)];
-    return now[0] < first[0] && now[1] < first[1];
+    return now[0] < first[0] && now[1] < first[1] && now[1] < now[0];
   });
 }
 

@@ -24,17 +24,30 @@ const kModes: Record<Mode, string> = {
   distance: 'Distance',
 }
 
+/** How soon the end of a run that another program has begun is looked for. */
+const kAgain_ms = 1500
+
 /** What there is to look at, asked for again when something was made. */
 function useReviews(): { reviews: Reviews | null; set: (reviews: Reviews) => void } {
   const { version, complain } = useStudio()
   const [reviews, set] = useState<Reviews | null>(null)
   useEffect(() => {
     let wanted = true
-    reviewApi.all().then(
-      (all) => wanted && set(all),
-      (error) => wanted && complain(error),
-    )
-    return () => void (wanted = false)
+    let later = 0
+    const ask = () =>
+      reviewApi.all().then(
+        (all) => {
+          if (!wanted) return
+          set(all)
+          if (all.running) later = setTimeout(ask, kAgain_ms)
+        },
+        (error) => wanted && complain(error),
+      )
+    void ask()
+    return () => {
+      wanted = false
+      clearTimeout(later)
+    }
   }, [version, complain])
   return { reviews, set }
 }

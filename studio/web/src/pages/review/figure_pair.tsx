@@ -79,7 +79,10 @@ export function FigurePair(props: {
   useEffect(() => {
     const show = async (viewer: Viewer | null, data: MeshData | null, version: Version | null) => {
       if (!viewer || !data || !version || !shown) return
-      if (version.texture) await viewer.loadTexture(reviewApi.textureUrl(pose, version.id))
+      if (version.texture)
+        await viewer.loadTexture(reviewApi.textureUrl(pose, version.id)).catch(() => {
+          throw new Error('The texture is gone; look again in a moment.')
+        })
       viewer.show(data, version.texture && !coloured ? 'texture' : 'plain', false, shown.box)
     }
     let wanted = true

@@ -45,6 +45,8 @@ export interface Reviews {
   revision: string
   /** why what was said cannot be read, or '' */
   problem: string
+  /** a run is at work; its results come when it ends */
+  running: boolean
   subjects: Subject[]
 }
 
