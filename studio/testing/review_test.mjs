@@ -205,19 +205,18 @@ async function asDifference() {
 async function oneCamera() {
   await mode('Side by side').click();
   const views = page.locator('.rv-pair canvas');
-  const ground = await colourAt(0.02, 0.5);
   /** Where it begins below the top, in one column [px]. */
-  const top = async (across) => {
+  const top = async (across, colour) => {
     const box = await boxOf(page.locator('.rv-pair'));
     const x = Math.round(box.x + across * box.width);
     const { rgb } = readPng(await page.screenshot({ clip: { x, y: box.y, width: 1, height: box.height } }));
-    return rgb.findIndex((one) => !isNear(one, ground));
+    return rgb.findIndex((one) => isNear(one, colour));
   };
-  const first = [await top(0.25), await top(0.75)];
+  const first = [await top(0.25, kBefore), await top(0.75, kAfter)];
   await views.first().focus();
   for (let i = 0; i < 3; ++i) await page.keyboard.press('+');
   await until('both come closer', async () => {
-    const now = [await top(0.25), await top(0.75)];
+    const now = [await top(0.25, kBefore), await top(0.75, kAfter)];
     return now[0] < first[0] && now[1] < first[1] && now[1] < now[0];
   });
 }
