@@ -25,14 +25,6 @@ namespace keypose::capture::photograph_formats_test {
 
 using ::testing::HasSubstr;
 
-TEST_F(CaptureProgram, PhotographsWithoutExifAreAccepted) {
-  WritePhotos(8);
-  const Outcome outcome = Run();
-  ASSERT_EQ(outcome.code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("no focal length"));
-  EXPECT_THAT(Report(), HasSubstr("\"focal_known\": false"));
-}
-
 TEST_F(CaptureProgram, ReadsPngAndTiffAndTurnsPortraits) {
   WritePhotos(6);
   WriteImage(photos / "q.png", MakeTestPhoto(6, 180, 120, TestWall::kDark).image);

@@ -153,33 +153,47 @@ def timeline_cases():
 
 
 def option_cases(stages):
-    """Per stage of the default pipeline: an unknown option, and an invalid value for each kind of option."""
+    """Per stage of the default pipeline: an unknown option, and a number beyond its range. Once, whichever stage has it first: each kind of
+    invalid value, since all stages' options are checked by one function, against what the stage says of itself."""
     cases = [
         Case('option: formats that are none', USAGE, ("options of step 'export'", "names 'mpp4'", 'video'),
              yaml=POSES + 'options:\n  export: {formats: "glb,mpp4"}\n', command=DRY_RUN),
         Case('option: two that contradict', USAGE, ("options of step 'register/bent'", 'good_fit must not be above poor_fit'),
              yaml=POSES + 'options:\n  register: {good_fit: 0.5}\n', command=DRY_RUN),
     ]
-    for stage, described in stages.items():
-        kinds = {}
-        for option in described['options']:
-            kinds.setdefault('choice' if option.get('choices') else option['type'], option)
+    seen = set()
+    for number, (stage, described) in enumerate(stages.items()):
         def case(option, text, words, stage=stage):
             cases.append(Case(f'option: {stage}.{option} {text}', USAGE, ('pipeline.yaml:5', f"step '{stage}'") + words,
                               yaml=POSES + f'options:\n  {stage}: {{{option}: {text}}}\n'))
-        first = next(iter(kinds.values()))['name']
+        first = described['options'][0]['name']
         case(first + 'x', 1, (f"no option '{first}x'", f"'{first}'"))
-        for kind, option in kinds.items():
-            name = option['name']
-            if kind == 'choice':
-                case(name, 'nothing', (f"'{name}'", 'must be one of', *option['choices']))
-            elif kind == 'bool':
-                case(name, 'perhaps', (f"'{name}' is 'perhaps'", 'true or false'))
-            elif kind in ('int', 'double'):
-                case(name, 'many', (f"'{name}' is 'many'", 'whole number' if kind == 'int' else 'number'))
-                case(name, 'nan', (f"'{name}'", 'number'))
-                if option.get('min') is not None:
-                    case(name, int(option['min']) - 1, (f"'{name}' is {int(option['min']) - 1}", 'must be'))
-                if option.get('max') is not None:
-                    case(name, int(option['max']) + 1, (f"'{name}'", 'must be'))
+        case(*beyond_its_range(described['options'], above=number % 2 == 1))
+        for option in described['options']:
+            kind = 'choice' if option.get('choices') else option['type']
+            if kind in seen:
+                continue
+            seen.add(kind)
+            for text, words in invalid_values(kind, option):
+                case(option['name'], text, words)
     return cases
+
+
+def invalid_values(kind, option):
+    """@return pairs of an invalid value and the words of the answer"""
+    name = option['name']
+    if kind == 'choice':
+        return [('nothing', (f"'{name}'", 'must be one of', *option['choices']))]
+    if kind == 'bool':
+        return [('perhaps', (f"'{name}' is 'perhaps'", 'true or false'))]
+    if kind in ('int', 'double'):
+        return [('many', (f"'{name}' is 'many'", 'whole number' if kind == 'int' else 'number')), ('nan', (f"'{name}'", 'number'))]
+    return []
+
+
+def beyond_its_range(options, above):
+    """@return of the stage's first number with a range: its name, a value just beyond the range, and the words of the answer"""
+    bound = 'max' if above else 'min'
+    option = next(one for one in options if one['type'] in ('int', 'double') and one.get(bound) is not None)
+    name, value = option['name'], int(option[bound]) + (1 if above else -1)
+    return name, value, (f"'{name}'", 'must be') if above else (f"'{name}' is {value}", 'must be')

@@ -235,7 +235,7 @@ void ReadMotion(Words& words, const std::string& name, BvhFile* file,
     file->frames.push_back(std::move(frame));
   }
   const auto found = static_cast<int>(file->frames.size());
-  if (std::abs(found - said) > 1)
+  if (std::abs(found - said) > 1 || (found == 0 && said > 0))
     words.Fail(fmt::format("it says that it has {} frames, but has {}", said, found));
   if (found != said)
     Note(notes, fmt::format("{} says that it has {} frames, but has {}, which are all used", name,
@@ -279,6 +279,7 @@ class ValuesWriter {
   MotionClip Clip() {
     clip_.values.resize(static_cast<Eigen::Index>(file_.frames.size()),
                         static_cast<Eigen::Index>(columns_.size()));
+    if (file_.frames.empty()) return clip_;
     for (std::size_t c = 0; c < columns_.size(); ++c)
       clip_.values.col(static_cast<Eigen::Index>(c)) = columns_[c];
     return clip_;

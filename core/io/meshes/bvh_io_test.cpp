@@ -203,6 +203,14 @@ TEST(Bvh, OneFrameOffIsSaidAndTwoAreRefused) {
   }
   EXPECT_THROW(ParseBvh(Replaced(kClip, "Frames: 2", "Frames: 4"), "clip.bvh"), InputError);
   EXPECT_THROW(ParseBvh(Replaced(kClip, "Frames: 2", "Frames: 0"), "clip.bvh"), InputError);
+  const std::string clip = kClip, empty = clip.substr(0, clip.find("Frame Time"));
+  EXPECT_THROW(
+      ParseBvh(Replaced(empty, "Frames: 2", "Frames: 1") + "Frame Time: 0.04\n", "clip.bvh"),
+      InputError)
+      << "one frame is said, and none is there";
+  EXPECT_EQ(ParseBvh(Replaced(empty, "Frames: 2", "Frames: 0") + "Frame Time: 0.04\n", "clip.bvh")
+                .frame_count(),
+            0);
 }
 
 TEST(Bvh, WhatIsNotReadIsNamed) {

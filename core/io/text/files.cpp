@@ -112,8 +112,8 @@ std::string ReadFile(const fs::path& path) {
   // At once: a stream that grows as it is read would copy large files several times over.
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(path, unknown);
-  std::string text(unknown ? 1 : size + 1,
-                   '\0');  // one more: the read that fills it not is the last
+  // One more: then the read that reaches the end has room, and the text need not grow.
+  std::string text(unknown ? 1 : size + 1, '\0');
   std::size_t length = 0;
   constexpr std::size_t kMore = 1 << 16;
   while (in) {
