@@ -38,7 +38,7 @@ double Overlap(const Image8& mask, const Image8& truth) {
 
 // Photographs of 4002 x 2667 pixels: one upright, one stored on its side, one in portrait.
 TEST_F(CaptureProgram, LargePhotographsHaveMasksOfTheirSizeInAGibibyte) {
-  constexpr int kPhotographs = 3, kStoredOnItsSide = 1, kPortrait = 2;
+  constexpr int kPhotographs = 5, kStoredOnItsSide = 2, kPortrait = 4;
   std::vector<Image8> truths;
   for (int i = 0; i < kPhotographs; ++i) {
     const bool portrait = i == kPortrait;
@@ -53,7 +53,7 @@ TEST_F(CaptureProgram, LargePhotographsHaveMasksOfTheirSizeInAGibibyte) {
     WriteImage(photos / ("p" + std::to_string(i) + ".jpg"), Magnified(photo.image), 92, &exif);
     truths.push_back(Magnified(photo.truth));
   }
-  const Outcome outcome = Run("--min_images 3");
+  const Outcome outcome = Run("--min_images 5");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   const ImageSet set = ReadImageSet(images);
   for (int i = 0; i < kPhotographs; ++i) {
