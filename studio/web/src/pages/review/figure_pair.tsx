@@ -47,6 +47,20 @@ async function loadDistances(pose: string, before: string, after: string): Promi
   return { before: first, after: second, end: scaleEnd(first, second) }
 }
 
+/** A run that ends may move what is asked for: it is asked for again before anything is said. */
+async function loadTexture(viewer: Viewer, pose: string, id: string, wanted: () => boolean) {
+  const kTries = 4
+  const kPauseMs = 500
+  for (let tried = 1; wanted(); ++tried) {
+    try {
+      return await viewer.loadTexture(reviewApi.textureUrl(pose, id))
+    } catch {
+      if (tried === kTries) throw new Error('The texture is gone; look again in a moment.')
+      await new Promise((resume) => setTimeout(resume, kPauseMs))
+    }
+  }
+}
+
 export function FigurePair(props: {
   pose: string
   before: Version | null
@@ -77,15 +91,12 @@ export function FigurePair(props: {
     link(views.after, () => latest.current.before)
   }, [views])
   useEffect(() => {
+    let wanted = true
     const show = async (viewer: Viewer | null, data: MeshData | null, version: Version | null) => {
       if (!viewer || !data || !version || !shown) return
-      if (version.texture)
-        await viewer.loadTexture(reviewApi.textureUrl(pose, version.id)).catch(() => {
-          throw new Error('The texture is gone; look again in a moment.')
-        })
+      if (version.texture) await loadTexture(viewer, pose, version.id, () => wanted)
       viewer.show(data, version.texture && !coloured ? 'texture' : 'plain', false, shown.box)
     }
-    let wanted = true
     const all = async () => {
       await show(views.before, shown?.before ?? null, before)
       await show(views.after, shown?.after ?? null, after)
