@@ -150,6 +150,7 @@ std::string OtherMeshKind(std::string_view head) {
       {"PXR-USDC", "a USD file"},
       {"BLENDER", "a Blender file"},
       {"Ogawa", "an Alembic file"},
+      {"MM", "a 3DS file"},
       {"DRACO", "a Draco file (.drc)"},
       {"VRML", "a VRML file"},
       {"#VRML", "a VRML file"},
@@ -157,7 +158,9 @@ std::string OtherMeshKind(std::string_view head) {
       {"\x1f\x8b", "a file packed by gzip"},
       {"7z\xbc\xaf", "a file packed by 7-Zip"},
       {"Rar!", "a file packed by RAR"},
-      {"<?xml", "an XML file, as Collada's .dae is"}};
+      {"<?xml", "an XML file"}};
+  if (head.starts_with("<?xml") && head.find("<COLLADA") != head.npos) return "a Collada file";
+  if (head.starts_with("<?xml") && head.find("<X3D") != head.npos) return "an X3D file";
   for (const auto& [start, kind] : kStarts)
     if (head.starts_with(start)) return kind;
   return "";

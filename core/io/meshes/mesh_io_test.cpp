@@ -107,6 +107,9 @@ TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
 TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
   for (const auto& [head, kind] : {std::pair<std::string, const char*>{"DRACO\x02", "Draco"},
                                    {"Kaydara FBX Binary  ", "FBX"},
+                                   {"MM\x20 of 3D Studio", "a 3DS file"},
+                                   {"<?xml version='1.0'?>\n<X3D version='3.0'>", "an X3D file"},
+                                   {"<?xml version='1.0'?>\n<COLLADA>", "a Collada file"},
                                    {"#usda 1.0\n(\n", "USD"},
                                    {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
                                    {"VRML V1.0", "VRML"}})

@@ -26,9 +26,11 @@ constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp"
                                                         ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
                                                         ".jp2",  ".tga",  ".exr", ".hdr"};
 
-constexpr std::array<const char*, 14> kMeshes = {".obj",  ".ply",  ".off", ".stl", ".glb",
-                                                 ".gltf", ".fbx",  ".dae", ".usd", ".usda",
-                                                 ".usdc", ".usdz", ".abc", ".zip"};
+// Also those that are not read: they are refused by what they are, not taken for photographs.
+constexpr std::array<const char*, 28> kMeshes = {
+    ".obj",  ".ply",  ".off", ".stl", ".glb", ".gltf", ".fbx",   ".dae", ".usd", ".usda",
+    ".usdc", ".usdz", ".abc", ".zip", ".x3d", ".wrl",  ".blend", ".3ds", ".3mf", ".drc",
+    ".ma",   ".mb",   ".max", ".c4d", ".lwo", ".ztl",  ".3dm",   ".step"};
 
 }  // namespace
 
