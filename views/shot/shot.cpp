@@ -1,5 +1,7 @@
 #include "views/shot/shot.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -196,6 +198,24 @@ std::vector<ShotCamera> OpenFilmsToShow(const fs::path& folder) {
 struct FrameReader::Impl {
   FrameSource source;
   std::optional<FilmDecoder> film;
+  fs::path first;  ///< the numbered picture that was read first; the others have its size
+  int width = 0, height = 0;
+
+  /// @throws InputError  another size than the first
+  Image8 ReadPicture(const fs::path& path, int channels) {
+    Image8 image = ReadImage(path, channels);
+    if (first.empty()) {
+      first = path;
+      width = image.width;
+      height = image.height;
+    }
+    if (image.width != width || image.height != height)
+      throw InputError(fmt::format(
+          "{} is {} x {} pixels, but {} beside it is {} x {}; the pictures of one film must have "
+          "one size and one orientation: export them again, or take the odd ones out",
+          path.string(), image.width, image.height, PrintableName(first), width, height));
+    return image;
+  }
 };
 
 FrameReader::FrameReader(FrameSource source) : impl_(std::make_unique<Impl>()) {
@@ -211,7 +231,7 @@ Image8 FrameReader::Read(int frame, int channels, const Progress* progress) {
     throw UsageError("frame " + std::to_string(frame) + " was asked for, but there are " +
                      std::to_string(source.frames));
   const int picture = source.order.empty() ? frame : source.order[static_cast<std::size_t>(frame)];
-  if (source.video.empty()) return ReadImage(source.pictures[picture], channels);
+  if (source.video.empty()) return impl_->ReadPicture(source.pictures[picture], channels);
   if (!impl_->film)
     impl_->film.emplace(source.video, source.index ? source.index
                                                    : std::make_shared<const FilmIndex>(

@@ -93,6 +93,22 @@ TEST_F(ShotTest, MasksAloneHaveTheRateOfTheirFilms) {
   }
 }
 
+TEST_F(ShotTest, APictureOfAnotherSizeIsNamed) {
+  for (const char* name : {"a/1.png", "a/2.png"}) PutPicture(name, 90);
+  WriteImage(folder_ / "a/3.png", Image8(12, 16, 1, 90));
+  FrameReader reader(OpenShot(folder_).cameras[0].pictures);
+  EXPECT_EQ(reader.Read(0, 3).width, 16);
+  EXPECT_EQ(reader.Read(1, 3).width, 16);
+  try {
+    reader.Read(2, 3);
+    FAIL();
+  } catch (const InputError& fault) {
+    const std::string words = fault.what();
+    EXPECT_NE(words.find("3.png is 12 x 16 pixels, but 1.png beside it is 16 x 12"), words.npos)
+        << words;
+  }
+}
+
 TEST_F(ShotTest, MissingMasksAndEmptyFoldersAreErrors) {
   EXPECT_THROW(OpenShot(folder_), InputError);
   PutPicture("a/0.png", 1);

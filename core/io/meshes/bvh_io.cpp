@@ -137,6 +137,8 @@ struct BvhFile {
   std::vector<std::vector<double>> frames;  ///< as in the file, scales too
 };
 
+bool IsPosition(BvhChannel channel) { return channel < BvhChannel::kXrotation; }
+
 void ReadChannels(Words& words, int joint, BvhFile* file) {
   const int count = words.Count(kMostChannels);
   for (int i = 0; i < count; ++i) {
@@ -146,8 +148,13 @@ void ReadChannels(Words& words, int joint, BvhFile* file) {
     while (known < kChannelNames.size() && !SameLetters(word, kChannelNames[known])) ++known;
     for (int axis = 0; axis < 3; ++axis)
       if (SameLetters(word, kScaleNames[static_cast<std::size_t>(axis)])) column.scaled_axis = axis;
+    std::vector<BvhChannel>& channels = file->clip.joints[joint].channels;
+    const auto channel = static_cast<BvhChannel>(known);
+    if (std::find(channels.begin(), channels.end(), channel) != channels.end() &&
+        IsPosition(channel))
+      words.Fail(fmt::format("the joint has '{}' twice", word));
     if (known < kChannelNames.size())
-      file->clip.joints[joint].channels.push_back(static_cast<BvhChannel>(known));
+      channels.push_back(channel);
     else if (column.scaled_axis < 0)
       words.Fail(fmt::format("'{}' is not a channel", word));
     file->columns.push_back(column);
@@ -266,8 +273,6 @@ Eigen::ArrayXd ScalesOf(const BvhFile& file, const std::vector<std::size_t>& col
   if ((scales - 1).abs().maxCoeff() <= kSame) return {};
   return scales;
 }
-
-bool IsPosition(BvhChannel channel) { return channel < BvhChannel::kXrotation; }
 
 /// Fills the clip's values, joint after joint. What a scaled joint carries has its places scaled:
 /// the numbers of its position channels, or else its offset, which becomes three position channels.

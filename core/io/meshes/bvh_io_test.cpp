@@ -192,6 +192,16 @@ TEST(Bvh, EvenScaleMovesWhatHangsOnTheJoint) {
   }
 }
 
+TEST(Bvh, APositionThatAJointHasTwiceIsRefusedAndARotationIsNot) {
+  const auto with = [](const char* channels) {
+    return ParseBvh(
+        Replaced(kClip, "Xposition Yposition Zposition Zrotation Yrotation Xrotation", channels),
+        "clip.bvh");
+  };
+  EXPECT_THROW(with("Xposition Xposition Zposition Zrotation Yrotation Xrotation"), InputError);
+  EXPECT_NO_THROW(with("Xposition Yposition Zposition Zrotation Xrotation Zrotation"));
+}
+
 TEST(Bvh, OneFrameOffIsSaidAndTwoAreRefused) {
   for (const auto& [said, found] :
        {std::pair("Frames: 3", "says that it has 3 frames, but has 2"),

@@ -8,6 +8,7 @@
 #include "core/io/project/lens_use.h"
 #include "core/io/project/opencv_lens.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/project/rig_parts.h"
 #include "core/io/project/rig_programs.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
@@ -53,6 +54,7 @@ void AddCamera(const std::string& key, const toml::value& table, const std::stri
                             size = TableNumbers(table, "size", 0, where),
                             turn = TableNumbers(table, "rotation", 3, where),
                             t = TableNumbers(table, "translation", 3, where);
+  RequireUpperTriangle(k.data(), where);
   Lens lens =
       OpenCvLens(IsFisheye(table) ? "fisheye" : "", {k[0], k[4], k[2], k[5], k[1]}, d, where);
   if (size.size() == 2) {

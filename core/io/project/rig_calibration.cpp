@@ -68,6 +68,7 @@ Lens LensOfYaml(const YAML::Node& node, const std::string& where) {
   const std::vector<double> k =
       YamlNumbers(FirstOf(node, {"camera_matrix", "K", "intrinsic_matrix", "intrinsics"}));
   if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
+  RequireUpperTriangle(k.data(), where);
   const std::vector<double> d =
       YamlNumbers(FirstOf(node, {"distortion_coefficients", "D", "dist_coeffs", "distortion",
                                  "dist", "distortion_coeffs", "distCoeffs", "distortions"}));
@@ -160,16 +161,6 @@ void RequireLittleSkew(double shift_px, const std::string& where) {
                     "cameras are not skewed; calibrate without skew, or warp the pictures so that "
                     "K's second number is 0",
                     where, shift_px));
-}
-
-/// @param k  nine numbers, row by row
-void RequireUpperTriangle(const double* k, const std::string& where) {
-  constexpr double kRounding = 1e-9;
-  for (const int zero : {3, 6, 7})
-    if (!(std::abs(k[zero]) <= kRounding))
-      throw InputError(where + ": the rows of its K must be fx, skew, cx; 0, fy, cy; 0, 0, 1");
-  if (!(std::abs(k[8] - 1) <= kRounding))
-    throw InputError(where + ": the last number of its K must be 1; divide all nine by it");
 }
 
 void ReadMatrices(const std::string& text, const std::string& file, RigCalibration* rig) {

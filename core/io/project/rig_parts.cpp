@@ -45,4 +45,13 @@ int SideOf(double pixels) {
   return std::isnan(pixels) ? -1 : static_cast<int>(std::round(std::clamp(pixels, -1.0, kMost)));
 }
 
+void RequireUpperTriangle(const double* k, const std::string& where) {
+  constexpr double kRounding = 1e-9;
+  for (const int zero : {3, 6, 7})
+    if (!(std::abs(k[zero]) <= kRounding))
+      throw InputError(where + ": the rows of its K must be fx, skew, cx; 0, fy, cy; 0, 0, 1");
+  if (!(std::abs(k[8] - 1) <= kRounding))
+    throw InputError(where + ": the last number of its K must be 1; divide all nine by it");
+}
+
 }  // namespace keypose

@@ -37,4 +37,9 @@ void RequireUsable(const View& view, const std::string& where);
 /// A picture's width or height, rounded; a number beyond all pictures stays beyond them.
 int SideOf(double pixels);
 
+/// A matrix K that is none, such as one stored column by column, would give a wrong lens.
+/// @param k  nine numbers, row by row
+/// @throws InputError  not fx, skew, cx; 0, fy, cy; 0, 0, 1
+void RequireUpperTriangle(const double* k, const std::string& where);
+
 }  // namespace keypose

@@ -35,4 +35,13 @@ TEST(SideOf, RoundsAndDoesNotWrap) {
   EXPECT_GT(SideOf(1e300), 1 << 20);
 }
 
+TEST(RigParts, AMatrixThatIsStoredByColumnsIsRefused) {
+  const double rows[] = {500, 2, 320, 0, 510, 240, 0, 0, 1},
+               columns[] = {500, 0, 0, 2, 510, 0, 320, 240, 1},
+               scaled[] = {1000, 0, 640, 0, 1020, 480, 0, 0, 2};
+  EXPECT_NO_THROW(RequireUpperTriangle(rows, "cam"));
+  EXPECT_THROW(RequireUpperTriangle(columns, "cam"), InputError);
+  EXPECT_THROW(RequireUpperTriangle(scaled, "cam"), InputError);
+}
+
 }  // namespace keypose::rig_parts_test

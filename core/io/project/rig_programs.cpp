@@ -109,6 +109,7 @@ void AddMcCalibCameras(const YAML::Node& root, const std::string& file, RigCalib
                        " is not known; 0 (OpenCV's) and 1 (fisheye) are");
     const std::vector<double> k = YamlNumbers(node["camera_matrix"]);
     if (k.size() != 9) throw InputError(where + ": `camera_matrix` must hold 9 numbers");
+    RequireUpperTriangle(k.data(), where);
     Lens lens = OpenCvLens(type == "1" ? "fisheye" : "", {k[0], k[4], k[2], k[5], k[1]},
                            YamlNumbers(node["distortion_vector"]), where);
     lens.width = node["img_width"] ? node["img_width"].as<int>() : 0;
@@ -139,6 +140,7 @@ void AddEasyMocapCameras(const YAML::Node& intri, const YAML::Node& extri, const
                               t = numbers(extri, "T_", "T_");
     if (k.size() != 9) throw InputError(where + ": intri.yml has no K_" + name + " of 9 numbers");
     if (t.size() != 3) throw InputError(where + ": extri.yml has no T_" + name + " of 3 numbers");
+    RequireUpperTriangle(k.data(), where);
     Lens lens = OpenCvLens("", {k[0], k[4], k[2], k[5], k[1]}, d, where);
     const std::vector<double> w = numbers(intri, "W_", "W_"), h = numbers(intri, "H_", "H_");
     if (w.size() == 1 && h.size() == 1 && w[0] > 0 && h[0] > 0) {
