@@ -150,7 +150,6 @@ std::string OtherMeshKind(std::string_view head) {
       {"PXR-USDC", "a USD file"},
       {"BLENDER", "a Blender file"},
       {"Ogawa", "an Alembic file"},
-      {"MM", "a 3DS file"},
       {"DRACO", "a Draco file (.drc)"},
       {"VRML", "a VRML file"},
       {"#VRML", "a VRML file"},
@@ -161,6 +160,11 @@ std::string OtherMeshKind(std::string_view head) {
       {"<?xml", "an XML file"}};
   if (head.starts_with("<?xml") && head.find("<COLLADA") != head.npos) return "a Collada file";
   if (head.starts_with("<?xml") && head.find("<X3D") != head.npos) return "an X3D file";
+  // Chunks: the whole file, and its version or its scene in it.
+  using namespace std::string_view_literals;
+  if (head.starts_with("MM") && head.size() >= 8 &&
+      (head.substr(6, 2) == "\x02\0"sv || head.substr(6, 2) == "=="))
+    return "a 3DS file";
   for (const auto& [start, kind] : kStarts)
     if (head.starts_with(start)) return kind;
   return "";

@@ -105,14 +105,15 @@ TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
 }
 
 TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
-  for (const auto& [head, kind] : {std::pair<std::string, const char*>{"DRACO\x02", "Draco"},
-                                   {"Kaydara FBX Binary  ", "FBX"},
-                                   {"MM\x20 of 3D Studio", "a 3DS file"},
-                                   {"<?xml version='1.0'?>\n<X3D version='3.0'>", "an X3D file"},
-                                   {"<?xml version='1.0'?>\n<COLLADA>", "a Collada file"},
-                                   {"#usda 1.0\n(\n", "USD"},
-                                   {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
-                                   {"VRML V1.0", "VRML"}})
+  for (const auto& [head, kind] :
+       {std::pair<std::string, const char*>{"DRACO\x02", "Draco"},
+        {"Kaydara FBX Binary  ", "FBX"},
+        {std::string("MM\x10\0\0\0\x02\0\x0a\0\0\0\3\0\0\0", 16), "a 3DS file"},
+        {"<?xml version='1.0'?>\n<X3D version='3.0'>", "an X3D file"},
+        {"<?xml version='1.0'?>\n<COLLADA>", "a Collada file"},
+        {"#usda 1.0\n(\n", "USD"},
+        {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
+        {"VRML V1.0", "VRML"}})
     try {
       ReadMesh(Put("m.bin", head));
       ADD_FAILURE() << kind << " was read";
