@@ -49,6 +49,10 @@ std::string FingerprintNow(const pipeline::StepPlan& planned) {
   return planned.last ? planned.last->fingerprint : "";
 }
 
+std::string Address(const Artifact& artifact, const fs::path& file) {
+  return artifact.fingerprint + "/" + file.lexically_relative(artifact.folder).generic_string();
+}
+
 /// A folder's results are told apart by their files, of which a list stands in the artifact.
 const std::string* HashInside(const pipeline::ArtifactOutput& output, const std::string& inside) {
   if (!output.folder || inside.empty()) return &output.content.hash;
@@ -122,6 +126,27 @@ std::string FingerprintIn(const std::map<std::string, std::string>& values,
 }
 
 }  // namespace
+
+fs::path FileAt(pipeline::OpenedProject& project, const std::string& at) {
+  const auto slash = std::min(at.find('/'), at.size());
+  const std::string fingerprint = at.substr(0, slash);
+  std::optional<Artifact> artifact;
+  if (pipeline::IsFingerprint(fingerprint)) artifact = project.store().Find(fingerprint);
+  if (artifact)
+    for (const auto& [port, output] : artifact->outputs) {
+      const fs::path base = artifact->Path(port);
+      std::vector<fs::path> files = {base};
+      if (output.folder) {
+        files.clear();
+        for (const auto& [name, hash] : output.content.files) files.push_back(base / name);
+      }
+      for (const fs::path& file : files)
+        if (Address(*artifact, file) == at &&
+            !project.disk().LeadsOutside(file, project.state() / "cache"))
+          return file;
+    }
+  throw NotFound("of that result this is not there any more");
+}
 
 ResultHistory::ResultHistory(Snapshot& snapshot, bool running) : snapshot_(snapshot) {
   for (const pipeline::PoseRule& rule : snapshot.file().poses)
@@ -239,8 +264,8 @@ void ResultHistory::AddFiles(const Step& step, const Artifact& artifact, ResultV
     (*contents)[step.id + " " + result.port + "/" + result.inside] = *hash;
     const fs::path base = artifact.folder / output->second.file;
     const auto add = [&](const fs::path& path, const fs::path& file, const std::string& content) {
-      version->files.push_back(
-          {path.generic_string(), step.info->title, IsFilmName(file), file, content});
+      version->files.push_back({path.generic_string(), step.info->title, IsFilmName(file),
+                                Address(artifact, file), content});
     };
     if (output->second.folder && result.inside.empty()) {
       for (const auto& [name, content] : output->second.content.files)
@@ -252,13 +277,13 @@ void ResultHistory::AddFiles(const Step& step, const Artifact& artifact, ResultV
 }
 
 void ResultHistory::AddShown(const ReviewSubject& subject, ResultVersion* version) {
-  const auto find = [&](const auto& outputs, const char* name, fs::path* path) {
+  const auto find = [&](const auto& outputs, const char* name, std::string* at) {
     for (const auto& [rule, port] : outputs)
       for (const Step* step : subject.steps) {
         if (step->rule != rule) continue;
         const auto& artifact = ArtifactOf(FingerprintIn(version->steps, step->id));
         if (!artifact || !artifact->outputs.contains(port)) continue;
-        if (path) *path = artifact->Path(port);
+        if (at) *at = Address(*artifact, artifact->Path(port));
         version->shown[name] = artifact->outputs.at(port).content.hash;
         return;
       }

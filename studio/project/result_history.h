@@ -15,11 +15,11 @@ namespace keypose::studio {
 
 /// A picture or a film among the results, to look at.
 struct ResultFile {
-  std::string path;            ///< below out/, as it is named there
-  std::string title;           ///< of the step that made it
-  bool film = false;           ///< else a picture
-  std::filesystem::path file;  ///< in the cache
-  std::string hash;            ///< of its content
+  std::string path;   ///< below out/, as it is named there
+  std::string title;  ///< of the step that made it
+  bool film = false;  ///< else a picture
+  std::string at;     ///< as FileAt takes it
+  std::string hash;   ///< of its content
 };
 
 /// One result of a pose or of the animation, which others came before or after.
@@ -30,8 +30,8 @@ struct ResultVersion {
   /// fingerprints of all steps of the project at that time, by id
   std::map<std::string, std::string> steps;
   std::vector<std::string> gone;  ///< of its own steps, those whose artifact was cleaned away
-  std::filesystem::path mesh;     ///< in the cache; empty: none (any more)
-  std::filesystem::path texture;  ///< of that mesh, likewise
+  std::string mesh;               ///< as FileAt takes it; empty: none (any more)
+  std::string texture;            ///< of that mesh, likewise
   std::vector<ResultFile> files;  ///< in the order of the steps
   /// what is looked at first, hash by name: "mesh" and "texture", else films, else frames, else
   /// pictures. Empty: nothing (any more)
@@ -43,6 +43,11 @@ struct ReviewSubject {
   std::vector<const pipeline::Step*> steps;
   std::vector<ResultVersion> versions;  ///< newest first; that of now is the first
 };
+
+/// A file of the cache by its address, "FINGERPRINT/NAME": what was listed once is found as long as
+/// it is in the cache, whatever has run since.
+/// @throws NotFound  it was cleaned away, is no output, or lies elsewhere (a link)
+std::filesystem::path FileAt(pipeline::OpenedProject& project, const std::string& at);
 
 class ResultHistory {
  public:

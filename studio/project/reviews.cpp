@@ -51,13 +51,10 @@ void WriteReviews(const fs::path& project, const json& all, const std::string& r
 json VersionJson(const ResultVersion& version) {
   json files = json::array();
   for (const ResultFile& file : version.files)
-    files.push_back({{"path", file.path}, {"title", file.title}, {"film", file.film}});
-  return {{"id", version.id},
-          {"when", version.when},
-          {"now", version.now},
-          {"gone", version.gone},
-          {"mesh", !version.mesh.empty()},
-          {"texture", !version.texture.empty()},
+    files.push_back(
+        {{"path", file.path}, {"title", file.title}, {"film", file.film}, {"at", file.at}});
+  return {{"id", version.id},     {"when", version.when}, {"now", version.now},
+          {"gone", version.gone}, {"mesh", version.mesh}, {"texture", version.texture},
           {"files", files}};
 }
 

@@ -16,7 +16,9 @@ inline constexpr char kReviewsFile[] = "reviews.json";
 /// - problem   why reviews.json cannot be read, or ""
 /// - running   a run is at work, whose results come when it ends
 /// - subjects  [{pose, versions, reviews}], `pose` "" for the film
-///   - versions  newest first: {id, when, now, gone, mesh, texture, files: [{path, title, film}]}
+///   - versions  newest first: {id, when, now, gone, mesh, texture, files: [{path, title, film,
+///   at}]};
+///               `mesh`, `texture` and `at` as FileAt takes them, or ""
 ///   - reviews   newest first: {index, verdict, note, when, holds, version}: `holds` says that it
 ///               was said of what is there now, `version` of what it was said ("": not there any
 ///               more)

@@ -17,24 +17,6 @@ namespace keypose::studio {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-namespace {
-
-/// A link in a project from elsewhere may lead anywhere.
-fs::path WithinCache(const SharedProject& project, const fs::path& file) {
-  const fs::path cache = project.folder() / ".keypose/cache";
-  if (file.empty() || pipeline::RealDisk().LeadsOutside(file, cache))
-    throw NotFound("of that result this is not there");
-  return file;
-}
-
-fs::path FileOf(const ResultVersion& version, const std::string& path) {
-  for (const ResultFile& file : version.files)
-    if (file.path == path) return file.file;
-  throw NotFound("that result has no such file");
-}
-
-}  // namespace
-
 void ReviewRoutes::AddTo(RouteTable& table) {
   AddPictures(table);
   AddWords(table);
@@ -43,39 +25,34 @@ void ReviewRoutes::AddTo(RouteTable& table) {
 bool ReviewRoutes::IsRunning() { return project_.run().running() || !project_.LockedBy().empty(); }
 
 void ReviewRoutes::AddPictures(RouteTable& table) {
-  // The path of what `choose` takes of the version that is asked for.
-  const auto path_of = [this](const Question& question, const char* version, const auto& choose) {
-    const bool running = IsRunning();
-    return WithinCache(project_, project_.With([&](Snapshot& now) -> fs::path {
-      return choose(
-          ResultHistory(now, running).Version(question.Get("pose"), question.Need(version)));
-    }));
+  const auto file_at = [this](const Question& question, const char* name = "at") {
+    return project_.With([&](Snapshot& now) -> fs::path {
+      return FileAt(now.opened_project(), question.Need(name));
+    });
   };
-  const auto mesh = [](const ResultVersion& version) { return version.mesh; };
-  table.Get("/api/review/mesh", [path_of, mesh](const Question& question) {
-    return BytesAnswer(MeshBytes(ReadMesh(path_of(question, "version", mesh))));
+  table.Get("/api/review/mesh", [file_at](const Question& question) {
+    return BytesAnswer(MeshBytes(ReadMesh(file_at(question))));
   });
-  table.Get("/api/review/distance", [path_of, mesh](const Question& question) {
-    const fs::path of = path_of(question, "version", mesh), to = path_of(question, "to", mesh);
-    return BytesAnswer(FitBytes(ReadMesh(of), ReadMesh(to)));
+  table.Get("/api/review/distance", [file_at](const Question& question) {
+    return BytesAnswer(FitBytes(ReadMesh(file_at(question)), ReadMesh(file_at(question, "to"))));
   });
-  table.Get("/api/review/texture", [path_of](const Question& question) {
-    return PictureAnswer(
-        path_of(question, "version", [](const ResultVersion& version) { return version.texture; }));
-  });
-  table.Get("/api/review/file", [path_of](const Question& question) {
-    const std::string& path = question.Need("path");
-    const fs::path file = path_of(
-        question, "version", [&](const ResultVersion& version) { return FileOf(version, path); });
-    return Answer{200, TypeOf(file), {}, file, {}};
+  table.Get("/api/review/file", [file_at](const Question& question) {
+    const fs::path file = file_at(question);
+    const std::string type = TypeOf(file);
+    // A page among the results of a project from elsewhere would speak in the studio's name.
+    if (!type.starts_with("image/") && !type.starts_with("video/"))
+      throw NotFound("only pictures and films are shown");
+    return Answer{200, type, {}, file, {}};
   });
 }
 
 void ReviewRoutes::AddWords(RouteTable& table) {
   table.Get("/api/review", [this](const Question&) {
+    // A plan made while a run was at work is of two runs: seen before it and after it.
     const bool running = IsRunning();
     project_.Forget();  // the records of runs are read anew; the plan must not be older than these
-    return JsonAnswer(project_.With([&](Snapshot& now) { return ReviewsJson(now, running); }));
+    return JsonAnswer(
+        project_.With([&](Snapshot& now) { return ReviewsJson(now, running || IsRunning()); }));
   });
   table.Get("/api/review/compare", [this](const Question& question) {
     const bool running = IsRunning();

@@ -16,8 +16,8 @@ const version = (id: string, more: Partial<Version> = {}): Version => ({
   when: '2026-03-01 14:05:09 UTC',
   now: false,
   gone: [],
-  mesh: true,
-  texture: false,
+  mesh: 'b5/unwrapped.obj',
+  texture: '',
   files: [],
   ...more,
 })
@@ -44,15 +44,15 @@ const said = (more: Partial<Said>): Said => ({
 })
 
 test('the newest stands beside the newest before it that is still there', () => {
-  const gone = version('b', { mesh: false, gone: ['unwrap/rest'] })
+  const gone = version('b', { mesh: '', gone: ['unwrap/rest'] })
   assert.deepEqual(firstPair([version('c'), gone, version('a')]), { before: 'a', after: 'c' })
   assert.deepEqual(firstPair([version('c')]), { before: '', after: 'c' })
 })
 
 test('what both have is looked at, films before pictures', () => {
-  const file = (path: string, film: boolean) => ({ path, title: 'Film', film })
+  const file = (path: string, film: boolean) => ({ path, title: 'Film', film, at: `c0/${path}` })
   const now = version('b', { files: [file('rest/a.png', false), file('rest/a.mp4', true)] })
-  const old = version('a', { mesh: false, files: [file('rest/a.mp4', true)] })
+  const old = version('a', { mesh: '', files: [file('rest/a.mp4', true)] })
   assert.deepEqual(sightsOf(old, now).map((one) => one.key), ['rest/a.mp4'])
   assert.deepEqual(sightsOf(null, now).map((one) => one.key), ['3d', 'rest/a.mp4', 'rest/a.png'])
 })

@@ -22,9 +22,8 @@ interface Shown {
   box: number[]
 }
 
-async function loadBoth(pose: string, before: string, after: string): Promise<Shown> {
-  const load = async (version: string) =>
-    version ? parseMesh(await reviewApi.mesh(pose, version)) : null
+async function loadBoth(before: string, after: string): Promise<Shown> {
+  const load = async (at: string) => (at ? parseMesh(await reviewApi.mesh(at)) : null)
   const [first, second] = await Promise.all([load(before), load(after)])
   const box = boxOf(second!.positions)
   boxOf(first?.positions ?? second!.positions).forEach((value, k) => {
@@ -39,26 +38,12 @@ interface Distances {
   end: number
 }
 
-async function loadDistances(pose: string, before: string, after: string): Promise<Distances> {
+async function loadDistances(before: string, after: string): Promise<Distances> {
   const [first, second] = await Promise.all([
-    reviewApi.distance(pose, before, after),
-    reviewApi.distance(pose, after, before),
+    reviewApi.distance(before, after),
+    reviewApi.distance(after, before),
   ])
   return { before: first, after: second, end: scaleEnd(first, second) }
-}
-
-/** A run that ends may move what is asked for: it is asked for again before anything is said. */
-async function loadTexture(viewer: Viewer, pose: string, id: string, wanted: () => boolean) {
-  const kTries = 4
-  const kPauseMs = 500
-  for (let tried = 1; wanted(); ++tried) {
-    try {
-      return await viewer.loadTexture(reviewApi.textureUrl(pose, id))
-    } catch {
-      if (tried === kTries) throw new Error('The texture is gone; look again in a moment.')
-      await new Promise((resume) => setTimeout(resume, kPauseMs))
-    }
-  }
 }
 
 export function FigurePair(props: {
@@ -70,12 +55,12 @@ export function FigurePair(props: {
 }) {
   const { pose, before, after, mode, gain } = props
   const { complain } = useStudio()
-  const ids = [pose, before?.id ?? '', after.id] as const
-  const shown = useLoaded(() => loadBoth(...ids), [...ids]).value
+  const meshes = [before?.mesh ?? '', after.mesh] as const
+  const shown = useLoaded(() => loadBoth(...meshes), [...meshes]).value
   const coloured = mode === 'distance' && before !== null
   const distances = useLoaded(
-    async () => (coloured ? loadDistances(...ids) : null),
-    [...ids, coloured],
+    async () => (coloured ? loadDistances(...meshes) : null),
+    [...meshes, coloured],
   ).value
   const [views, setViews] = useState<{ before: Viewer | null; after: Viewer | null }>({
     before: null,
@@ -94,7 +79,8 @@ export function FigurePair(props: {
     let wanted = true
     const show = async (viewer: Viewer | null, data: MeshData | null, version: Version | null) => {
       if (!viewer || !data || !version || !shown) return
-      if (version.texture) await loadTexture(viewer, pose, version.id, () => wanted)
+      if (version.texture) await viewer.loadTexture(reviewApi.fileUrl(version.texture))
+      if (!wanted) return  // another pair is shown by now
       viewer.show(data, version.texture && !coloured ? 'texture' : 'plain', false, shown.box)
     }
     const all = async () => {

@@ -7,6 +7,7 @@ import { Pair, useZoom } from './pair'
 import type { Mode } from './pair'
 import { reviewApi } from './review_api'
 import type { Version } from './review_api'
+import { fileAt } from './review_model'
 
 /** Of the film as a whole: so that every moment of it can be reached at once. */
 function useFilm(url: string): string {
@@ -89,18 +90,17 @@ function useTogether(fps: number) {
 }
 
 export function FilmPair(props: {
-  pose: string
   path: string
   before: Version | null
   after: Version
   mode: Mode
   gain: number
 }) {
-  const { pose, path, before, after } = props
+  const { path, before, after } = props
   const { project } = useStudio()
   const { fps } = project
   const url = (version: Version | null) =>
-    version ? reviewApi.fileUrl(pose, version.id, path) : ''
+    version ? reviewApi.fileUrl(fileAt(version, path)) : ''
   const first = useFilm(url(before))
   const second = useFilm(url(after))
   const { element, style, move } = useZoom(path)

@@ -3,20 +3,20 @@ import { Pair, useZoom } from './pair'
 import type { Mode } from './pair'
 import { reviewApi } from './review_api'
 import type { Version } from './review_api'
+import { fileAt } from './review_model'
 
 export function PicturePair(props: {
-  pose: string
   path: string
   before: Version | null
   after: Version
   mode: Mode
   gain: number
 }) {
-  const { pose, path, before, after } = props
+  const { path, before, after } = props
   const { element, style, move } = useZoom(path)
   const picture = (version: Version, words: string) => (
     <img
-      src={reviewApi.fileUrl(pose, version.id, path)}
+      src={reviewApi.fileUrl(fileAt(version, path))}
       alt={`${path}, ${words}`}
       draggable={false}
       style={style}

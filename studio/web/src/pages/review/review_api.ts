@@ -4,6 +4,8 @@ import { get, send } from '../../api'
 export interface ReviewFile {
   /** below out/ */
   path: string
+  /** its address in the cache */
+  at: string
   /** of the step that made it */
   title: string
   film: boolean
@@ -16,8 +18,9 @@ export interface Version {
   now: boolean
   /** steps whose results were cleaned away */
   gone: string[]
-  mesh: boolean
-  texture: boolean
+  /** addresses in the cache; '': there is none, or none any more */
+  mesh: string
+  texture: string
   files: ReviewFile[]
 }
 
@@ -85,12 +88,10 @@ export const reviewApi = {
     send<Reviews>('POST', '/api/review', { ...review, revision }),
   takeBack: (index: number, revision: string) =>
     send<Reviews>('POST', '/api/review/remove', { index, revision }),
-  mesh: (pose: string, version: string) =>
-    floats(`/api/review/mesh?${q({ pose, version })}`),
-  /** of each vertex of the version's mesh to the surface of the other, over its diagonal */
-  distance: async (pose: string, version: string, to: string) =>
-    new Float32Array(await floats(`/api/review/distance?${q({ pose, version, to })}`)),
-  textureUrl: (pose: string, version: string) => `/api/review/texture?${q({ pose, version })}`,
-  fileUrl: (pose: string, version: string, path: string) =>
-    `/api/review/file?${q({ pose, version, path })}`,
+  mesh: (at: string) => floats(`/api/review/mesh?${q({ at })}`),
+  /** of each vertex of the mesh to the surface of the other, over its diagonal */
+  distance: async (at: string, to: string) =>
+    new Float32Array(await floats(`/api/review/distance?${q({ at, to })}`)),
+  /** of a texture, a picture or a film; '' where the version has none */
+  fileUrl: (at: string | undefined) => (at ? `/api/review/file?${q({ at })}` : ''),
 }

@@ -12,7 +12,7 @@ export function timeWords(when: string): string {
 }
 
 /** Whether something of it is left to look at. */
-export const isThere = (version: Version): boolean => version.mesh || version.files.length > 0
+export const isThere = (version: Version): boolean => version.mesh !== '' || version.files.length > 0
 
 export function versionWords(version: Version): string {
   const time = timeWords(version.when) || 'an earlier run'
@@ -31,7 +31,7 @@ export interface Sight {
 /** What both have; films first. Of one alone, what that has. */
 export function sightsOf(before: Version | null, after: Version): Sight[] {
   const sights: Sight[] = []
-  if (after.mesh && (before?.mesh ?? true)) sights.push({ key: '3d', words: 'In 3D', film: false })
+  if (after.mesh && (!before || before.mesh)) sights.push({ key: '3d', words: 'In 3D', film: false })
   const both = after.files.filter(
     (file) => !before || before.files.some((other) => other.path === file.path),
   )
@@ -44,6 +44,10 @@ export function sightsOf(before: Version | null, after: Version): Sight[] {
       })
   return sights
 }
+
+/** The address of a file of a version. */
+export const fileAt = (version: Version, path: string): string | undefined =>
+  version.files.find((file) => file.path === path)?.at
 
 /** The newest result, and the newest before it that can be looked at. */
 export function firstPair(versions: Version[]): { before: string; after: string } {
