@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/painted_masks.h"
 #include "core/io/pictures/photograph_files.h"
@@ -106,6 +107,26 @@ void Sort(const RealDisk& disk, NewPose* pose) {
                   "and .nef); there are {}; {}",
                   start, kReadablePhotographs, KindsOf(pose->ignored),
                   cure.empty() ? "name the folder that has the photographs" : cure));
+}
+
+/// @throws InputError  names all photographs of the pose that no stage can read: they are mended in
+/// one go
+void RequirePictures(const NewPose& pose) {
+  constexpr std::size_t kMostNamed = 5;
+  std::vector<std::string> faults;
+  for (const fs::path& file : pose.files) {
+    if (!IsPhotographName(file)) continue;
+    if (const std::string fault = PhotographFault(ReadFile(pose.photos / file)); !fault.empty())
+      faults.push_back(fmt::format("{} {}", PrintableName(file), fault));
+  }
+  if (faults.empty()) return;
+  const std::size_t named = std::min(faults.size(), kMostNamed);
+  std::string text = fmt::format("{}", fmt::join(faults.begin(), faults.begin() + named, "; "));
+  if (faults.size() > named) text += fmt::format("; and {} more", faults.size() - named);
+  throw InputError(
+      fmt::format("--pose {}: in {}, {}. Nothing was copied: mend {} or move {} out of the folder",
+                  pose.name, pose.photos.string(), text, faults.size() == 1 ? "it" : "them",
+                  faults.size() == 1 ? "it" : "them"));
 }
 
 void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
@@ -314,6 +335,7 @@ ExitCode InitCommand(const InitOptions& options) {
   RequireFoldersOfTheirOwn(poses);
   RealDisk disk;
   for (NewPose& pose : poses) Sort(disk, &pose);
+  for (const NewPose& pose : poses) RequirePictures(pose);
   const std::set<std::string> few = FewPhotographPoses(poses, template_pose, options);
   std::vector<std::string> names;
   for (const NewPose& pose : poses) {

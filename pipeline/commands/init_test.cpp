@@ -8,7 +8,15 @@ namespace keypose::pipeline::init_test {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST_F(RunTest, InitCopiesPhotographsAndLeavesOriginals) {
+class InitTest : public RunTest {
+ protected:
+  void SetUp() override {
+    RunTest::SetUp();
+    MakePhotographs(root_ / "hero");
+  }
+};
+
+TEST_F(InitTest, InitCopiesPhotographsAndLeavesOriginals) {
   const auto before = Snapshot(root_ / "hero/photos");
   const std::string rest = "rest=" + (root_ / "hero/photos/rest").string(),
                     bent = "bent=" + (root_ / "hero/photos/bent").string();
@@ -18,7 +26,7 @@ TEST_F(RunTest, InitCopiesPhotographsAndLeavesOriginals) {
   EXPECT_EQ(Snapshot(root_ / "new/photos"), before);
   EXPECT_EQ(Snapshot(root_ / "hero/photos"), before);
   EXPECT_EQ(Keypose({"run", "-C", (root_ / "new").string()}).code, 0);
-  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT")
+  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(4, 4), "BENT")
       << "the template comes first";
   EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", rest}).code, 2)
       << "a folder with content is not overwritten";
@@ -26,7 +34,7 @@ TEST_F(RunTest, InitCopiesPhotographsAndLeavesOriginals) {
             3);
 }
 
-TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
+TEST_F(InitTest, InitRefusesFoldersThatCannotBePoses) {
   const std::string photos = (root_ / "hero/photos").string(), fresh = (root_ / "new").string();
   const auto init = [&](const std::string& rest, const std::string& bent) {
     return Keypose({"init", fresh, "--pose", "rest=" + rest, "--pose", "bent=" + bent});
@@ -63,12 +71,12 @@ std::string PoseLine(const fs::path& project, const std::string& pose) {
   return text.substr(at, text.find('\n', at) - at);
 }
 
-TEST_F(RunTest, InitTakesRawFilesWhereThereAreNoOtherPhotographs) {
+TEST_F(InitTest, InitTakesRawFilesWhereThereAreNoOtherPhotographs) {
   fs::create_directories(root_ / "raw/upright");
   fs::create_directories(root_ / "pairs");
   WriteFile(root_ / "raw/upright/a.CR2", "raw");
   WriteFile(root_ / "raw/notes.txt", "text");
-  WriteFile(root_ / "pairs/b.jpg", "picture");
+  WriteFile(root_ / "pairs/b.jpg", kPictureStart);
   WriteFile(root_ / "pairs/b.cr2", "raw");
   const Ended made =
       Keypose({"init", (root_ / "new").string(), "--pose", "raw=" + (root_ / "raw").string(),
@@ -81,20 +89,34 @@ TEST_F(RunTest, InitTakesRawFilesWhereThereAreNoOtherPhotographs) {
   EXPECT_THAT(made.text, HasSubstr("because there are other photographs: RAW files, 1 .cr2"));
 }
 
-TEST_F(RunTest, InitTakesWhatShootNotedAndLeavesItsFocusStacks) {
+TEST_F(InitTest, PhotographsThatCannotBeReadAreAllNamedBeforeAnythingIsCopied) {
+  const fs::path photos = root_ / "hero/photos/rest", fresh = root_ / "new";
+  WriteFile(photos / "IMG_0.jpg", "<!DOCTYPE html><p>not found");
+  WriteFile(photos / "IMG_2.jpg", "\xff\xd8\xff\xe0 begun");
+  WriteFile(photos / "IMG_3.jpg", "");
+  const Ended made = Keypose({"init", fresh.string(), "--pose", "rest=" + photos.string()});
+  EXPECT_EQ(made.code, 3);
+  EXPECT_THAT(made.text, HasSubstr("IMG_0.jpg is a web page, whatever its name says"));
+  EXPECT_THAT(made.text, HasSubstr("IMG_2.jpg is cut off: its end is missing"));
+  EXPECT_THAT(made.text, HasSubstr("IMG_3.jpg is empty. Nothing was copied"));
+  EXPECT_THAT(made.text, Not(HasSubstr("IMG_1.jpg")));
+  EXPECT_FALSE(fs::exists(fresh));
+}
+
+TEST_F(InitTest, InitTakesWhatShootNotedAndLeavesItsFocusStacks) {
   fs::create_directories(root_ / "shot/stacks");
   fs::create_directories(root_ / "lean");
   for (int i = 0; i < 6; ++i) {
     const std::string shot = "r1_a0" + std::to_string(10 * i);
-    WriteFile(root_ / "shot" / (shot + ".jpg"), "picture");
+    WriteFile(root_ / "shot" / (shot + ".jpg"), kPictureStart);
     for (int k = 1; k <= 3; ++k)
-      WriteFile(root_ / "shot/stacks" / (shot + "_f" + std::to_string(k) + ".jpg"), "picture");
+      WriteFile(root_ / "shot/stacks" / (shot + "_f" + std::to_string(k) + ".jpg"), kPictureStart);
   }
   for (int i = 0; i < 15; ++i)
-    WriteFile(root_ / "lean" / ("IMG_" + std::to_string(i) + ".jpg"), "picture");
-  WriteFile(root_ / "lean/background.jpg", "the empty set");
+    WriteFile(root_ / "lean" / ("IMG_" + std::to_string(i) + ".jpg"), kPictureStart);
+  WriteFile(root_ / "lean/background.jpg", kPictureStart);
   fs::create_directories(root_ / "lean/masks");
-  WriteFile(root_ / "lean/masks/IMG_0.jpg.png", "painted in the studio");
+  WriteFile(root_ / "lean/masks/IMG_0.jpg.png", kPictureStart);
   WriteFile(root_ / "lean/masks/painted.json", R"({"masks": {}})");
   fs::create_directories(root_ / "lean/@eaDir/IMG_0.jpg");
   WriteFile(root_ / "lean/@eaDir/IMG_0.jpg/SYNOPHOTO_THUMB_M.jpg", "a disk station's");
@@ -116,11 +138,11 @@ TEST_F(RunTest, InitTakesWhatShootNotedAndLeavesItsFocusStacks) {
   EXPECT_THAT(made.text, Not(HasSubstr("not copied")));
 }
 
-TEST_F(RunTest, InitFitsPosesOfFewPhotographsAndSaysSo) {
+TEST_F(InitTest, InitFitsPosesOfFewPhotographsAndSaysSo) {
   fs::create_directories(root_ / "many/masks");
   for (int i = 0; i < 16; ++i) {
-    WriteFile(root_ / "many" / ("IMG_" + std::to_string(i) + ".jpg"), "picture");
-    WriteFile(root_ / "many/masks" / ("IMG_" + std::to_string(i) + ".jpg.png"), "mask");
+    WriteFile(root_ / "many" / ("IMG_" + std::to_string(i) + ".jpg"), kPictureStart);
+    WriteFile(root_ / "many/masks" / ("IMG_" + std::to_string(i) + ".jpg.png"), kPictureStart);
   }
   const std::string photos = (root_ / "hero/photos").string();
   const std::vector<std::string> poses = {"--pose", "rest=" + photos + "/rest",
@@ -145,7 +167,7 @@ TEST_F(RunTest, InitFitsPosesOfFewPhotographsAndSaysSo) {
   EXPECT_EQ(PoseLine(root_ / "b", "many"), "  many: {photos: photos/many, method: fit}");
 }
 
-TEST_F(RunTest, InitRefusesFewPhotographsOfTheTemplate) {
+TEST_F(InitTest, InitRefusesFewPhotographsOfTheTemplate) {
   const std::string photos = (root_ / "hero/photos").string(), fresh = (root_ / "new").string();
   const auto init = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = {
@@ -167,7 +189,7 @@ TEST_F(RunTest, InitRefusesFewPhotographsOfTheTemplate) {
   EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
 }
 
-TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
+TEST_F(InitTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
   WriteFile(root_ / "share/keypose/performance.yaml",
             "sources: {video: {of: shot}, calibration: {of: shot}, scan: {of: project}}\n"
             "steps:\n"
@@ -207,7 +229,7 @@ TEST_F(RunTest, InitOfAPerformanceLeavesFilmsAndCopiesTheRest) {
   EXPECT_THAT(with, HasSubstr("transfer: {options: {space: template}}"));
 }
 
-TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
+TEST_F(InitTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   WriteFile(root_ / "hero/photos/rest/IMG_0.mov", "film");
   WriteFile(root_ / "hero/photos/rest/.DS_Store", "x");
   const Ended ended = Keypose({"init", (root_ / "a new one").string(), "--pose",

@@ -60,6 +60,9 @@ struct Ended {
   std::string text;  ///< standard output and error
 };
 
+/// The first bytes of a TIFF, for photographs of test stages, which read text.
+inline const std::string kPictureStart("II*\0", 4);
+
 class RunTest : public ::testing::Test, public TestingFolder {
  protected:
   void SetUp() override {
@@ -87,6 +90,12 @@ class RunTest : public ::testing::Test, public TestingFolder {
                   pose + " picture " + std::to_string(i) + "\n");
     }
     WriteFile(project / "pipeline.yaml", "poses: {rest: photos/rest, bent: photos/bent}\n");
+  }
+
+  /// Makes the project's photographs such that `init` takes them: their first bytes are a TIFF's.
+  static void MakePhotographs(const fs::path& project) {
+    for (const auto& entry : fs::recursive_directory_iterator(project / "photos"))
+      if (entry.is_regular_file()) WriteFile(entry.path(), kPictureStart + ReadFile(entry.path()));
   }
 
   pid_t Start(const std::vector<std::string>& arguments,

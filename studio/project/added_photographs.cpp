@@ -21,14 +21,8 @@ void RequirePicture(const std::string& name, const std::string& bytes) {
   if (!IsPhotographName(name))
     throw UsageError(
         fmt::format("'{}' is no photograph that can be read ({})", name, kReadablePhotographs));
-  const std::string_view head = std::string_view(bytes).substr(0, 4096);
-  const std::string kind = ImageKindOf(head), other = OtherKindOf(head);
-  if (kind.empty() && !other.empty())
-    throw UsageError(
-        fmt::format("'{}' is {}, whatever its name says; save it as JPEG or PNG", name, other));
-  if (kind.empty() || !IsWholeImage(bytes, kind))
-    throw UsageError(fmt::format("'{}' is not a whole picture that can be read ({})", name,
-                                 kReadablePhotographs));
+  if (const std::string fault = PhotographFault(bytes); !fault.empty())
+    throw UsageError(fmt::format("'{}' {}", name, fault));
 }
 
 bool HasBytes(const fs::path& file, const std::string& bytes) {

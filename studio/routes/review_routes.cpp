@@ -24,6 +24,10 @@ void ReviewRoutes::AddTo(RouteTable& table) {
 
 bool ReviewRoutes::IsRunning() { return project_.run().running() || !project_.LockedBy().empty(); }
 
+std::vector<std::string> ReviewRoutes::RunRecords() const {
+  return pipeline::RealDisk().Children(project_.folder() / ".keypose/runs");
+}
+
 void ReviewRoutes::AddPictures(RouteTable& table) {
   const auto file_at = [this](const Question& question, const char* name = "at") {
     return project_.With([&](Snapshot& now) -> fs::path {
@@ -48,11 +52,14 @@ void ReviewRoutes::AddPictures(RouteTable& table) {
 
 void ReviewRoutes::AddWords(RouteTable& table) {
   table.Get("/api/review", [this](const Question&) {
-    // A plan made while a run was at work is of two runs: seen before it and after it.
+    // A plan made while a run was at work is of two runs; even of one that began and ended
+    // meanwhile.
     const bool running = IsRunning();
+    const auto runs = RunRecords();
     project_.Forget();  // the records of runs are read anew; the plan must not be older than these
-    return JsonAnswer(
-        project_.With([&](Snapshot& now) { return ReviewsJson(now, running || IsRunning()); }));
+    return JsonAnswer(project_.With([&](Snapshot& now) {
+      return ReviewsJson(now, running || IsRunning() || runs != RunRecords());
+    }));
   });
   table.Get("/api/review/compare", [this](const Question& question) {
     const bool running = IsRunning();

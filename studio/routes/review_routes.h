@@ -14,6 +14,7 @@ class ReviewRoutes final : public PageRoutes {
   void AddPictures(RouteTable& table);
   void AddWords(RouteTable& table);
   bool IsRunning();
+  std::vector<std::string> RunRecords() const;
 };
 
 }  // namespace keypose::studio

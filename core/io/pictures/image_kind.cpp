@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "core/io/pictures/photograph_files.h"
+
 namespace keypose {
 
 namespace {
@@ -118,6 +120,17 @@ std::string OtherKindOf(std::string_view head) {
 bool IsWholeImage(std::string_view bytes, const std::string& kind) {
   if (kind == "jpeg") return IsWholeJpeg(bytes);
   return kind != "png" || IsWholePng(bytes);
+}
+
+std::string PhotographFault(std::string_view bytes) {
+  if (bytes.empty()) return "is empty";
+  const std::string_view head = bytes.substr(0, 4096);
+  const std::string kind = ImageKindOf(head), other = OtherKindOf(head);
+  if (kind.empty() && !other.empty())
+    return "is " + other + ", whatever its name says; save it as JPEG or PNG";
+  if (kind.empty())
+    return std::string("is no picture that can be read (") + kReadablePhotographs + ")";
+  return IsWholeImage(bytes, kind) ? "" : "is cut off: its end is missing; copy it again";
 }
 
 std::int64_t ClaimedHeifPixels(std::string_view bytes) {

@@ -29,6 +29,12 @@ std::string OtherKindOf(std::string_view head);
 /// @param bytes  the whole file
 bool IsWholeImage(std::string_view bytes, const std::string& kind);
 
+/// What is wrong with a file that a person gives as a photograph, as words that follow its name:
+/// "is a web page, whatever its name says; save it as JPEG or PNG". "" if its first bytes and its
+/// end are those of a picture that is read; that can be told before it is decoded.
+/// @param bytes  the whole file
+std::string PhotographFault(std::string_view bytes);
+
 /// The largest number of pixels that any picture in a HEIF file claims. The decoder allocates
 /// memory for them before it reports their number, so this is checked first.
 /// @param bytes  the whole file

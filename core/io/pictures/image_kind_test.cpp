@@ -24,6 +24,16 @@ TEST_F(HostileImage, WhatIsNoPhotographByItsBytesIsNotReadWhateverItsName) {
   ImageMessage(Put("soft.tif", "v/1\x01" + std::string(100, '\0')));
 }
 
+TEST_F(HostileImage, WhatIsWrongWithAPhotographIsToldBeforeItIsDecoded) {
+  const std::string whole = ReadFile(PutJpeg("whole.jpg"));
+  EXPECT_EQ(PhotographFault(whole), "");
+  EXPECT_EQ(PhotographFault(whole.substr(0, whole.size() / 2)),
+            "is cut off: its end is missing; copy it again");
+  EXPECT_EQ(PhotographFault(""), "is empty");
+  EXPECT_TRUE(PhotographFault("no picture").starts_with("is no picture that can be read (.jpg"));
+  EXPECT_TRUE(PhotographFault("<!DOCTYPE html>").starts_with("is a web page, whatever its name"));
+}
+
 TEST_F(HostileImage, PhotographUnderAnotherKindsNameIsRead) {
   fs::rename(PutJpeg("photo.jpg"), folder_ / "photo.png");
   EXPECT_EQ(ReadImageInfo(folder_ / "photo.png").format, "jpeg");

@@ -147,24 +147,34 @@ export class Viewer {
     this.draw()
   }
 
-  /** The texture for the look 'texture', loaded from an address. */
+  /**
+   * The texture for the look 'texture', loaded from an address. What was asked for last is shown,
+   * whichever comes last.
+   */
   async loadTexture(url: string): Promise<void> {
-    this.setPicture('texture', await loadedTexture(url))
+    const asked = ++this.asked.texture
+    const texture = await loadedTexture(url)
+    if (asked === this.asked.texture) this.setPicture('texture', texture)
+    else texture.dispose()
   }
+  private readonly asked = { texture: 0, confidence: 0, blends: 0 }
 
   /**
    * A texture that the caller has decoded, upside down. It may be freed once another one was shown;
    * pictures of one size follow each other at the cost of a copy.
    */
   showTexture(picture: ImageBitmap): void {
+    ++this.asked.texture
     if (changePicture(this.pictures.texture, picture)) this.draw()
     else this.setPicture('texture', decodedTexture(picture))
   }
 
   /** Textures by name, for blendTextures. */
   async loadBlends(urls: Map<string, string>): Promise<void> {
+    const asked = ++this.asked.blends
     const load = async ([name, url]: [string, string]) => [name, await loadedTexture(url)] as const
     const loaded = await Promise.all([...urls].map(load))
+    if (asked !== this.asked.blends) return loaded.forEach(([, texture]) => texture.dispose())
     for (const texture of this.blends.values()) texture.dispose()
     this.blends = new Map(loaded)
     // Now, and not with the first picture that shows them: that would come late.
@@ -182,8 +192,10 @@ export class Viewer {
    * A picture of values in the mesh's layout, for the look 'confidence', in the scale's colours.
    */
   async loadConfidence(url: string): Promise<GreyPicture> {
+    const asked = ++this.asked.confidence
     const { texture, grey } = await scalePicture(url)
-    this.setPicture('confidence', texture)
+    if (asked === this.asked.confidence) this.setPicture('confidence', texture)
+    else texture.dispose()
     return grey
   }
 

@@ -164,7 +164,7 @@ function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, lo
     }
     if (look === 'texture' && textured.current !== data)
       viewer.loadTexture(api.textureUrl(pose)).then(() => {
-        textured.current = data
+        if (wanted) textured.current = data
         show()
       }, complain)
     else if (look === 'confidence' && seen?.data !== data)

@@ -92,7 +92,7 @@ export function FigurePair(props: {
     }
     all().catch((error) => wanted && complain(error))
     return () => void (wanted = false)
-  }, [views, shown, distances, coloured])
+  }, [views, shown, distances, coloured, before?.texture, after.texture])
   const stage = (which: 'before' | 'after', words: string) => (
     <ViewerStage
       label={`${pose}, ${words}`}
