@@ -34,7 +34,7 @@ StageSpec Spec() {
   spec.name = "register";
   spec.version = "7";
   spec.summary = "Bends the template onto a pose: same vertices and faces, new positions.";
-  spec.title = "Registration";
+  spec.title = "Shared net";
   spec.measurements = {
       {"flipped", "flipped triangles"},
       {"flipped_clearly", "clearly flipped triangles"},

@@ -166,8 +166,8 @@ async function landmarks() {
   const picked = await walk.pairs();
   check(picked >= kPicks, `only ${picked} of ${kPicks} landmarks were picked`);
   await suggestions(walk, picked);
-  await page.getByRole('button', { name: 'Register bent' }).click();
-  await page.getByRole('button', { name: 'Registering…' }).waitFor();
+  await page.getByRole('button', { name: 'Lay the net on bent' }).click();
+  await page.getByRole('button', { name: 'Lays the net …' }).waitFor();
   await until(
     'the fit before and after is shown',
     async () =>

@@ -270,8 +270,8 @@ export class Landmarks {
     const { page } = this;
     const now = await this.figures('after');
     check(now.length === 3, `the page shows no fit of the first registration: ${now}`);
-    await page.getByRole('button', { name: 'Register bent' }).click();
-    await page.getByRole('button', { name: 'Registering…' }).waitFor();
+    await page.getByRole('button', { name: 'Lay the net on bent' }).click();
+    await page.getByRole('button', { name: 'Lays the net …' }).waitFor();
     await until(
       'the fit before and after is shown',
       async () =>

@@ -53,6 +53,18 @@ export function count(number: number, noun: string): string {
   return `${number} ${noun}${number === 1 ? '' : 's'}`
 }
 
+/** "Texture layout of rest" for `unwrap/rest`, as its stage calls it; the id where none is known. */
+export function stepName(id: string, steps: { id: string; title: string; pose: string }[]): string {
+  const step = steps.find((one) => one.id === id)
+  if (!step) return id
+  return step.pose ? `${step.title} of ${step.pose}` : step.title
+}
+
+/** What its stage calls it: "Texture layout"; of a warning, which names a step of all poses, too. */
+export function stepTitle(id: string, steps: { id: string; step: string; title: string }[]): string {
+  return steps.find((one) => one.id === id || one.step === id)?.title ?? id
+}
+
 /** Words of a program as a sentence: a capital first, a full stop last. */
 export function sentence(words: string): string {
   const text = words.trim()

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict'
 import { test } from 'node:test'
 
-import type { Photograph, Pose } from '../src/api'
+import type { Photograph, Pose, Step } from '../src/api'
 import { freeName, groupsOf, sentOf } from '../src/pages/poses/add_model'
 import { againWords } from '../src/pages/poses/again_words'
 import { namedIn, saysLeaveOut } from '../src/pages/poses/named'
@@ -83,12 +83,14 @@ test('a warning names photographs by whole names, and says what to do with them'
 test('what runs again is said with the time that it took', () => {
   const again = { step: 'capture/rest', follow: ['sfm/rest', 'report'], seconds: 125, made: true }
   assert.equal(
-    againWords(again, 'rest'),
-    'The next run makes capture/rest again, and after it up to 2 steps; all of it took 2 min 05 s last time.',
+    againWords(again, 'rest', [
+      { id: 'capture/rest', title: 'Photographs', pose: 'rest' } as Step,
+    ]),
+    'The next run makes “Photographs of rest” again, and after it up to 2 steps; all of it took 2 min 05 s last time.',
   )
-  assert.match(againWords({ ...again, made: false }, 'rest'), /^Nothing is made of rest yet/)
-  assert.match(againWords({ ...again, step: '' }, 'rest'), /^No step reads/)
-  assert.equal(againWords(null, 'rest'), '')
+  assert.match(againWords({ ...again, made: false }, 'rest', []), /^Nothing is made of rest yet/)
+  assert.match(againWords({ ...again, step: '' }, 'rest', []), /^No step reads/)
+  assert.equal(againWords(null, 'rest', []), '')
 })
 
 test('what is left out is not judged, and changes nothing of how others are', () => {

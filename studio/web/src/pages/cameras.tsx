@@ -122,7 +122,7 @@ export function CamerasPage() {
       ) : (
         <div class="empty">
           <h2>No cameras</h2>
-          <p>Put the film of each camera into the folder that pipeline.yaml names for the shot.</p>
+          <p>Put the film of each camera into the shot’s folder, which the project’s file, pipeline.yaml, names.</p>
         </div>
       )}
     </main>

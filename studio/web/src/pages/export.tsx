@@ -91,7 +91,7 @@ function NoAnimation({ poses }: { poses: number }) {
       <p class="soft">
         {poses < 1
           ? 'There is no pose yet. Add one on the Poses page.'
-          : 'This project’s pipeline.yaml has switched the export step off.'}
+          : 'The project’s file, pipeline.yaml, has switched the export step off.'}
       </p>
     </section>
   )

@@ -78,7 +78,7 @@ function Readings({ player, made }: { player: Player; made: Made }) {
       <span
         ref={line}
         class="number small motion-reading"
-        title="Volume and area over those of the template"
+        title="Volume and area over those of the figure at rest"
       />
     </>
   )

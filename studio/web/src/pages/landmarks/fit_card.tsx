@@ -181,13 +181,13 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
         data-action="register"
         onClick={register}
       >
-        {atWork ? 'Registering…' : `Register ${pose}`}
+        {atWork ? 'Lays the net …' : `Lay the net on ${pose}`}
       </button>
       {!atWork && !after && (
         <p class="small soft">
           {props.pairs < 4
             ? 'Four pairs that are not in one plane are a good start.'
-            : `The net has not been laid on ${pose} yet (registered).`}
+            : `The net has not been laid on ${pose} yet.`}
         </p>
       )}
     </section>

@@ -261,7 +261,7 @@ export function PhotoBench(props: {
       <div class="lm-work">
         <div class="lm-head">
           <h2>{name}</h2>
-          <span class="small soft">template</span>
+          <span class="small soft">gives the net</span>
           <span class="lm-gap" />
           <FilesMenu
             pose={name}

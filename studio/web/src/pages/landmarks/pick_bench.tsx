@@ -34,7 +34,7 @@ const kKeys: [string, string][] = [
   ['T', 'turn together or apart'],
   ['P', 'plain or textured'],
   ['S', 'suggest'],
-  ['Ctrl Enter', 'register: lay the net on the pose'],
+  ['Ctrl Enter', 'lay the net on the pose'],
   ['Ctrl Z', 'undo; with Shift: redo'],
 ]
 
@@ -273,7 +273,7 @@ export function PickBench(props: {
       <div class="lm-work">
         <div class="lm-head">
           <h2>{props.template.name}</h2>
-          <span class="small soft">template</span>
+          <span class="small soft">gives the net</span>
           <span class="lm-gap" />
           {menu('template')}
         </div>

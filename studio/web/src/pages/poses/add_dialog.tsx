@@ -44,13 +44,13 @@ function Files({ files }: { files: LeftOut[] }) {
 
 /** What becomes of the pose that the photographs go to. */
 function Outcome({ group }: { group: Group }) {
-  const { project, version } = useStudio()
+  const { project, steps, version } = useStudio()
   const pose = project.poses.find((one) => one.name === group.target)
   const again = useLoaded(
     () => (group.target ? api.again(group.target) : Promise.resolve(null)),
     [group.target, version],
   )
-  if (pose) return <p class="small soft">{againWords(again.value, pose.name)}</p>
+  if (pose) return <p class="small soft">{againWords(again.value, pose.name, steps.steps)}</p>
   if (project.poses.length === 0 || !isFew(group.photos.length)) return null
   return (
     <p class="small soft">

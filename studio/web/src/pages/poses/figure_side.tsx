@@ -5,7 +5,7 @@ import { api } from '../../api'
 import type { Figure, Step } from '../../api'
 import { FailureSheet, Sheet } from '../../sheet'
 import { useStudio } from '../../state'
-import { sentence } from '../../words'
+import { sentence, stepName } from '../../words'
 import { askingFor, shapeOf } from './figure_model'
 import type { FigureTool } from './figure_view'
 import type { FigureDesk } from './use_figure'
@@ -187,16 +187,19 @@ function stateOf({ figure, strokes }: FigureDesk, step: Step | undefined): strin
   if (step?.state === 'done')
     return nothing ? 'The masks are made.' : 'The masks are made with what you said.'
   if (step?.state === 'failed' && !figure!.unclear)
-    return `${step.id} failed. ${sentence(step.error)}`
+    return `${stepName(step.id, [step])} failed. ${sentence(step.error)}`
   const again = step?.state === 'never' ? '' : 'again '
   return `The masks are made ${again}at the next run.`
 }
 
 /** What else runs again: of many steps of several poses only how many. */
 function Follow({ steps }: { steps: string[] }) {
+  const all = useStudio().steps.steps
   if (steps.length === 0) return null
   const kMost = 8
-  const words = steps.length > kMost ? `the ${steps.length} steps that need them` : steps.join(', ')
+  const words = steps.length > kMost
+      ? `the ${steps.length} steps that need them`
+      : steps.map((id) => stepName(id, all)).join(', ')
   return <p class="small soft">Where they change, these run again after them: {words}.</p>
 }
 

@@ -60,7 +60,7 @@ export function FitView({ pose, results }: { pose: Pose; results: string }) {
       <div class="empty">
         <h2>From few photographs</h2>
         <p>
-          The template is bent into the photographs of {pose.name}: there is no scan to measure
+          The net is bent into the photographs of {pose.name}: there is no scan to measure
           against. Compare the two in the wipe; the report has the overlap in each photograph.
         </p>
       </div>
@@ -69,14 +69,14 @@ export function FitView({ pose, results }: { pose: Pose; results: string }) {
     return (
       <div class="empty">
         <h2>No surface yet</h2>
-        <p>Press Run: the template can be registered when {pose.name} has a surface.</p>
+        <p>Press Run: the net can be laid on {pose.name} when it has a surface.</p>
       </div>
     )
   if (!registered)
     return (
       <div class="empty">
-        <h2>Not registered yet</h2>
-        <p>Pick landmarks on the template and on {pose.name}, then press Register.</p>
+        <h2>Without the net yet</h2>
+        <p>Pick the same places on both figures: then the net of triangles is laid on {pose.name}.</p>
         <a class="button" href="#/landmarks">
           Open Landmarks
         </a>

@@ -21,7 +21,7 @@ export interface PhotoActs {
 const kAccept = '.jpg,.jpeg,.jfif,.png,.tif,.tiff,.heic,.heif,.hif'
 
 export function usePhotoActs(pose: string): PhotoActs {
-  const { tell, complain, reload, version } = useStudio()
+  const { steps, tell, complain, reload, version } = useStudio()
   const again = useLoaded(() => api.again(pose), [pose, version])
   const input = useRef<HTMLInputElement>(null)
   const replaced = useRef('')
@@ -38,7 +38,7 @@ export function usePhotoActs(pose: string): PhotoActs {
     names.length === 1 ? names[0] : count(names.length, 'photograph')
   const is = (names: string[]) => (names.length === 1 ? 'is' : 'are')
   return {
-    note: againWords(again.value, pose),
+    note: againWords(again.value, pose, steps.steps),
     leaveOut: (names, out) =>
       void act(
         () => api.leaveOut(pose, names, out),

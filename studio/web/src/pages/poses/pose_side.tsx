@@ -1,7 +1,7 @@
 // The poses, and what the chosen one has.
 import type { Pose, Steps } from '../../api'
 import { useStudio } from '../../state'
-import { count } from '../../words'
+import { count, stepName } from '../../words'
 import { BinList } from './bin_list'
 import { PoseNames } from './pose_names'
 import { addressOf } from './route'
@@ -37,7 +37,7 @@ export function PoseSide(props: {
 
 function Has({ pose }: { pose: Pose }) {
   const fitted = pose.method === 'fit'
-  const mesh = pose.template ? 'Mesh' : fitted ? 'Bent template' : 'Registered mesh'
+  const mesh = pose.template ? 'Mesh' : fitted ? 'The net, bent into it' : 'The net, laid on it'
   const rows: [string, boolean, string][] = [
     ...(isFromMesh(pose)
       ? ([['Given', true, pose.mesh]] as typeof rows)
@@ -109,12 +109,12 @@ function nextOf(
     return { text: 'Drop photographs of this pose on the page.' }
   if (failed?.error.includes(kAsksForFigure))
     return { text: 'Show what the figure is: the photographs alone do not tell.', page: 'figure' }
-  if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
-  if (steps.running && first) return { text: `A run is at work; ${first.id} is still to come.` }
+  if (failed) return { text: `${stepName(failed.id, own)} failed. Its log says why.`, page: 'run' }
+  if (steps.running && first) return { text: `A run is at work; “${stepName(first.id, own)}” is still to come.` }
   if (first?.stage === 'register' && !pose.has_landmarks && !registered)
-    return { text: 'Pick a few landmarks, then register this pose.', page: 'landmarks' }
+    return { text: 'Pick a few landmarks; then the net can be laid on this pose.', page: 'landmarks' }
   if (open.length > 0)
-    return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }
+    return { text: `Press Run: ${count(open.length, 'step')} from “${stepName(open[0].id, own)}” on.`, page: 'run' }
   if (pose.method === 'fit')
     return { text: 'All is made. Compare it with its photographs in the wipe.' }
   if (pose.template && alone && !isFromMesh(pose))

@@ -19,7 +19,7 @@ const kKinds: [string, string, string][] = [
   ['surface', 'Surface', 'The first surface through the cloud'],
   ['refined', 'Refined', 'The surface pulled to the outlines in the photographs'],
   ['clean', 'Clean', 'Closed, without base, in few faces'],
-  ['mesh', 'Mesh', 'What is animated: the template, or the template in this pose'],
+  ['mesh', 'Mesh', 'What is animated: the net that all poses share, in this pose'],
 ]
 
 /** Which looks a mesh can have. */

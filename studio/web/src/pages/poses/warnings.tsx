@@ -1,6 +1,7 @@
 // What the steps of a pose said, each with the buttons that do what it says.
 import type { Steps, Warning } from '../../api'
-import { count } from '../../words'
+import { useStudio } from '../../state'
+import { count, stepTitle } from '../../words'
 import { namedIn, saysLeaveOut } from './named'
 import type { PhotoActs } from './photo_acts'
 import type { Judged } from './quality'
@@ -42,6 +43,7 @@ export function Warnings(props: {
   show: (name: string) => void
 }) {
   const { said, judged, acts } = props
+  const { steps } = useStudio().steps
   if (said.length === 0) return null
   const names = judged.map((one) => one.photograph.name)
   const out = new Set(
@@ -58,7 +60,9 @@ export function Warnings(props: {
           const left = named.filter((name) => !out.has(name))
           return (
             <li key={i}>
-              <span class="mono soft">{one.steps.join(', ')}</span>
+              <span class="soft" title={one.steps.join(', ')}>
+                {one.steps.map((id) => stepTitle(id, steps)).join(', ')}
+              </span>
               <span>
                 <span class={one.failed ? 'bad' : ''}>{one.text}</span>
                 {named.length > 0 && (

@@ -1,6 +1,8 @@
 // Why a step would run, or last ran: the words of `keypose explain`, laid out to be read.
 import type { ComponentChildren } from 'preact'
 
+import { useStudio } from '../../state'
+import { stepName } from '../../words'
 import { Icon } from './icons'
 
 export interface Block {
@@ -63,12 +65,13 @@ export function Reason({ text }: { text: string }) {
 }
 
 function StepLinks({ ids, open }: { ids: string[]; open: (id: string) => void }) {
+  const { steps } = useStudio().steps
   const shown = ids.length > 7 ? ids.slice(0, 6) : ids
   return (
     <span class="links">
       {shown.map((id) => (
         <button key={id} class="link" onClick={() => open(id)}>
-          {id}
+          {stepName(id, steps)}
         </button>
       ))}
       {ids.length > shown.length && <span>and {ids.length - shown.length} more</span>}

@@ -2,7 +2,7 @@
 import type { Verdict, Warning } from '../../api'
 import { useStudio } from '../../state'
 import { Bar } from '../../bar'
-import { percent } from '../../words'
+import { percent, stepTitle } from '../../words'
 import { Icon } from './icons'
 import { kStateWords, shownState } from './step_words'
 import type { Shown } from './step_words'
@@ -85,6 +85,7 @@ function VerdictLine({ verdict }: { verdict: Verdict }) {
 }
 
 function WarningLine({ warning, open }: { warning: Warning; open: (id: string) => void }) {
+  const { steps } = useStudio().steps
   return (
     <li>
       <span class="grade look">
@@ -94,7 +95,7 @@ function WarningLine({ warning, open }: { warning: Warning; open: (id: string) =
       <span class="from">
         {warning.steps.map((id) => (
           <button key={id} class="link" onClick={() => open(id)}>
-            {id}
+            {stepTitle(id, steps)} <code>{id}</code>
           </button>
         ))}
       </span>

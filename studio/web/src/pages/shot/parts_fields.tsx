@@ -113,7 +113,7 @@ export function PartsForm({ film, offers, desk }: { film: Film; offers: Offers; 
             const { film: path, fps, shows } = shot!
             return { film: path, fps, shows, ...parts }
           }
-          void desk.save(change).then((done) => done && tell('pipeline.yaml has the set-up.'))
+          void desk.save(change).then((done) => done && tell('The set-up is saved.'))
         }}
       >
         <PartsFields parts={parts} offers={offers} film={film.film} change={setParts} />

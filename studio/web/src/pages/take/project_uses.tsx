@@ -81,7 +81,7 @@ export function ProjectUses({ take, bakes }: { take: string; bakes: number }) {
     try {
       const next = await takeApi.setUse(take, use, used, state.revision)
       setState(next)
-      tell(`${next.uses[use].step} is ${used ? 'in' : 'out of'} pipeline.yaml.`)
+      tell(`${next.uses[use].step} is ${used ? 'in' : 'out of'} the project.`)
       await reload()
     } catch (error) {
       complain(error)

@@ -46,7 +46,7 @@ function Others({ timeline }: { timeline: Timeline }) {
   return (
     <table class="tl-table tl-others">
       <caption class="small soft">
-        From <span class="mono">pipeline.yaml</span>, kept as it is
+        From the project’s file, <span class="mono">pipeline.yaml</span>; kept as it is
       </caption>
       <tbody>
         {lines.map((line, i) => (
@@ -90,7 +90,7 @@ export function RegionsTable({ desk }: { desk: Desk }) {
     <div class="stack tl-regions">
       {regions.length === 0 ? (
         <p class="soft">
-          Paint a region on the template, such as a foot or a propeller: it can then stay put, or
+          Paint a region on the figure, such as a foot or a propeller: it can then stay put, or
           turn, between keys. <a href="#/landmarks">Paint one</a>
         </p>
       ) : (

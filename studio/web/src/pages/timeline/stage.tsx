@@ -41,7 +41,7 @@ function useTemplate(viewer: { current: Viewer | null }, made: Made | null): boo
       const data = parseMesh(await api.mesh(name, 'mesh'))
       if (!current || !viewer.current) return
       if (made && data.vertices !== made.frames.vertices)
-        throw new Error('The frames were made from another mesh of the template: make them again.')
+        throw new Error('The frames were made from another net: make them again.')
       viewer.current.show(data, textured && data.uvs ? 'texture' : 'plain', true)
       setShown(true)
       if (textured) await viewer.current.loadTexture(api.textureUrl(name))

@@ -224,7 +224,7 @@ export function Transport(props: TransportProps) {
         <span
           class={editing.saving === 'failed' ? 'bad small' : 'soft small'}
           role="status"
-          title="Each change is written to pipeline.yaml"
+          title="Each change is written to the project’s file, pipeline.yaml"
         >
           {kSavingWords[editing.saving]}
         </span>
