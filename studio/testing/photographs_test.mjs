@@ -84,6 +84,8 @@ async function warningWithAButton() {
   spawnSync(join(bin, 'keypose'), ['run', '-C', folder, '--until', 'capture'], { stdio: 'ignore' });
   const button = page.getByRole('button', { name: 'Leave out broken.png' });
   await button.waitFor();
+  await tile('broken.png').scrollIntoViewIfNeeded();
+  await tile('broken.png').getByText('cannot be read').waitFor();
   await record(page, 'photographs_warning', options.pictures);
   await button.click();
   await until('it is left out', () => pipeline().includes('leave_out: broken.png'));

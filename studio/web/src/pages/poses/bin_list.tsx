@@ -3,6 +3,7 @@ import { useRef } from 'preact/hooks'
 
 import { api } from '../../api'
 import type { BinEntry } from '../../api'
+import { Picture } from '../../picture'
 import { useStudio } from '../../state'
 import { count } from '../../words'
 import { useLoaded } from './load'
@@ -26,7 +27,7 @@ function Row({ entry, back }: { entry: BinEntry; back: () => void }) {
           .filter(isPicture)
           .slice(0, kShown)
           .map((file) => (
-            <img key={file} src={api.binUrl(entry.id, file, 160)} alt="" loading="lazy" />
+            <Picture key={file} src={api.binUrl(entry.id, file, 160)} alt="" loading="lazy" />
           ))}
       </span>
       <span>

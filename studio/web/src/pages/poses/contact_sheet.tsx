@@ -5,6 +5,7 @@ import { api } from '../../api'
 import type { Pose } from '../../api'
 import { Menu, placeOfMenu } from '../../menu'
 import type { MenuItem, MenuPlace } from '../../menu'
+import { Picture } from '../../picture'
 import { useStudio } from '../../state'
 import { count, percent } from '../../words'
 import { Chooser } from '../new_project/chooser'
@@ -233,7 +234,7 @@ function Tile(props: {
         onContextMenu={props.ask}
       >
         <span class="thumb" style={{ aspectRatio: shape }}>
-          <img
+          <Picture
             src={api.photoUrl(pose, photograph.name, 320, false, photograph.photograph)}
             alt=""
             loading="lazy"

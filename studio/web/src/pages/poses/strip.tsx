@@ -1,6 +1,7 @@
 // Photographs of a pose, or cameras of a shot, in one row, to go from one to the next.
 import { useEffect, useRef } from 'preact/hooks'
 
+import { Picture } from '../../picture'
 import { nextByKey } from './keys'
 
 export function Strip(props: {
@@ -36,7 +37,7 @@ export function Strip(props: {
               title={name}
               onClick={() => props.choose(name)}
             >
-              <img src={props.src(name)} alt="" loading="lazy" />
+              <Picture src={props.src(name)} alt="" loading="lazy" />
               <span>{name}</span>
               {props.note?.(name) && <em>{props.note(name)}</em>}
             </button>

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
 import type { CameraView, Pose } from '../../api'
+import { Picture } from '../../picture'
 import { useStudio } from '../../state'
 import { ViewerStage } from '../../view/stage'
 import type { Viewer } from '../../view/viewer'
@@ -75,7 +76,7 @@ function Pair(props: { pose: Pose; results: string; camera: CameraView; behind: 
   return (
     <div ref={element} class="room">
       <div class="pair" style={box}>
-        <img
+        <Picture
           src={api.photoUrl(pose.name, camera.name, 1600, true)}
           alt={`Photograph ${camera.name}`}
           draggable={false}

@@ -1,4 +1,5 @@
 // A picture that a step made, before and after.
+import { Picture } from '../../picture'
 import { Pair, useZoom } from './pair'
 import type { Mode } from './pair'
 import { reviewApi } from './review_api'
@@ -15,7 +16,7 @@ export function PicturePair(props: {
   const { path, before, after } = props
   const { element, style, move } = useZoom(path)
   const picture = (version: Version, words: string) => (
-    <img
+    <Picture
       src={reviewApi.fileUrl(fileAt(version, path))}
       alt={`${path}, ${words}`}
       draggable={false}
