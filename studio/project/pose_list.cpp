@@ -181,6 +181,9 @@ std::string WithPoseBack(const std::string& text, const std::string& pose, const
   if (std::find(poses.begin(), poses.end(), pose) != poses.end())
     throw UsageError(fmt::format("there is a pose '{}' by now; rename that first", pose));
   if (!pipeline::IsName(pose)) throw UsageError("the bin's entry names no pose");
+  if (what.contains("pipeline"))
+    return keypose::WithPoseBack(text, pose, what.at("pipeline").get<std::string>());
+  // of an entry that an earlier version made
   const bool lists = what.value("on_timeline", false) && TimelineOnlyListsPoses(text);
   const std::string value = what.value("yaml", "");
   const std::string with = lists ? WithPose(text, pose, false) : text;

@@ -226,6 +226,7 @@ TEST_F(PosesRoutes, WhatEndedInTheMiddleOfAMoveIsPutBack) {
 }
 
 TEST_F(PosesRoutes, ADeletedPoseComesBackWhole) {
+  const std::string before = Text();
   Do("poses/delete", {{"pose", "wave"}});
   EXPECT_THAT(Poses(), ElementsAre("rest"));
   EXPECT_THAT(Text(), Not(HasSubstr("wave")));
@@ -233,7 +234,7 @@ TEST_F(PosesRoutes, ADeletedPoseComesBackWhole) {
   EXPECT_TRUE(fs::exists(Path("bin/0001/landmarks/wave.json")));
   Do("bin/take-back", {{"id", "0001"}});
   EXPECT_THAT(Poses(), ElementsAre("rest", "wave"));
-  EXPECT_THAT(Text(), HasSubstr("  wave: {photos: photos/wave, method: fit}\n"));
+  EXPECT_EQ(Text(), before);
   EXPECT_TRUE(fs::exists(Path("photos/wave/a.jpg")));
   EXPECT_TRUE(fs::exists(Path("landmarks/wave.json")));
   EXPECT_THAT(Refused("poses/delete", {{"pose", "rest"}}), HasSubstr("choose another template"));

@@ -46,6 +46,13 @@ bool IsName(const YAML::Node& node, const std::string& name) {
   return node.IsDefined() && node.IsScalar() && node.Scalar() == name;
 }
 
+/// The frames of the filmed shot that show a pose, or nothing.
+YAML::Node ShowsOf(const YAML::Node& root) {
+  const YAML::Node shot = root["shot"];
+  const YAML::Node shows = shot.IsDefined() && shot.IsMap() ? shot["shows"] : YAML::Node();
+  return shows.IsDefined() ? shows : YAML::Node();
+}
+
 /// The scalars outside of `poses` that are a pose's name.
 std::vector<YAML::Node> NamesOf(const YAML::Node& root, const std::string& pose) {
   std::vector<YAML::Node> names;
@@ -56,9 +63,8 @@ std::vector<YAML::Node> NamesOf(const YAML::Node& root, const std::string& pose)
   const YAML::Node keys = KeysOf(root);
   if (keys.IsSequence())
     for (const YAML::Node& key : keys) add(PoseOfKey(key));
-  const YAML::Node shot = root["shot"];
-  const YAML::Node shows = shot.IsDefined() && shot.IsMap() ? shot["shows"] : YAML::Node();
-  if (shows.IsDefined() && shows.IsMap())
+  const YAML::Node shows = ShowsOf(root);
+  if (shows.IsMap())
     for (const auto& frame : shows) add(frame.second);
   return names;
 }
@@ -129,6 +135,19 @@ std::string FlowOf(const YAML::Node& node) {
   else
     for (const YAML::Node& item : node) join(FlowOf(item));
   return node.IsMap() ? "{" + text + "}" : "[" + text + "]";
+}
+
+/// With the keys of `before`, if those of `text` are those of `left`.
+std::string WithKeysBack(const std::string& text, const std::string& left,
+                         const std::string& before) {
+  const YAML::Node old = Parsed(before), now = Parsed(text);
+  const YAML::Node keys = KeysOf(old);
+  if (!keys.IsSequence() || FlowOf(KeysOf(now)) != FlowOf(KeysOf(Parsed(left)))) return text;
+  if (!now["timeline"].IsDefined()) return WithValue(text, {"timeline"}, FlowOf(old["timeline"]));
+  std::vector<std::string> items;
+  for (const YAML::Node& key : keys) items.push_back(FlowOf(key));
+  const bool map = now["timeline"].IsMap();
+  return WithItems(text, map ? YamlPath{"timeline", "keys"} : YamlPath{"timeline"}, items);
 }
 
 /// The keys that stay, as YAML.
@@ -212,13 +231,31 @@ std::string WithoutPose(const std::string& text, const std::string& pose) {
   const bool lists = TimelineOnlyListsPoses(text);
   std::erase(poses, pose);
   std::string edited = lists ? WithTimelineList(text, poses) : WithoutKeysOf(text, pose);
-  const YAML::Node shot = Parsed(text)["shot"];
-  const YAML::Node shows = shot.IsDefined() && shot.IsMap() ? shot["shows"] : YAML::Node();
-  if (shows.IsDefined() && shows.IsMap())
+  const YAML::Node shows = ShowsOf(Parsed(text));
+  if (shows.IsMap())
     for (const auto& frame : shows)
       if (IsName(frame.second, pose))
         edited = WithoutValue(edited, {"shot", "shows", frame.first.Scalar()});
   return WithoutValue(edited, {"poses", pose});
+}
+
+std::string WithPoseBack(const std::string& text, const std::string& pose,
+                         const std::string& before) {
+  const std::string left = WithoutPose(before, pose);
+  if (text == left) return before;
+  const auto poses = PosesIn(text);
+  if (std::find(poses.begin(), poses.end(), pose) != poses.end())
+    throw YamlEditError(fmt::format("there is a pose '{}' already", pose));
+  const bool lists = Parsed(before)["timeline"].IsDefined() && TimelineOnlyListsPoses(before) &&
+                     TimelineOnlyListsPoses(text);
+  std::string edited = lists ? WithPose(text, pose, false) : WithKeysBack(text, left, before);
+  edited = WithValue(edited, {"poses", pose}, PoseValue(before, pose));
+  const YAML::Node shown = ShowsOf(Parsed(before)), now = ShowsOf(Parsed(text));
+  if (!now.IsMap() || !shown.IsMap()) return edited;
+  for (const auto& frame : shown)
+    if (IsName(frame.second, pose) && !now[frame.first.Scalar()].IsDefined())
+      edited = WithValue(edited, {"shot", "shows", frame.first.Scalar()}, YamlScalar(pose));
+  return edited;
 }
 
 std::string WithPoseOrder(const std::string& text, const std::vector<std::string>& order) {

@@ -36,6 +36,13 @@ std::string WithPoseRenamed(const std::string& text, const std::string& pose,
 /// @throws YamlEditError  there is no such pose
 std::string WithoutPose(const std::string& text, const std::string& pose);
 
+/// With a pose that WithoutPose took out of `before`: `before` itself where nothing has changed
+/// since; else the pose comes last, with its keys where the timeline is as it was left, and its
+/// frames of the filmed shot where these show no other pose by now.
+/// @throws YamlEditError  it cannot be edited so, or has the pose already
+std::string WithPoseBack(const std::string& text, const std::string& pose,
+                         const std::string& before);
+
 /// With the poses in another order, each with the comments before it; a timeline that only lists
 /// them follows.
 /// @param order  all of them

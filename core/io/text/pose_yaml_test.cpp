@@ -66,6 +66,31 @@ TEST(PoseYaml, WithoutAPoseItsKeysAreGone) {
             "poses: {a: 1}\nshot: {film: f, shows: {0: a}}\n");
 }
 
+TEST(PoseYaml, APoseThatComesBackHasItsKeysAgain) {
+  const std::string before =
+      "poses:\n  a: 1\n  b: 2   # bent\n  c: 3\ntimeline:\n  loop: true\n  keys:\n"
+      "    - {pose: a, at: 0}\n    - {pose: b, at: 0.5, hold: 0.2}   # x\n    - {pose: c, at: 2}\n";
+  const std::string left = WithoutPose(before, "b");
+  EXPECT_EQ(WithPoseBack(left, "b", before), before) << "comments and order, too";
+  EXPECT_EQ(WithPoseBack(left + "fps: 12\n", "b", before),
+            "poses:\n  a: 1\n  c: 3\n  b: 2\ntimeline:\n  loop: true\n  keys:\n"
+            "    - {pose: a, at: 0}\n    - {pose: b, at: 0.5, hold: 0.2}\n    - {pose: c, at: 2}\n"
+            "fps: 12\n");
+  const std::string moved = WithValue(left, {"timeline", "keys"}, "[{pose: a, at: 1}]");
+  EXPECT_THAT(WithPoseBack(moved, "b", before), testing::HasSubstr("keys: [{pose: a, at: 1}]\n"))
+      << "a timeline that was changed since stays as it is";
+  EXPECT_EQ(
+      WithPoseBack("poses: {a: 1}\nfps: 12\n", "b", "poses: {a: 1, b: 2}\ntimeline: [b, a, b]\n"),
+      "poses: {a: 1, b: 2}\nfps: 12\n");
+  EXPECT_EQ(WithPoseBack("poses: {a: 1}\nfps: 12\ntimeline: [a]\n", "b",
+                         "poses: {a: 1, b: 2}\ntimeline: [b, a, b]\n"),
+            "poses: {a: 1, b: 2}\nfps: 12\ntimeline: [b, a, b]\n");
+  EXPECT_EQ(WithPoseBack("poses: {a: 1}\nshot: {film: f, shows: {0: a}}\nfps: 12\n", "b",
+                         "poses: {a: 1, b: 2}\nshot: {film: f, shows: {0: a, 4: b}}\n"),
+            "poses: {a: 1, b: 2}\nshot: {film: f, shows: {0: a, 4: b}}\nfps: 12\n");
+  EXPECT_THROW(WithPoseBack("poses: {a: 1, b: 2, c: 3}\n", "b", before), YamlEditError);
+}
+
 TEST(PoseYaml, TheWayToFindAPoseIsChanged) {
   EXPECT_EQ(TemplateIn("poses: {a: 1, b: 2}\n"), "a");
   EXPECT_EQ(TemplateIn("poses: {a: 1, b: 2}\ntemplate: b\n"), "b");
