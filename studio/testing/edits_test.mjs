@@ -1,7 +1,7 @@
 // Edits that must not get lost: a page that is closed at once after one, a studio that is away, a
 // mask whose photograph is shot again.
 //
-//   node edits_test.mjs BIN_DIR [--keep]
+//   node edits_test.mjs BIN_DIR [--pictures DIR] [--keep]
 import {
   mkdirSync,
   readdirSync,
@@ -11,10 +11,10 @@ import {
 } from 'node:fs';
 import { join } from 'node:path';
 
-import { plainPng } from './png.mjs';
-import { check, until, withStudio } from './studio_driver.mjs';
+import { plainPng, readPng } from './png.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { scratch, folder, browser, studio, openPage, walkThrough } = withStudio('edits', 'dance');
+const { options, scratch, folder, browser, studio, openPage, walkThrough } = withStudio('edits', 'dance');
 let page;
 
 const pipeline = () => readFileSync(join(folder, 'pipeline.yaml'), 'utf8');
@@ -106,6 +106,57 @@ async function sound() {
   await until('the file does not name it', () => !pipeline().includes('sound'));
 }
 
+/** A mask by lasso, fill and as a whole; and taken from the photograph before. */
+async function lassoAndFill() {
+  for (const name of ['a.png', 'b.png'])
+    writeFileSync(join(folder, 'photos/bent', name), plainPng(48, [80, 80, 80]));
+  await page.getByRole('link', { name: 'Poses', exact: true }).click();
+  await page.locator('.side .list button', { hasText: 'bent' }).click();
+  await page.locator('.sheet .tile', { hasText: 'b.png' }).waitFor();
+  await page.locator('.sheet .tile', { hasText: 'a.png' }).click();
+  const surface = page.getByRole('application', { name: /^a.png with its mask/ });
+  const box = await boxOf(surface);
+  // The photograph is square, and fills 0.96 of the view's height.
+  const side = 0.96 * box.height;
+  const at = (x, y) => [
+    box.x + box.width / 2 + (x / 48 - 0.5) * side,
+    box.y + box.height / 2 + (y / 48 - 0.5) * side,
+  ];
+  const line = async (points) => {
+    await page.mouse.move(...at(...points[0]));
+    await page.mouse.down();
+    for (const point of points.slice(1)) await page.mouse.move(...at(...point));
+    await page.mouse.up();
+  };
+  const saved = async (name) => {
+    await page.keyboard.press('Control+s');
+    const file = join(folder, `masks/bent/${name}.png`);
+    await page.getByText('Paint over what belongs to the figure.').waitFor();
+    const { rgb } = readPng(readFileSync(file));
+    return rgb.reduce((sum, [value]) => sum + (value > 127 ? 1 : 0), 0);
+  };
+  await page.keyboard.press('l');
+  await line([[10, 10], [30, 10], [30, 30], [10, 30]]);
+  check((await saved('a.png')) === 400, 'not 20 x 20 pixels');
+  await page.keyboard.press('r');
+  await line([[15, 15], [25, 15], [25, 25], [15, 25]]);
+  await page.keyboard.press('a');
+  await record(page, 'brush_lasso', options.pictures);
+  check((await saved('a.png')) === 300, 'no hole of 10 x 10');
+  await page.keyboard.press('f');
+  await page.mouse.click(...at(20, 20));
+  check((await saved('a.png')) === 400, 'the hole is not filled');
+  await page.keyboard.press('i');
+  check((await saved('a.png')) === 48 * 48 - 400, 'not inverted');
+  await page.keyboard.press('Control+z');
+  check((await saved('a.png')) === 400, 'not taken back');
+  await page.keyboard.press('PageDown');
+  await page.getByRole('application', { name: /^b.png with its mask/ }).waitFor();
+  await page.getByRole('button', { name: '‹ As before' }).click();
+  check((await saved('b.png')) === 400, 'not the mask of the photograph before');
+  await page.getByRole('button', { name: /Photographs of bent/ }).click();
+}
+
 /** A mask that was painted, and then its photograph is shot again, twice. */
 async function shotAgain() {
   const shoot = (grey) => {
@@ -146,5 +197,6 @@ await walkThrough([
   ['a page that is closed at once', closedAtOnce],
   ['a studio that is away', whileAway],
   ['a sound', sound],
+  ['a mask by lasso and fill', lassoAndFill],
   ['a photograph that is shot again', shotAgain],
 ]);

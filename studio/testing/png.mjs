@@ -2,7 +2,7 @@
 import { crc32, deflateSync, inflateSync } from 'node:zlib';
 
 const kMark = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]);
-const kChannels = { 2: 3, 6: 4 };
+const kChannels = { 0: 1, 2: 3, 6: 4 };
 
 function chunk(type, data) {
   const body = Buffer.concat([Buffer.from(type), data]);
@@ -67,6 +67,8 @@ export function readPng(bytes) {
     }
   }
   const rgb = [];
-  for (let i = 0; i < all.length; i += channels) rgb.push([all[i], all[i + 1], all[i + 2]]);
+  const [green, blue] = channels === 1 ? [0, 0] : [1, 2];
+  for (let i = 0; i < all.length; i += channels)
+    rgb.push([all[i], all[i + green], all[i + blue]]);
   return { width, height, rgb };
 }

@@ -3,6 +3,7 @@ import { test } from 'node:test'
 
 import { kFigure, kOutside, MaskModel } from '../src/pages/poses/mask_model'
 import type { Point } from '../src/pages/poses/mask_model'
+import { enclosedRows, joinedRows } from '../src/pages/poses/mask_shapes'
 import { numbers } from './random'
 
 const kWidth = 150
@@ -80,4 +81,85 @@ test('a mask counts as changed until it is saved, and again after an undo', () =
   assert.equal(mask.changed, true)
   mask.redo()
   assert.equal(mask.changed, false)
+})
+
+/** A mask of '#' and '.', and back. */
+const drawn = (...rows: string[]) =>
+  new MaskModel(
+    rows[0].length,
+    rows.length,
+    Uint8Array.from(rows.join(''), (one) => (one === '#' ? kFigure : kOutside)),
+  )
+const shown = ({ values, width, height }: MaskModel) =>
+  Array.from({ length: height }, (_, y) =>
+    Array.from(values.subarray(y * width, (y + 1) * width), (one) => (one ? '#' : '.')).join(''),
+  )
+
+test('a lasso takes the pixels whose centres it goes round, also where it crosses itself', () => {
+  const mask = drawn('......', '......', '......', '......')
+  const fill = (line: number[][]) => {
+    mask.begin(kFigure)
+    mask.fill(enclosedRows(line.map(([x, y]) => ({ x, y })), mask.width, mask.height))
+    mask.end()
+  }
+  fill([[0.6, -3], [3.4, -3], [3.4, 2.2]])
+  assert.deepEqual(shown(mask), ['..#...', '......', '......', '......'], 'a triangle from outside')
+  mask.undo()
+  // Twice round the same square, and a triangle: what is gone round twice is no hole.
+  const square = [[1, 1], [5, 1], [5, 3], [1, 3]]
+  fill([...square, ...square])
+  assert.deepEqual(shown(mask), ['......', '.####.', '.####.', '......'])
+  mask.undo()
+  fill([[0, 0], [6, 4], [6, 0], [0, 4]])
+  assert.deepEqual(shown(mask), ['#....#', '##..##', '##..##', '#....#'], 'a bow')
+})
+
+test('a lasso agrees with the winding number of each pixel', () => {
+  const next = numbers(3)
+  for (let k = 0; k < 30; ++k) {
+    const line = Array.from({ length: 3 + Math.floor(8 * next()) }, () => ({
+      x: 60 * next() - 10,
+      y: 50 * next() - 5,
+    }))
+    const inside = new Uint8Array(40 * 40)
+    for (const { y, left, right } of enclosedRows(line, 40, 40)) inside.fill(1, 40 * y + left, 40 * y + right + 1)
+    for (let y = 0; y < 40; ++y)
+      for (let x = 0; x < 40; ++x) {
+        let turned = 0
+        line.forEach((a, i) => {
+          const b = line[(i + 1) % line.length]
+          const [ax, ay, bx, by] = [a.x - x - 0.5, a.y - y - 0.5, b.x - x - 0.5, b.y - y - 0.5]
+          turned += Math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+        })
+        assert.equal(inside[40 * y + x] === 1, Math.abs(turned) > 1, `${k}: ${x}, ${y}`)
+      }
+  }
+})
+
+test('fill takes what is joined by edges: a hole is closed, a speck goes', () => {
+  const mask = drawn('######..', '#..#.#.#', '#.##.#..', '####.#..')
+  const fill = (x: number, y: number, value: number) => {
+    mask.begin(value)
+    mask.fill(joinedRows(mask.values, mask.width, mask.height, { x, y }))
+    mask.end()
+  }
+  fill(2.2, 1.9, kFigure)
+  assert.deepEqual(shown(mask), ['######..', '####.#.#', '####.#..', '####.#..'], 'one hole')
+  fill(7.5, 1.5, kOutside)
+  assert.deepEqual(shown(mask), ['######..', '####.#..', '####.#..', '####.#..'], 'the speck')
+  fill(-1, 2, kFigure)
+  fill(6, 0, kFigure)
+  assert.deepEqual(shown(mask), ['########', '####.###', '####.###', '####.###'])
+})
+
+test('a mask that becomes another one is one stroke', () => {
+  const mask = drawn('##..', '#...')
+  mask.become((i) => 255 - mask.values[i])
+  assert.deepEqual(shown(mask), ['..##', '.###'])
+  assert.equal(mask.changed, true)
+  mask.undo()
+  assert.deepEqual(shown(mask), ['##..', '#...'])
+  assert.equal(mask.canUndo, false)
+  mask.become((i) => mask.values[i])
+  assert.equal(mask.canUndo, false, 'the same again is no stroke')
 })

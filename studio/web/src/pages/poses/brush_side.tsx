@@ -24,6 +24,12 @@ export function stepSize(size: number, up: boolean): number {
   return Math.round(Math.min(kLargest, Math.max(kSmallest, next)))
 }
 
+const kShapes: [Tool['shape'], string, string, string][] = [
+  ['brush', 'Brush', 'B', 'Paints along the stroke'],
+  ['lasso', 'Lasso', 'L', 'All that a line goes round'],
+  ['fill', 'Fill', 'F', 'All that hangs together with the place: a hole, a speck'],
+]
+
 const kLooks: [MaskLook, string][] = [
   ['tint', 'Tint'],
   ['outline', 'Outline'],
@@ -32,12 +38,14 @@ const kLooks: [MaskLook, string][] = [
 
 const kKeys: [string, string][] = [
   ['A  R', 'add, remove (Alt: the other)'],
+  ['B  L  F', 'brush, lasso, fill'],
+  ['I', 'invert'],
   ['[  ]', 'smaller, larger'],
   ['T', 'tint, outline, figure'],
   ['Space', 'hold to move'],
   ['Wheel', 'zoom; 0 fits, 1 is 100 %'],
   ['PgUp PgDn', 'other photograph'],
-  ['← → ↑ ↓ ⏎', 'move brush, dab'],
+  ['← → ↑ ↓ ⏎', 'move, dab or set a corner'],
 ]
 
 function Group({ name, children }: { name: string; children: ComponentChildren }) {
@@ -61,8 +69,21 @@ export function BrushTools({ tool, change }: { tool: Tool; change: (tool: Tool) 
   )
   return (
     <>
-      <Group name="Brush">
-        <div class="choice wide" role="group" aria-label="What the brush does">
+      <Group name="Tool">
+        <div class="choice wide" role="group" aria-label="With what">
+          {kShapes.map(([shape, words, key, about]) => (
+            <button
+              key={shape}
+              title={about}
+              aria-pressed={tool.shape === shape}
+              aria-keyshortcuts={key}
+              onClick={() => change({ ...tool, shape })}
+            >
+              {words} <kbd>{key}</kbd>
+            </button>
+          ))}
+        </div>
+        <div class="choice wide" role="group" aria-label="What it does">
           {mode('add', 'Add', 'A')}
           {mode('remove', 'Remove', 'R')}
         </div>
@@ -74,6 +95,7 @@ export function BrushTools({ tool, change }: { tool: Tool; change: (tool: Tool) 
             min={0}
             max={kPlaces}
             value={placeOf(tool.size)}
+            disabled={tool.shape !== 'brush'}
             aria-valuetext={`${tool.size} pixels`}
             onInput={(event) =>
               change({ ...tool, size: sizeAt(Number(event.currentTarget.value)) })
@@ -96,6 +118,44 @@ export function BrushTools({ tool, change }: { tool: Tool; change: (tool: Tool) 
         </div>
       </Group>
     </>
+  )
+}
+
+/** What changes the mask as a whole; undone as a stroke is. */
+export function WholeMask(props: {
+  invert: () => void
+  /** the photographs before and after this one, '' where there is none */
+  before: string
+  after: string
+  take: (name: string) => void
+}) {
+  const { before, after, take } = props
+  return (
+    <Group name="Whole mask">
+      <div class="choice wide">
+        <button
+          aria-keyshortcuts="I"
+          title="The figure is what was not (I)"
+          onClick={props.invert}
+        >
+          Invert
+        </button>
+        <button
+          disabled={!before}
+          title={`Takes the mask of ${before || 'the photograph before'}`}
+          onClick={() => take(before)}
+        >
+          ‹ As before
+        </button>
+        <button
+          disabled={!after}
+          title={`Takes the mask of ${after || 'the photograph after'}`}
+          onClick={() => take(after)}
+        >
+          As after ›
+        </button>
+      </div>
+    </Group>
   )
 }
 

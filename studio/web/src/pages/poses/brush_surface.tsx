@@ -1,4 +1,4 @@
-// The photograph under the brush: pointer, wheel and keys become strokes, zoom and pan.
+// The photograph under the brush: pointer, wheel and keys become strokes, lassos, zoom and pan.
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { useSize } from './load'
@@ -6,16 +6,19 @@ import { MaskCanvas } from './mask_canvas'
 import type { MaskLook } from './mask_canvas'
 import { kFigure, kOutside } from './mask_model'
 import type { MaskModel, Point } from './mask_model'
+import { enclosedRows, joinedRows } from './mask_shapes'
 
 export interface Tool {
   mode: 'add' | 'remove'
+  /** paints along a stroke; what a line encloses; what hangs together with a place */
+  shape: 'brush' | 'lasso' | 'fill'
   /** diameter in pixels of the photograph */
   size: number
   look: MaskLook
 }
 
 interface Drag {
-  kind: 'paint' | 'pan'
+  kind: 'paint' | 'lasso' | 'pan'
   last: Point
 }
 
@@ -36,6 +39,9 @@ export function BrushSurface(props: {
   latest.current = props
   const drag = useRef<Drag | null>(null)
   const cursor = useRef<Point | null>(null)
+  /** the corners of the lasso, in pixels of the photograph */
+  const lasso = useRef<Point[]>([])
+  const loop = useRef<SVGPolygonElement>(null)
   const [spaceHeld, setSpaceHeld] = useState(false)
 
   useEffect(() => {
@@ -56,7 +62,8 @@ export function BrushSurface(props: {
     canvas.current!.look = props.tool.look
     canvas.current!.redraw()
   }, [props.tool.look])
-  useEffect(() => placeRing(), [props.tool.size, props.tool.mode])
+  useEffect(() => placeRing(), [props.tool.size, props.tool.mode, props.tool.shape])
+  useEffect(() => dropLasso(), [props.tool.shape, props.model])
   useEffect(() => followSpace(setSpaceHeld), [])
   useEffect(() => {
     // By hand, as the page must not scroll or zoom with it.
@@ -65,6 +72,7 @@ export function BrushSurface(props: {
       const factor = Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0015))
       canvas.current!.zoomTo(canvas.current!.zoom() * factor, at(event))
       placeRing()
+      drawLasso()
     }
     host.current!.addEventListener('wheel', wheel, { passive: false })
     return () => host.current?.removeEventListener('wheel', wheel)
@@ -78,10 +86,20 @@ export function BrushSurface(props: {
   const placeRing = () => {
     if (!ring.current || !canvas.current || !cursor.current) return
     const place = canvas.current.toWindow(cursor.current)
-    const wide = Math.max(3, canvas.current.length(latest.current.tool.size))
+    const { shape, size } = latest.current.tool
+    const wide = shape === 'brush' ? Math.max(3, canvas.current.length(size)) : kPointer
     ring.current.style.width = ring.current.style.height = `${wide}px`
     ring.current.style.transform = `translate(${place.x - wide / 2}px, ${place.y - wide / 2}px)`
     ring.current.style.visibility = 'visible'
+  }
+  const drawLasso = () => {
+    if (!loop.current || !canvas.current) return
+    const places = lasso.current.map((point) => canvas.current!.toWindow(point))
+    loop.current.setAttribute('points', places.map(({ x, y }) => `${x},${y}`).join(' '))
+  }
+  const dropLasso = () => {
+    lasso.current = []
+    drawLasso()
   }
   const valueOf = (event: { altKey: boolean }) =>
     (latest.current.tool.mode === 'add') !== event.altKey ? kFigure : kOutside
@@ -89,6 +107,21 @@ export function BrushSurface(props: {
     const { model, tool } = latest.current
     canvas.current!.maskChanged(model.paint(drag.current!.last, to, tool.size / 2))
     drag.current!.last = to
+  }
+
+  /** Fills what the lasso encloses, or what hangs together with a place. */
+  const fillAt = (event: { altKey: boolean }, place: Point) => {
+    const { model, tool, stroked } = latest.current
+    const { values, width, height } = model
+    const rows =
+      tool.shape === 'fill'
+        ? joinedRows(values, width, height, place)
+        : enclosedRows(lasso.current, width, height)
+    model.begin(valueOf(event))
+    canvas.current!.maskChanged(model.fill(rows))
+    model.end()
+    dropLasso()
+    stroked()
   }
 
   const down = (event: PointerEvent) => {
@@ -101,6 +134,17 @@ export function BrushSurface(props: {
     drag.current = { kind: pans ? 'pan' : 'paint', last: place }
     if (pans) return
     drag.current.last = canvas.current!.toPhotograph(place)
+    const { shape } = latest.current.tool
+    if (shape === 'lasso') {
+      drag.current.kind = 'lasso'
+      lasso.current = [drag.current.last]
+      return
+    }
+    if (shape === 'fill') {
+      const at = drag.current.last
+      drag.current = null
+      return fillAt(event, at)
+    }
     latest.current.model.begin(valueOf(event))
     paintTo(drag.current.last)
   }
@@ -109,6 +153,10 @@ export function BrushSurface(props: {
     if (drag.current?.kind === 'pan') {
       canvas.current!.pan(place.x - drag.current.last.x, place.y - drag.current.last.y)
       drag.current.last = place
+      drawLasso()
+    } else if (drag.current?.kind === 'lasso') {
+      lasso.current.push(canvas.current!.toPhotograph(place))
+      drawLasso()
     } else if (drag.current) {
       // The browser gathers the moves between two frames; all of them belong to the stroke.
       const all = event.getCoalescedEvents?.() ?? []
@@ -118,16 +166,29 @@ export function BrushSurface(props: {
     cursor.current = canvas.current!.toPhotograph(place)
     placeRing()
   }
-  const up = () => {
+  const up = (event: PointerEvent) => {
     const painted = drag.current?.kind === 'paint'
+    const enclosed = drag.current?.kind === 'lasso'
     drag.current = null
+    if (enclosed) return fillAt(event, lasso.current[0])
     if (!painted) return
     latest.current.model.end()
     latest.current.stroked()
   }
+  /** By keys: Enter sets a corner; once more at the same place closes the line. */
+  const corner = (event: KeyboardEvent, place: Point) => {
+    const last = lasso.current.at(-1)
+    if (last && last.x === place.x && last.y === place.y) return fillAt(event, place)
+    lasso.current.push(place)
+    drawLasso()
+  }
   const key = (event: KeyboardEvent) => {
     const { model, tool } = latest.current
     const direction = kArrows[event.key]
+    if (event.key === 'Escape' && lasso.current.length > 0) {
+      event.stopPropagation()
+      return dropLasso()
+    }
     if (!direction && event.key !== 'Enter') return
     if (event.ctrlKey || event.metaKey || event.altKey) return
     event.preventDefault()
@@ -140,6 +201,8 @@ export function BrushSurface(props: {
     }
     placeRing()
     if (event.key !== 'Enter') return
+    if (tool.shape === 'fill') return fillAt(event, cursor.current)
+    if (tool.shape === 'lasso') return corner(event, cursor.current)
     model.begin(valueOf(event))
     canvas.current!.maskChanged(model.paint(cursor.current, cursor.current, tool.size / 2))
     model.end()
@@ -149,24 +212,34 @@ export function BrushSurface(props: {
   return (
     <div
       ref={host}
-      class={`surface ${spaceHeld ? 'pans' : ''}`}
+      class={`surface ${props.tool.shape} ${spaceHeld ? 'pans' : ''}`}
       role="application"
       tabIndex={0}
       aria-label={props.label}
       onPointerDown={down}
       onPointerMove={move}
       onPointerUp={up}
-      onPointerCancel={up}
+      onPointerCancel={() => {
+        drag.current = null
+        dropLasso()
+        latest.current.model.end()
+      }}
       onPointerLeave={() => !drag.current && (ring.current!.style.visibility = 'hidden')}
       onContextMenu={(event) => event.preventDefault()}
       onKeyDown={key}
     >
       <canvas ref={below} />
       <canvas ref={above} />
+      <svg class="lasso" aria-hidden="true">
+        <polygon ref={loop} class={props.tool.mode} />
+      </svg>
       <div ref={ring} class={`ring ${props.tool.mode}`} />
     </div>
   )
 }
+
+/** How large the ring is where it is no brush [px] */
+const kPointer = 9
 
 const kArrows: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0],

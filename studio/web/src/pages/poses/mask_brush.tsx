@@ -5,7 +5,7 @@ import { api } from '../../api'
 import type { Pose } from '../../api'
 import { useStudio } from '../../state'
 import { percent } from '../../words'
-import { BrushHistory, BrushKeys, BrushTools, Measures, stepSize } from './brush_side'
+import { BrushHistory, BrushKeys, BrushTools, Measures, stepSize, WholeMask } from './brush_side'
 import { BrushSurface } from './brush_surface'
 import type { Tool } from './brush_surface'
 import { inField } from './keys'
@@ -48,7 +48,12 @@ async function load(pose: string, { photograph }: Judged): Promise<Painting> {
 
 /** The tool stays from photograph to photograph; the rest begins anew with each. */
 export function MaskBrush(sheet: Sheet) {
-  const [tool, setTool] = useState<Tool>({ mode: 'add', size: 40, look: 'tint' })
+  const [tool, setTool] = useState<Tool>({
+    mode: 'add',
+    shape: 'brush',
+    size: 40,
+    look: 'tint',
+  })
   const judged = sheet.judged.find((one) => one.photograph.name === sheet.name)
   if (!judged)
     return (
@@ -62,6 +67,7 @@ export function MaskBrush(sheet: Sheet) {
 
 function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) => void }) {
   const { pose, one, name, tool, setTool } = props
+  const { tell, complain } = useStudio()
   const [decisions, setDecisions] = useState(0)
   const [shot, setShot] = useState(one.photograph.photograph)
   const painting = useLoaded(() => load(pose.name, one), [pose.name, name, decisions, shot])
@@ -89,14 +95,33 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
     canvas.current?.maskChanged(model?.redo() ?? null)
     stroked()
   }
-  const neighbour = (step: number) => {
+  const beside = (step: number) => {
     const names = props.judged.map((other) => other.photograph.name)
-    const next = names[names.indexOf(name) + step]
+    return names[names.indexOf(name) + step] ?? ''
+  }
+  const neighbour = (step: number) => {
+    const next = beside(step)
     if (next) props.open(next)
+  }
+  const become = (values: (i: number) => number) => {
+    canvas.current?.maskChanged(model?.become(values) ?? null)
+    stroked()
+  }
+  const invert = () => model && become((i) => 255 - model.values[i])
+  const take = async (from: string) => {
+    if (!model) return
+    try {
+      const other = await loadMask(pose.name, from, model.width, model.height)
+      if (other) become((i) => other.values[i])
+      else tell(`${from} has no mask yet.`)
+    } catch (error) {
+      complain(error)
+    }
   }
   useBrushKeys({
     undo,
     redo,
+    invert,
     save: () => void saving.save(false),
     tool: setTool,
     current: tool,
@@ -125,6 +150,7 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
           />
         </div>
         <BrushTools tool={tool} change={setTool} />
+        <WholeMask invert={invert} before={beside(-1)} after={beside(1)} take={(from) => void take(from)} />
         <BrushHistory
           canUndo={model?.canUndo ?? false}
           canRedo={model?.canRedo ?? false}
@@ -148,7 +174,7 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
             model={model}
             picture={painting.value.picture}
             tool={tool}
-            label={`${name} with its mask. Arrow keys move the brush, Enter paints.`}
+            label={`${name} with its mask. Arrow keys move the tool, Enter uses it.`}
             ready={ready}
             stroked={stroked}
           />
@@ -269,9 +295,12 @@ function LeaveDialog(props: {
   )
 }
 
+const kShapeKeys: Record<string, Tool['shape']> = { b: 'brush', l: 'lasso', f: 'fill' }
+
 interface KeyActions {
   undo: () => void
   redo: () => void
+  invert: () => void
   save: () => void
   tool: (tool: Tool) => void
   current: Tool
@@ -301,10 +330,11 @@ function useBrushKeys(actions: KeyActions) {
       return true
     }
     const plain = (event: KeyboardEvent): boolean => {
-      const { canvas, neighbour, close } = latest.current
+      const { canvas, neighbour, close, invert } = latest.current
       if (event.key === 'Escape') close()
       else if (event.key === 'PageUp') neighbour(-1)
       else if (event.key === 'PageDown') neighbour(1)
+      else if (event.key.toLowerCase() === 'i') invert()
       else if (event.key === '0') canvas.current?.fit()
       else if (event.key === '1') canvas.current?.zoomTo(1)
       else if (event.key === '+' || event.key === '=') zoomBy(1.25)
@@ -321,6 +351,7 @@ function useBrushKeys(actions: KeyActions) {
       const looks: Tool['look'][] = ['tint', 'outline', 'figure']
       if (wanted === 'a') tool({ ...current, mode: 'add' })
       else if (wanted === 'r' || wanted === 'x') tool({ ...current, mode: 'remove' })
+      else if (kShapeKeys[wanted]) tool({ ...current, shape: kShapeKeys[wanted] })
       else if (wanted === '[' || wanted === ']')
         tool({ ...current, size: stepSize(current.size, wanted === ']') })
       else if (wanted === 't')

@@ -1,4 +1,5 @@
 // A mask in photograph pixels: strokes, undo and redo. No drawing here, so it can be tested alone.
+import type { Row } from './mask_shapes'
 
 export interface Rect {
   x: number
@@ -147,6 +148,31 @@ export class MaskModel {
       const right = Math.min(this.width - 1, Math.floor(row[1] - 0.5))
       if (left <= right) changed = union(changed, this.paintRow(y, left, right))
     }
+    return changed
+  }
+
+  /** Sets rows of pixels; the part that changed. A stroke must have begun. */
+  fill(rows: Row[]): Rect | null {
+    let changed: Rect | null = null
+    for (const { y, left, right } of rows) changed = union(changed, this.paintRow(y, left, right))
+    return changed
+  }
+
+  /** Becomes another mask of its size, as a stroke of its own; the part that changed. */
+  become(values: (i: number) => number): Rect | null {
+    this.begin(kFigure)
+    let changed: Rect | null = null
+    for (let y = 0; y < this.height; ++y) {
+      const row = y * this.width
+      for (let x = 0; x < this.width; ++x) {
+        const value = values(row + x)
+        if (value === this.values[row + x]) continue
+        this.keep(y, x, x)
+        this.values[row + x] = value
+        changed = union(changed, { x, y, width: 1, height: 1 })
+      }
+    }
+    this.end()
     return changed
   }
 
