@@ -14,7 +14,7 @@ import {
 } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, record, until, withStudio } from './studio_driver.mjs';
+import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
 const { bin, options, scratch, folder, browser, studio, openPage, walkThrough } =
   withStudio('shoot', 'fox');
@@ -88,8 +88,29 @@ async function firstRing() {
     async () => (await page.locator('.shoot-picture canvas').evaluate((one) => one.width)) > 150,
   );
   await record(page, 'shoot_ask', null);
+  await aids();
   await page.keyboard.press('Space');
   await until('some have landed', async () => (await rows()) >= 5);
+}
+
+/** Guides, safe frame, clipping, histogram and loupe, by their keys; the browser remembers them. */
+async function aids() {
+  for (const one of ['g', 'f', 'c', 'h', 'z']) await page.keyboard.press(one);
+  const pressed = () => page.locator('.shoot-aids button[aria-pressed=true]').count();
+  await until('five aids are on', async () => (await pressed()) === 5);
+  check((await page.locator('.aid.lines').count()) === 2, 'not guides and a safe frame');
+  await page.locator('.aid.histogram').getByText(/% white/).waitFor();
+  const box = await boxOf(page.locator('.shoot-picture .frame'));
+  await page.mouse.move(box.x + 0.45 * box.width, box.y + 0.6 * box.height);
+  await page.locator('.aid.loupe').getByText(/of the sharpest here/).waitFor();
+  await record(page, 'shoot_aids', options.pictures);
+  const clear = await page.locator('canvas.clipping').evaluate((one) => {
+    const { data } = one.getContext('2d').getImageData(0, 0, one.width, one.height);
+    return data.filter((_, i) => i % 4 === 3 && data[i] === 0).length / (data.length / 4);
+  });
+  check(clear > 0.5, `${1 - clear} of the picture is striped`);
+  for (const one of ['g', 'f', 'c', 'h', 'z']) await page.keyboard.press(one);
+  await until('they are off', async () => (await pressed()) === 0);
 }
 
 /** A page that is opened in the middle of it shows all that has landed. */

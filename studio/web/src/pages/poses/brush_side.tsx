@@ -145,14 +145,14 @@ export function WholeMask(props: {
           title={`Takes the mask of ${before || 'the photograph before'}`}
           onClick={() => take(before)}
         >
-          ‹ As before
+          As before
         </button>
         <button
           disabled={!after}
           title={`Takes the mask of ${after || 'the photograph after'}`}
           onClick={() => take(after)}
         >
-          As after ›
+          As after
         </button>
       </div>
     </Group>

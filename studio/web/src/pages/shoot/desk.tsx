@@ -6,9 +6,11 @@ import { Bar } from '../../bar'
 import { useKeys } from '../../keys'
 import { useStudio } from '../../state'
 import { Act, doingWords, isAtWork, mainAct, NextPose, Say } from './controls'
+import { AidButtons, useAids } from './aids_view'
 import { Findings, LandedList } from './landed_list'
 import { LandedView, LiveView, OnionSlider } from './live_view'
 import { RingDiagram } from './ring_diagram'
+import { kAids } from './live_aids'
 import { aheadOf, nameOf, placeOf } from './ring_map'
 import type { Session } from './session'
 
@@ -39,6 +41,7 @@ export function Desk({ session }: { session: Session }) {
   const [naming, setNaming] = useState(false)
   const [live, setLive] = useState(true)
   const { chosen, choose, step } = useChosen(session)
+  const aids = useAids()
   const tell = (command: string, fields: Record<string, unknown> = {}) =>
     void api.tellShoot({ command, ...fields }).catch(complain)
   const main = mainAct(session)
@@ -69,6 +72,7 @@ export function Desk({ session }: { session: Session }) {
     p: acts.pause,
     n: acts.next,
     l: acts.live,
+    ...Object.fromEntries(kAids.map(([aid, , key]) => [key, () => aids.toggle(aid)])),
     ArrowLeft: () => step(-1),
     ArrowRight: () => step(1),
     Escape: () => (naming ? setNaming(false) : choose('')),
@@ -97,8 +101,9 @@ export function Desk({ session }: { session: Session }) {
           {chosen ? (
             <LandedView one={chosen} live={() => choose('')} />
           ) : (
-            <LiveView session={session} onion={onion}>
+            <LiveView session={session} onion={onion} aids={aids.on}>
               <OnionSlider session={session} share={onion} setShare={setOnion} />
+              <AidButtons {...aids} />
             </LiveView>
           )}
         </div>

@@ -3,6 +3,8 @@ import type { ComponentChildren, JSX } from 'preact'
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
+import { Aids } from './aids_view'
+import type { Aid } from './live_aids'
 import { aheadOf, degrees, ringWords } from './ring_map'
 import type { Landed, Session } from './session'
 
@@ -29,7 +31,7 @@ function useLive(frame: number, setShape: (shape: number) => void) {
   const canvas = useRef<HTMLCanvasElement>(null)
   const wanted = useRef(0)
   const busy = useRef(false)
-  const [shown, setShown] = useState(false)
+  const [drawn, setDrawn] = useState(0)
   useEffect(() => {
     wanted.current = frame
     const next = async () => {
@@ -44,9 +46,9 @@ function useLive(frame: number, setShape: (shape: number) => void) {
         if (target) {
           target.width = image.naturalWidth
           target.height = image.naturalHeight
-          target.getContext('2d')!.drawImage(image, 0, 0)
+          target.getContext('2d', { willReadFrequently: true })!.drawImage(image, 0, 0)
           setShape(shapeOf(image))
-          setShown(true)
+          setDrawn(mine)
         }
       } catch {
         // no live picture any more: the last one stays
@@ -56,7 +58,7 @@ function useLive(frame: number, setShape: (shape: number) => void) {
     }
     void next()
   }, [frame])
-  return { canvas, shown: shown && frame > 0 }
+  return { canvas, drawn: frame > 0 ? drawn : 0 }
 }
 
 function Onion({ session, share }: { session: Session; share: number }) {
@@ -92,11 +94,12 @@ function Still({ session, setShape }: { session: Session; setShape: (shape: numb
 export function LiveView(props: {
   session: Session
   onion: number
+  aids: Set<Aid>
   children?: ComponentChildren
 }) {
-  const { session, onion } = props
+  const { session, onion, aids } = props
   const [shape, setShape] = useState(kUsualShape)
-  const { canvas, shown } = useLive(session.frame, setShape)
+  const { canvas, drawn } = useLive(session.frame, setShape)
   const next = aheadOf(session)
   const ahead = next && `Next: ${degrees(next.angle_deg)} of ${ringWords(session.plan, next.ring)}`
   return (
@@ -105,10 +108,11 @@ export function LiveView(props: {
         ref={canvas}
         role="img"
         aria-label="What the camera sees"
-        style={{ display: shown ? 'block' : 'none' }}
+        style={{ display: drawn > 0 ? 'block' : 'none' }}
       />
-      {!shown && <Still session={session} setShape={setShape} />}
+      {drawn === 0 && <Still session={session} setShape={setShape} />}
       <Onion session={session} share={onion} />
+      <Aids on={aids} live={canvas} drawn={drawn} />
       {ahead && <p class="caption-chip number">{ahead}</p>}
       {props.children}
     </Frame>
