@@ -291,7 +291,7 @@ void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
   if (!pose.ignored.empty())
     fmt::print("  not copied, because these are no photographs that can be read: {}\n",
                KindsOf(pose.ignored));
-  if (std::any_of(pose.ignored.begin(), pose.ignored.end(), IsMeshName))
+  if (std::any_of(pose.ignored.begin(), pose.ignored.end(), IsReadableMeshName))
     fmt::print("  {}\n", kHowToNameMeshes);
 }
 

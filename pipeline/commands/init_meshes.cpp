@@ -10,6 +10,7 @@
 #include "core/io/meshes/scan_file.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
+#include "core/values/errors.h"
 #include "core/values/file_names.h"
 #include "pipeline/commands/keypose_commands.h"
 #include "pipeline/commands/new_project.h"
@@ -28,9 +29,33 @@ fs::path FileOf(const std::string& pose) {
   return WithHome(pose.substr(equals + 1));
 }
 
+/// By its name, or, where that is no photograph's, by its content.
 bool IsMesh(const std::string& pose) {
   const fs::path file = FileOf(pose);
-  return IsMeshName(file) && !fs::is_directory(file);
+  if (fs::is_directory(file)) return false;
+  if (IsMeshName(file)) return true;
+  if (!fs::is_regular_file(file) || IsPhotographName(file) || IsRawName(file)) return false;
+  try {
+    MeshKindOf(file);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+/// The ending that a mesh has in the project.
+std::string EndingOf(const fs::path& file) {
+  if (IsMeshName(file)) return LowerExtension(file);
+  switch (MeshKindOf(file)) {
+    case MeshKind::kPly:
+      return ".ply";
+    case MeshKind::kOff:
+      return ".off";
+    case MeshKind::kStl:
+      return ".stl";
+    default:
+      return ".obj";  // others are written anew
+  }
 }
 
 struct GivenMesh {
@@ -38,7 +63,8 @@ struct GivenMesh {
   fs::path file;
   fs::path texture = {};  ///< empty: none that can be used, or it is inside of the scan
   Scan scan = {};
-  bool colored = false;  ///< it has a texture that can be used, or colours of its vertices
+  bool colored = false;   ///< it has a texture that can be used, or colours of its vertices
+  std::string told = {};  ///< what was read, in words
 
   bool textured() const { return !texture.empty() || !scan.texture.empty(); }
   std::string TextureBytes() const { return texture.empty() ? scan.texture : ReadFile(texture); }
@@ -87,6 +113,28 @@ fs::path ParseTexture(const std::string& text) {
 
 void Warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
 
+/// What was read, in words.
+std::string Told(const Scan& scan, bool textured, bool look_given) {
+  const Mesh& mesh = scan.mesh;
+  const std::size_t faces =
+      scan.polygons.sizes.empty() ? mesh.faces.rows() : scan.polygons.sizes.size();
+  std::string size = "no size";
+  if (mesh.points.rows() > 0) {
+    const Eigen::RowVector3d span =
+        mesh.points.colwise().maxCoeff() - mesh.points.colwise().minCoeff();
+    size = fmt::format("{:.4g} x {:.4g} x {:.4g} {}", span[0], span[1], span[2],
+                       scan.unit.empty() ? "(its file names no unit)" : scan.unit);
+  }
+  const char* look = "has no colours";
+  if (look_given)
+    look = "takes the texture that is given";
+  else if (textured)
+    look = "has a texture";
+  else if (mesh.colors.rows() > 0)
+    look = "has colours of its vertices";
+  return fmt::format("{} vertices, {} faces, {}, {}", mesh.points.rows(), faces, size, look);
+}
+
 /// @param look_given  its texture comes from elsewhere: it keeps its coordinates
 /// @throws InputError  the mesh cannot be read
 void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
@@ -95,6 +143,7 @@ void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
   for (const std::string& warning : mesh->scan.warnings) Warn(warning);
   mesh->texture = mesh->scan.texture_file;
   mesh->colored = mesh->textured() || mesh->scan.mesh.colors.rows() > 0;
+  mesh->told = Told(mesh->scan, mesh->textured(), look_given);
   if (!mesh->texture.empty()) mesh->scan.texture.clear();  // it is read when it is copied
   if (!mesh->scan.changed) mesh->scan.mesh = {};
 }
@@ -137,13 +186,13 @@ std::string WriteChanged(const GivenMesh& mesh, const fs::path& stem, const std:
 NewMesh Copied(RealDisk& disk, const GivenMesh& mesh, bool with_texture, const fs::path& folder) {
   const std::string stem = "meshes/" + mesh.name,
                     texture = with_texture ? mesh.name + "_texture" + mesh.TextureEnding() : "";
-  NewMesh copy{mesh.name, stem + LowerExtension(mesh.file), ""};
+  NewMesh copy{mesh.name, stem + EndingOf(mesh.file), ""};
   if (mesh.scan.changed)
     copy.mesh = stem + WriteChanged(mesh, folder / stem, texture);
   else
     disk.Copy(mesh.file, folder / copy.mesh);
   copy.polygons = !mesh.scan.polygons.sizes.empty() && !copy.mesh.ends_with(".ply");
-  fmt::print("{}: copied to {}\n", mesh.name, (folder / copy.mesh).string());
+  fmt::print("{}: copied to {}\n  {}\n", mesh.name, (folder / copy.mesh).string(), mesh.told);
   if (!with_texture) return copy;
   copy.texture = "meshes/" + texture;
   disk.Write(folder / copy.texture, mesh.TextureBytes());

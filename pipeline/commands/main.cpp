@@ -180,9 +180,11 @@ class CommandLine {
       return NamesMesh(init_) ? InitMeshes(init_) : InitCommand(init_);
     });
     init->add_option("DIR", init_.folder, "folder to make")->required();
-    init->add_option("--pose", init_.poses,
-                     "NAME=PHOTO_DIR; the photographs are copied. Or NAME=MESH for all poses: "
-                     "meshes made elsewhere (.obj, .ply, .off, .stl)")
+    init->add_option(
+            "--pose", init_.poses,
+            "NAME=PHOTO_DIR; the photographs are copied. Or NAME=MESH for all poses: "
+            "meshes made elsewhere (.obj, .ply, .off, .stl, .glb, .gltf, or one of them in a "
+            ".zip), with their textures")
         ->allow_extra_args(false);
     init->add_option("--template", init_.template_pose,
                      "the pose whose mesh and UVs all others take; default: the first");

@@ -35,11 +35,6 @@ int PictureCount(const fs::path& folder) {
   }
 }
 
-bool IsMeshName(const fs::path& file) {
-  static const std::set<std::string> kMeshes = {".ply", ".obj", ".off", ".stl"};
-  return kMeshes.contains(file.extension().string());
-}
-
 bool IsVideoName(const fs::path& file) {
   return file.extension() == ".mp4" || file.extension() == ".mov";
 }
@@ -47,7 +42,7 @@ bool IsVideoName(const fs::path& file) {
 /// The list of offers that a file belongs to; null: none.
 const char* OfferOf(const fs::path& file) {
   if (IsVideoName(file)) return "videos";
-  if (IsMeshName(file)) return "meshes";
+  if (IsReadableMeshName(file)) return "meshes";
   return IsPhotographName(file) ? "pictures" : nullptr;
 }
 
@@ -148,13 +143,13 @@ constexpr Part kParts[] = {
      "a picture, a folder of numbered pictures or a video (.mp4, .mov)"},
     {"mattes", false, true, false, "a folder of numbered pictures or a video (.mp4, .mov)"},
     {"holdout", true, false, false, "a picture"},
-    {"set", false, false, true, "a mesh (.ply, .obj, .off, .stl)"}};
+    {"set", false, false, true, "a mesh (.ply, .obj, .off, .stl, .glb, .gltf)"}};
 
 bool IsOfKind(const Part& part, const fs::path& path) {
   if (fs::is_directory(path)) return part.pictures && PictureCount(path) > 1;
   if (!fs::is_regular_file(path)) return false;
   if (IsVideoName(path)) return part.pictures && IsMovie(path);
-  return (part.picture && IsPhotographName(path)) || (part.mesh && IsMeshName(path));
+  return (part.picture && IsPhotographName(path)) || (part.mesh && IsReadableMeshName(path));
 }
 
 void RequirePart(Snapshot& snapshot, const Part& part, const std::string& text) {

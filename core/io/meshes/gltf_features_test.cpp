@@ -675,4 +675,14 @@ TEST_F(GltfFeatures, OtherVersionsAndDamageAreNamed) {
   EXPECT_THAT(Refusal(uneven), HasSubstr("COLOR_0"));
 }
 
+TEST_F(GltfFeatures, TheLeastVersionOfAReaderCounts) {
+  Maker maker;
+  maker.root["asset"]["version"] = "2.1";
+  ExpectNear(Corners(Read(maker)), kPoints);
+  maker.root["asset"]["minVersion"] = "2.0";
+  ExpectNear(Corners(Read(maker)), kPoints);
+  maker.root["asset"]["minVersion"] = "2.1";
+  EXPECT_THAT(Refusal(maker), HasSubstr("needs a reader of glTF 2.1 (minVersion)"));
+}
+
 }  // namespace keypose::gltf_features_test

@@ -203,6 +203,10 @@ class GltfParser {
       file_.Refuse(version.empty()
                        ? "it is no glTF (it names no version)"
                        : fmt::format("it is glTF {}, and 2.0 is read", WithoutOddBytes(version)));
+    const std::string least = asset->value("minVersion", std::string("2.0"));
+    if (least != "2.0")
+      file_.Refuse(fmt::format("it needs a reader of glTF {} (minVersion), and 2.0 is read",
+                               WithoutOddBytes(least)));
   }
 
   void RequireExtensions(const Json& root) {

@@ -104,25 +104,6 @@ TEST_F(MeshIo, AnObjWhoseFirstObjectIsACoffeeCupIsNoOff) {
         << first;
 }
 
-TEST_F(MeshIo, MeshesOfFormatsThatAreNotReadAreCalledWhatTheyAre) {
-  for (const auto& [head, kind] :
-       {std::pair<std::string, const char*>{"DRACO\x02", "Draco"},
-        {"Kaydara FBX Binary  ", "FBX"},
-        {std::string("MM\x10\0\0\0\x02\0\x0a\0\0\0\3\0\0\0", 16), "a 3DS file"},
-        {"<?xml version='1.0'?>\n<X3D version='3.0'>", "an X3D file"},
-        {"<?xml version='1.0'?>\n<COLLADA>", "a Collada file"},
-        {"#usda 1.0\n(\n", "USD"},
-        {"<?xml version=\"1.0\"?><COLLADA/>", "Collada"},
-        {"VRML V1.0", "VRML"}})
-    try {
-      ReadMesh(Put("m.bin", head));
-      ADD_FAILURE() << kind << " was read";
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr(kind),
-                                                 ::testing::HasSubstr("export it as OBJ")));
-    }
-}
-
 TEST_F(HostileMesh, ObjCornerThatNamesNoVertexThrows) {
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (const char* face :

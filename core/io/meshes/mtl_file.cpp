@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "core/values/file_names.h"
 
@@ -100,11 +101,27 @@ std::optional<Eigen::Vector3d> ColorOf(std::string_view text) {
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
 }
 
+/// Kd of a form that is not read: "Kd xyz"; empty: it has numbers.
+std::string OtherColor(std::string_view text) {
+  const std::string word = LowerCase(std::string(TakeWord(&text)));
+  return word == "spectral" || word == "xyz" ? "Kd " + word : "";
+}
+
 /// The worth of a keyword as that of the colour texture; 0: it is none.
 int WorthOf(const std::string& key) {
-  constexpr std::array<const char*, 3> kKeys = {"map_ke", "map_ka", "map_kd"};
-  const auto found = std::find(kKeys.begin(), kKeys.end(), key);
-  return found == kKeys.end() ? 0 : static_cast<int>(found - kKeys.begin()) + 1;
+  constexpr std::array<std::pair<const char*, int>, 10> kKeys = {{{"map_emissive", 1},
+                                                                  {"map_ke", 1},
+                                                                  {"map_ka", 2},
+                                                                  {"map_color", 3},
+                                                                  {"map_albedo", 3},
+                                                                  {"map_base_color", 3},
+                                                                  {"map_basecolor", 3},
+                                                                  {"map_basecolour", 3},
+                                                                  {"map_diffuse", 3},
+                                                                  {"map_kd", 4}}};
+  for (const auto& [name, worth] : kKeys)
+    if (key == name) return worth;
+  return 0;
 }
 
 }  // namespace
@@ -129,12 +146,16 @@ std::vector<MtlMaterial> ParseMtl(std::string_view text) {
     text.remove_prefix(std::min(end + 1, text.size()));
     const std::string key = LowerCase(std::string(TakeWord(&line)));
     if (key == "newmtl") {
-      materials.push_back({std::string(Trimmed(line)), std::nullopt, {}});
+      materials.push_back({std::string(Trimmed(line)), std::nullopt, {}, {}});
       worth = 0;
     }
     if (materials.empty()) continue;
     MtlMaterial& material = materials.back();
-    if (key == "kd") material.color = ColorOf(line);
+    if (key == "kd") {
+      material.color = ColorOf(line);
+      if (const std::string other = OtherColor(line); !other.empty())
+        material.left_out.push_back(other);
+    }
     if (WorthOf(key) <= worth) continue;
     const MtlMap map = ParseMtlMap(line);
     if (map.file.empty()) continue;

@@ -21,12 +21,15 @@ struct MtlMap {
 struct MtlMaterial {
   std::string name;
   std::optional<Eigen::Vector3d> color;  ///< Kd, as levels from 0 to 1
-  /// map_Kd; where there is none, map_Ka, else map_Ke
+  /// map_Kd; where there is none, map_basecolor and the like, map_Ka, map_Ke
   MtlMap map;
+  /// Statements that are no colour here: `Kd spectral`, `Kd xyz`.
+  std::vector<std::string> left_out;
 };
 
 /// Reads the text of an MTL. Keywords may be of any case. Unknown keywords are skipped.
-/// A `Kd spectral` or `Kd xyz` counts as no colour.
+/// Names by which programs call the colour texture: map_Kd, map_diffuse, map_basecolor,
+/// map_base_color, map_albedo, map_color.
 std::vector<MtlMaterial> ParseMtl(std::string_view text);
 
 /// The texture and its options, of what stands behind `map_Kd`.

@@ -58,4 +58,21 @@ TEST(MtlFile, OptionsOfATexture) {
   EXPECT_EQ(ParseMtlMap("-dashed name.png").file, "-dashed name.png");
 }
 
+TEST(MtlFile, OtherNamesAndOtherColors) {
+  const auto map_of = [](const std::string& lines) {
+    return ParseMtl("newmtl a\n" + lines)[0].map.file;
+  };
+  for (const char* key : {"map_basecolor", "map_BaseColor", "map_base_color", "map_albedo",
+                          "map_diffuse", "map_color", "map_emissive", "map_Ka"})
+    EXPECT_EQ(map_of(std::string(key) + " c.png\n"), "c.png") << key;
+  EXPECT_EQ(map_of("map_Kd d.png\nmap_basecolor c.png\n"), "d.png");
+  EXPECT_EQ(map_of("map_Ka a.png\nmap_basecolor c.png\n"), "c.png");
+  const auto left_out = [](const std::string& line) {
+    return ParseMtl("newmtl a\n" + line)[0].left_out;
+  };
+  EXPECT_THAT(left_out("Kd spectral file.rfl 1\n"), ElementsAre("Kd spectral"));
+  EXPECT_THAT(left_out("Kd xyz 0.4 0.2 0.1\n"), ElementsAre("Kd xyz"));
+  EXPECT_THAT(left_out("Kd 0.4 0.2 0.1\n"), IsEmpty());
+}
+
 }  // namespace keypose::mtl_file_test

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -136,8 +137,35 @@ class ObjReader {
     if (key == "f" || key == "fo") return TakeFace(&words);
     if (key == "usemtl") return TakeMaterial(words.Rest());
     if (key == "mtllib") return file_.libraries.push_back(words.Rest());
+    if (key == "vc") return TakeVertexColor(&words);
     if (key == "usemap" && words.Rest() != "off") file_.has_texture_maps = true;
     RequireRead(key);
+    NoteUnknown(key);
+  }
+
+  /// What no program of today writes and no specification has is said, a few times.
+  void NoteUnknown(std::string_view key) {
+    constexpr std::array<std::string_view, 33> kSkipped = {
+        "",          "vn",    "vp",       "p",      "l",        "curv",   "curv2",
+        "cstype",    "deg",   "bmat",     "step",   "parm",     "trim",   "hole",
+        "scrv",      "sp",    "end",      "con",    "g",        "s",      "mg",
+        "o",         "bevel", "c_interp", "lod",    "d_interp", "maplib", "shadow_obj",
+        "trace_obj", "ctech", "stech",    "usemap", "vt"};
+    if (std::find(kSkipped.begin(), kSkipped.end(), key) != kSkipped.end()) return;
+    const std::string note = fmt::format("its lines '{}' are not known and were left out",
+                                         WithoutOddBytes(std::string(key.substr(0, 40))));
+    constexpr std::size_t kMostNotes = 3;
+    if (file_.left_out.size() < kMostNotes &&
+        std::find(file_.left_out.begin(), file_.left_out.end(), note) == file_.left_out.end())
+      file_.left_out.push_back(note);
+  }
+
+  void TakeVertexColor(ObjWords* words) {
+    Eigen::Vector3d color;
+    for (int k = 0; k < 3; ++k)
+      if (!TakeNumber(words->Next(), &color[k]))
+        Fail("is not a colour with three finite numbers; repair the file and export it again");
+    listed_colors_.push_back(color);
   }
 
   /// What would change the surface if it were skipped.
@@ -225,6 +253,7 @@ class ObjReader {
       corners_.push_back(FromZero(word.substr(0, slash), points_.size() / 3, "vertex"));
       std::string_view uv = word.substr(std::min(slash + 1, word.size()));
       uv = uv.substr(0, uv.find('/'));
+      TakeCornerColor(word);
       uv_corners_.push_back(uv.empty() ? kNone
                                        : FromZero(uv, uvs_.size() / 2, "texture coordinate"));
       ++count;
@@ -232,6 +261,15 @@ class ObjReader {
     sizes_.push_back(count);
     if (material_ < 0) TakeMaterial("");
     for (std::size_t k = 2; k < count; ++k) file_.material_of_face.push_back(material_);
+  }
+
+  /// The number behind a corner's third slash is that of a `vc`.
+  void TakeCornerColor(std::string_view word) {
+    if (listed_colors_.empty() || std::count(word.begin(), word.end(), '/') != 3) return;
+    word.remove_prefix(word.rfind('/') + 1);
+    if (!word.empty())
+      corner_colors_.emplace_back(corners_.back(),
+                                  FromZero(word, listed_colors_.size(), "colour (vc)"));
   }
 
   void TakeMaterial(const std::string& name) {
@@ -313,6 +351,11 @@ class ObjReader {
           mesh.colors(static_cast<Eigen::Index>(v), c) = polypaint_[v][static_cast<std::size_t>(c)];
       return;
     }
+    if (!polypaint_.empty())
+      file_.left_out.push_back(
+          "its colours of ZBrush (#MRGB) are not as many as its vertices, and "
+          "were left out");
+    if (colored_.empty() && !listed_colors_.empty()) return TakeListedColors();
     const bool weight_first = HasWeightFirst();
     std::vector<Eigen::Vector3d> colors;
     for (const auto& extra : extra_) {
@@ -321,6 +364,35 @@ class ObjReader {
                                : Eigen::Vector3d(extra[0], extra[1], extra[2]));
     }
     mesh.colors = ColorsOfSome(colored_, colors, mesh.faces, mesh.points.rows());
+  }
+
+  /// `vc` lines: those that the faces' corners name, else they belong to the vertices in order.
+  void TakeListedColors() {
+    Mesh& mesh = file_.mesh;
+    const std::size_t vertices = points_.size() / 3;
+    std::vector<int> color_of(vertices, -1);
+    for (const auto& [vertex, color] : corner_colors_) {
+      if (color >= SizeOf(listed_colors_) || vertex >= SizeOf(color_of)) {
+        file_.left_out.push_back(
+            "its colours (vc) are left out: a face names one that is not there");
+        return;
+      }
+      color_of[vertex] = color;
+    }
+    if (corner_colors_.empty() && listed_colors_.size() == vertices)
+      std::iota(color_of.begin(), color_of.end(), 0);
+    std::vector<std::size_t> colored;
+    std::vector<Eigen::Vector3d> colors;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      if (color_of[v] < 0) continue;
+      colored.push_back(v);
+      colors.push_back(listed_colors_[color_of[v]]);
+    }
+    if (colored.empty())
+      file_.left_out.push_back(
+          fmt::format("its {} colours (vc) are left out, because it has {} vertices",
+                      listed_colors_.size(), vertices));
+    mesh.colors = ColorsOfSome(colored, colors, mesh.faces, mesh.points.rows());
   }
 
   void TakePolygons() {
@@ -359,9 +431,11 @@ class ObjReader {
   std::string_view line_;
   std::size_t line_number_ = 0;
   int material_ = -1;
-  std::vector<double> points_, uvs_;          // 3 and 2 a vertex
-  std::vector<std::size_t> colored_;          // vertices with colours
-  std::vector<std::array<double, 4>> extra_;  // what follows their positions; NaN: three numbers
+  std::vector<double> points_, uvs_;            // 3 and 2 a vertex
+  std::vector<std::size_t> colored_;            // vertices with colours
+  std::vector<std::array<double, 4>> extra_;    // what follows their positions; NaN: three numbers
+  std::vector<Eigen::Vector3d> listed_colors_;  // of vc
+  std::vector<std::pair<int, int>> corner_colors_;  // vertices, and the vc that their corners name
   std::vector<std::array<std::uint8_t, 3>> polypaint_;
   std::vector<int> corners_, uv_corners_;  // of all faces, concatenated
   std::vector<std::size_t> sizes_;         // corners of each face

@@ -20,11 +20,12 @@ struct ObjFile {
   std::vector<std::string> materials;
   std::vector<int> material_of_face;  ///< F, into materials
   bool has_texture_maps = false;      ///< `usemap`, which names a texture without a material
+  std::vector<std::string> left_out;  ///< parts of sentences about statements that are not read
 };
 
 /// Reads positions `v x y z`, with a weight (`v x y z w`, which polygons do not use), a colour
-/// (`v x y z r g b`), or both (`v x y z w r g b`, or alpha last); `#MRGB` colours of ZBrush;
-/// indices from 1 or backwards; lines continued by a backslash.
+/// (`v x y z r g b`), or both (`v x y z w r g b`, or alpha last); `#MRGB` colours of ZBrush, and
+/// `vc r g b`, one for each vertex; indices from 1 or backwards; lines continued by a backslash.
 /// @throws DiskError   cannot be opened
 /// @throws InputError  malformed, an index out of range, or what is not read: free-form surfaces
 ///                     (`surf`), `call`, `csh`; says where

@@ -179,4 +179,28 @@ TEST_F(ObjFileTest, WhatIsNotReadIsRefusedByName) {
   EXPECT_THAT(Refusal(kSquare + "f 1 2 5\n"), HasSubstr("names vertex 4, but the file has 4"));
 }
 
+TEST_F(ObjFileTest, ColorsOnLinesOfTheirOwn) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+                    three = "vc 1 0 0\nvc 0 0.2 0\nvc 0 0 1\n";
+  const ObjFile in_order = Read(vertices + three + "f 1 2 3\n");
+  ASSERT_EQ(in_order.mesh.colors.rows(), 3);
+  EXPECT_EQ(in_order.mesh.colors.row(1).cast<int>(), Eigen::RowVector3i(0, 51, 0));
+  const ObjFile by_corner = Read(vertices + three + "f 1///3 2///1 3///2\n");
+  ASSERT_EQ(by_corner.mesh.colors.rows(), 3);
+  EXPECT_EQ(by_corner.mesh.colors.row(0).cast<int>(), Eigen::RowVector3i(0, 0, 255));
+  EXPECT_EQ(by_corner.mesh.colors.row(1).cast<int>(), Eigen::RowVector3i(255, 0, 0));
+  const ObjFile fewer = Read(vertices + "vc 1 0 0\nf 1 2 3\n");
+  EXPECT_EQ(fewer.mesh.colors.rows(), 0);
+  EXPECT_THAT(fewer.left_out,
+              ElementsAre("its 1 colours (vc) are left out, because it has 3 vertices"));
+  EXPECT_THAT(Refusal(vertices + "vc 1 0\n"), HasSubstr("is not a colour"));
+}
+
+TEST_F(ObjFileTest, LinesThatNobodyKnowsAreNamed) {
+  EXPECT_THAT(Read(kSquare + "vendor thing\nvendor other\nf 1 2 3\n").left_out,
+              ElementsAre("its lines 'vendor' are not known and were left out"));
+  EXPECT_THAT(Read(kSquare + "vn 0 0 1\ng a\n# vendor\nf 1 2 3\n").left_out, ::testing::IsEmpty());
+  EXPECT_THAT(Read("v 0 0 0\n#MRGB ffff0000ff00ff00\n").left_out, ElementsAre(HasSubstr("#MRGB")));
+}
+
 }  // namespace keypose::obj_file_test

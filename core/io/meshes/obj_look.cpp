@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "core/io/meshes/beside.h"
+#include "core/io/meshes/face_colors.h"
 #include "core/io/meshes/mtl_file.h"
 #include "core/io/text/files.h"
 #include "core/pictures/srgb.h"
@@ -54,6 +54,7 @@ class ObjLookReader {
       PutPages();
     else
       PutColors();
+    for (const std::string& statement : obj_.left_out) Warn(statement);
     if (obj_.has_texture_maps)
       Warn("it names textures by usemap, which is not read: name them in a material (map_Kd)");
     return std::move(look_);
@@ -116,6 +117,12 @@ class ObjLookReader {
       const bool textured = material && !material->of_file.map.file.empty();
       named |= textured;
       page_of_material_.push_back(textured && has_uvs ? PageOf(*material) : -1);
+      if (!material || page_of_material_.back() >= 0) continue;
+      for (const std::string& statement : material->of_file.left_out)
+        Warn(
+            fmt::format("the colour {} of a material is left out: write it as Kd with red, green "
+                        "and blue",
+                        statement));
     }
     if (named && !has_uvs)
       Warn(
@@ -242,19 +249,13 @@ class ObjLookReader {
   void PutColors() {
     Mesh& mesh = look_.paged.mesh;
     if (mesh.colors.rows() > 0 || !HasColors()) return;
-    PointsX3 sum = PointsX3::Zero(mesh.points.rows(), 3);
-    Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.points.rows());
+    Eigen::MatrixX3d levels(mesh.faces.rows(), 3);
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        const int material = obj_.material_of_face[static_cast<std::size_t>(f)];
-        sum.row(mesh.faces(f, k)) += ColorOf(material).transpose();
-        count[mesh.faces(f, k)] += 1;
-      }
-    mesh.colors.resize(mesh.points.rows(), 3);
-    for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-      for (int c = 0; c < 3; ++c)
-        mesh.colors(v, c) = static_cast<std::uint8_t>(
-            std::lround(255 * std::clamp(sum(v, c) / std::max(1.0, count[v]), 0.0, 1.0)));
+      levels.row(f) = 255 * ColorOf(obj_.material_of_face[static_cast<std::size_t>(f)])
+                                .transpose()
+                                .cwiseMax(0)
+                                .cwiseMin(1);
+    if (TakeFaceColors(levels, &mesh)) Warn(kColorsBlend);
     look_.moved = true;
   }
 

@@ -120,6 +120,7 @@ class PlyReader {
   explicit PlyReader(const fs::path& path) : path_(path), text_(ReadFile(path)) {}
 
   PlyTable Read() {
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     ReadHeader();
     for (PlyRows& element : elements_) Prepare(&element);
     for (PlyRows& element : elements_)
@@ -221,6 +222,10 @@ class PlyReader {
     PlyElement& table = table_[element->name];
     table.count = element->count;
     for (PlyProperty& property : element->properties) {
+      // PCL keeps the bits of a colour in a float, which as a number may be NaN.
+      const bool packed = property.name == "rgb" || property.name == "rgba";
+      if (packed && property.type == PlyType::kFloat32 && format_ != PlyFormat::kAscii)
+        property.type = PlyType::kUint32;
       if (property.length) {
         property.list = &table.lists[property.name];
         property.list->offsets.reserve(element->count + 1);

@@ -31,7 +31,8 @@ struct PlyElement {
 using PlyTable = std::map<std::string, PlyElement>;
 
 /// Reads ASCII and both byte orders, any type of numbers and of list lengths, names of any case,
-/// and in ASCII values that are spread over lines as they like.
+/// and in ASCII values that are spread over lines as they like. Of binary `float rgb` and `rgba`
+/// the bits are read, as kUint32.
 /// @throws DiskError   cannot be opened
 /// @throws InputError  malformed or truncated; says the line and the reason
 PlyTable ReadPly(const std::filesystem::path& path);

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/io/meshes/face_colors.h"
 #include "core/io/meshes/ply_io.h"
 #include "core/io/meshes/polygon_cut.h"
 #include "core/io/meshes/polygon_fan.h"
@@ -53,11 +56,41 @@ constexpr std::array<Names, 4> kColors = {{{"red", "green", "blue"},
                                            {"r", "g", "b"},
                                            {"ambient_red", "ambient_green", "ambient_blue"}}};
 
+/// The bits of a packed colour, 0xRRGGBB, with alpha above. In ASCII a float may be the number or
+/// have its bits.
+std::uint32_t PackedBits(double value, PlyType type) {
+  const bool real = type == PlyType::kFloat32 || type == PlyType::kFloat64;
+  constexpr double kMost = 16777215;  // white
+  if (real && !(value >= 1 && value <= kMost && value == std::floor(value)))
+    return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+}
+
+/// Colours that are one number each; empty: the element has none that can be read.
+ColorsX3 PackedColorsOf(const PlyElement& element) {
+  for (const char* name : {"rgb", "rgba"}) {
+    if (!element.Has(name)) continue;
+    const PlyType type = element.types.at(name);
+    const std::vector<double>& column = element.scalars.at(name);
+    const bool narrow = type < PlyType::kInt32;
+    if (narrow || std::any_of(column.begin(), column.end(), [](double v) { return std::isnan(v); }))
+      continue;
+    ColorsX3 colors(static_cast<Eigen::Index>(element.count), 3);
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      const std::uint32_t bits = PackedBits(column[i], type);
+      for (int k = 0; k < 3; ++k)
+        colors(static_cast<Eigen::Index>(i), k) = static_cast<std::uint8_t>(bits >> (16 - 8 * k));
+    }
+    return colors;
+  }
+  return {};
+}
+
 /// Empty: the element has none.
 ColorsX3 ColorsOf(const PlyElement& element) {
   const auto names = std::find_if(kColors.begin(), kColors.end(),
                                   [&](const Names& n) { return HasAll(element, n); });
-  if (names == kColors.end()) return {};
+  if (names == kColors.end()) return PackedColorsOf(element);
   double white = 0;
   for (const char* name : *names) {
     double most = 0;
@@ -202,22 +235,24 @@ void ReadVertexUvs(const PlyElement& vertex, const fs::path& path, Mesh& mesh) {
 }
 
 /// Colours of the faces, where the vertices have none: each vertex gets the mean of its faces'.
-void ReadFaceColors(const PlyElement& face, const PlyFaces& polygons, Mesh& mesh) {
+/// @return whether any were blended
+bool ReadFaceColors(const PlyElement& face, const PlyFaces& polygons, Mesh& mesh) {
   const ColorsX3 colors = ColorsOf(face);
-  if (colors.rows() == 0 || mesh.colors.rows() > 0) return;
-  Eigen::MatrixX3d sum = Eigen::MatrixX3d::Zero(mesh.points.rows(), 3);
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.points.rows());
+  if (colors.rows() == 0 || mesh.colors.rows() > 0) return false;
+  Eigen::MatrixX3d levels(mesh.faces.rows(), 3);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      sum.row(mesh.faces(f, k)) +=
-          colors.row(polygons.of_triangle[static_cast<std::size_t>(f)]).cast<double>();
-      count[mesh.faces(f, k)] += 1;
-    }
-  mesh.colors.resize(mesh.points.rows(), 3);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    for (int c = 0; c < 3; ++c)
-      mesh.colors(v, c) =
-          static_cast<std::uint8_t>(std::lround(sum(v, c) / std::max(1.0, count[v])));
+    levels.row(f) = colors.row(polygons.of_triangle[static_cast<std::size_t>(f)]).cast<double>();
+  return TakeFaceColors(levels, &mesh);
+}
+
+/// What looks like colour and is none that is read, where a mesh has no other.
+void NoteOtherColors(const PlyElement& element, const char* whose,
+                     std::vector<std::string>* notes) {
+  for (const char* name : {"intensity", "scalar_intensity", "gray", "grey", "luminance",
+                           "reflectance", "rgb", "rgba", "color", "colour", "colors"})
+    if (element.Has(name) || element.lists.contains(name))
+      notes->push_back(
+          fmt::format("it has no colours that are read; '{}' of its {} is left out", name, whose));
 }
 
 /// Strips of triangles, each ended by -1: every second triangle runs the other way round.
@@ -281,7 +316,7 @@ PlyPages ReadPlyPages(const fs::path& path) {
   if (polygons.corners) {
     mesh.faces = FacesOf(*polygons.corners, path, mesh.points, &polygons);
     ReadCornerUvs(*face, polygons, path, mesh);
-    ReadFaceColors(*face, polygons, mesh);
+    if (ReadFaceColors(*face, polygons, mesh)) pages.notes.push_back(kColorsBlend);
     pages.page_of_face = PagesOf(*face, polygons, path);
   }
   const PlyElement* strips = ElementOf(table, "tristrips");
@@ -294,6 +329,10 @@ PlyPages ReadPlyPages(const fs::path& path) {
     mesh.faces = StripFaces(*strip_corners, path, mesh.points.rows());
   }
   if (mesh.faces.rows() > 0 && !mesh.has_uvs()) ReadVertexUvs(vertex, path, mesh);
+  if (mesh.colors.rows() == 0) {
+    NoteOtherColors(vertex, "vertices", &pages.notes);
+    if (face) NoteOtherColors(*face, "faces", &pages.notes);
+  }
   return pages;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "core/values/mesh.h"
@@ -10,7 +11,8 @@ namespace keypose {
 
 /// Faces are `vertex_indices` or `vertex_index` of `face`, and strips of `tristrips`. Texture
 /// coordinates are those of the faces' corners (`texcoord`), or else of the vertices (`s t`, `u v`,
-/// `texture_u texture_v`). Colours are those of the vertices, else the means of the faces'.
+/// `texture_u texture_v`). Colours are those of the vertices, else the means of the faces': three
+/// numbers, or one of packed bits (`rgb`, `rgba`), as PCL writes it.
 /// @throws InputError  as ReadMesh
 Mesh ReadPlyMesh(const std::filesystem::path& path);
 
@@ -18,6 +20,7 @@ Mesh ReadPlyMesh(const std::filesystem::path& path);
 struct PlyPages {
   Mesh mesh;
   std::vector<int> page_of_face;  ///< F, into the `comment TextureFile` lines; empty: all the first
+  std::vector<std::string> notes;  ///< parts of sentences about what is left out
 };
 /// @throws InputError  as ReadMesh
 PlyPages ReadPlyPages(const std::filesystem::path& path);

@@ -155,4 +155,56 @@ TEST_F(MeshIo, TextureCoordinatesOfPlyVerticesByOtherNames) {
                          "end_header\n0 0 5 0 0\n1 0 5 1 0\n1 1 5 1 1\n0 1 5 0 1\n4 0 1 2 3\n")));
 }
 
+TEST_F(MeshIo, PackedColorsOfPlyAreRead) {
+  const auto color = [&](const std::string& property, const std::string& value,
+                         const char* format = "ascii") {
+    const std::string head = std::string("ply\nformat ") + format +
+                             " 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                             "property float z\nproperty " +
+                             property + "\nend_header\n";
+    const bool text = std::string(format) == "ascii";
+    const Mesh mesh =
+        ReadMesh(Put("m.ply", head + (text ? "0 0 0 " : std::string(12, '\0')) + value));
+    return mesh.colors.rows() == 0 ? Eigen::RowVector3i(-1, -1, -1)
+                                   : Eigen::RowVector3i(mesh.colors.row(0).cast<int>());
+  };
+  const Eigen::RowVector3i right(255, 51, 16);
+  EXPECT_EQ(color("uint rgb", "16724752\n"), right);
+  EXPECT_EQ(color("int rgb", "16724752\n"), right);
+  EXPECT_EQ(color("uint rgba", "4294914832\n"), right) << "alpha lies above red";
+  EXPECT_EQ(color("int rgba", "-52464\n"), right);
+  const std::string bits("\x10\x33\xff\x00", 4), opaque("\x10\x33\xff\xff", 4),
+      quiet("\x10\x33\xbf\xff", 4);
+  for (const char* property : {"float rgb", "uint rgb", "float rgba", "uint rgba"}) {
+    EXPECT_EQ(color(property, bits, "binary_little_endian"), right) << property;
+    EXPECT_EQ(color(property, opaque, "binary_little_endian"), right) << property;
+    // As a number it would be a NaN that signals, which arithmetic makes a quiet one.
+    EXPECT_EQ(color(property, quiet, "binary_little_endian"), Eigen::RowVector3i(191, 51, 16));
+    EXPECT_EQ(color(property, std::string(opaque.rbegin(), opaque.rend()), "binary_big_endian"),
+              right);
+  }
+  EXPECT_EQ(color("float rgb", "2.34363693e-38\n"), right) << "its bits are 00ff3310";
+  EXPECT_EQ(color("float rgb", "16724752\n"), right);
+  EXPECT_EQ(color("float rgb", "nan\n"), Eigen::RowVector3i(-1, -1, -1));
+  EXPECT_THAT(ReadPlyPages(folder_ / "m.ply").notes, ::testing::ElementsAre(HasSubstr("'rgb'")));
+}
+
+TEST_F(MeshIo, BrightnessOfAPlyIsNamedWhereItHasNoColors) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float intensity\n";
+  const PlyPages grey = ReadPlyPages(Put("m.ply", head + "end_header\n0 0 0 0.5\n"));
+  EXPECT_EQ(grey.mesh.colors.rows(), 0);
+  EXPECT_THAT(
+      grey.notes,
+      ::testing::ElementsAre("it has no colours that are read; 'intensity' of its vertices is left "
+                             "out"));
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  EXPECT_THAT(ReadPlyPages(Put("m.ply", head + colors + "end_header\n0 0 0 0.5 1 2 3\n")).notes,
+              ::testing::IsEmpty());
+  EXPECT_EQ(ReadMesh(Put("m.ply", "\xef\xbb\xbf" + head + "end_header\n7 0 0 0.5\n")).points(0, 0),
+            7)
+      << "a byte order mark";
+}
+
 }  // namespace keypose::ply_mesh_test

@@ -10,9 +10,11 @@
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/meshes/obj_file.h"
 #include "core/io/meshes/obj_look.h"
+#include "core/io/meshes/off_file.h"
 #include "core/io/meshes/ply_io.h"
 #include "core/io/meshes/ply_mesh.h"
 #include "core/io/meshes/polygon_mesh.h"
+#include "core/io/meshes/stl_file.h"
 #include "core/io/meshes/texture_pages.h"
 #include "core/io/meshes/zipped_scan.h"
 #include "core/io/text/files.h"
@@ -44,10 +46,23 @@ void TakeLook(const fs::path& path, PagedMesh paged, const std::vector<fs::path>
   if (one.as_it_was && !files.empty()) scan->texture_file = files[paged.pages[0].picture];
 }
 
+void Warn(const fs::path& path, const std::vector<std::string>& notes, Scan* scan) {
+  for (const std::string& note : notes)
+    scan->warnings.push_back(fmt::format("{}: {}", PrintableName(path), note));
+}
+
+Scan FromNoted(const fs::path& path, NotedMesh read) {
+  Scan scan;
+  Warn(path, read.notes, &scan);
+  scan.mesh = std::move(read.mesh);
+  return scan;
+}
+
 Scan FromGltf(const fs::path& path, bool join_seams) {
   GlbMesh read = ReadGlb(path, join_seams);
   Scan scan;
   scan.changed = true;
+  scan.unit = "m";
   scan.warnings = std::move(read.warnings);
   TakeLook(path, std::move(read.paged), {}, &scan);
   return scan;
@@ -114,6 +129,7 @@ Scan FromPly(const fs::path& path) {
   }
   paged.mesh = std::move(ply.mesh);
   if (paged.pages.empty()) {
+    Warn(path, ply.notes, &scan);
     scan.mesh = std::move(paged.mesh);
     return scan;
   }
@@ -145,7 +161,9 @@ Scan WithoutLookFromGltf(const fs::path& path, bool join_seams) {
   GlbMesh read = ReadGlb(path, join_seams);
   Scan scan;
   scan.mesh = std::move(read.paged.mesh);
+  scan.unit = "m";
   scan.changed = true;
+  scan.unit = "m";
   scan.warnings = std::move(read.warnings);
   return scan;
 }
@@ -162,12 +180,12 @@ Scan ReadScan(const fs::path& path, bool join_seams) {
       return FromPly(path);
     case MeshKind::kZip:
       return FromZip(path, [&](const fs::path& mesh) { return ReadScan(mesh, join_seams); });
-    default:
-      break;
+    case MeshKind::kOff:
+      return FromNoted(path, ReadOff(path));
+    case MeshKind::kStl:
+      return FromNoted(path, ReadStl(path));
   }
-  Scan scan;
-  scan.mesh = ReadMesh(path);
-  return scan;
+  return {};
 }
 
 Scan ReadScanWithoutLook(const fs::path& path, bool join_seams) {

@@ -19,6 +19,7 @@ struct Scan {
   std::filesystem::path texture_file;
   /// Whether ReadMesh of the same file gives another mesh, so that this one must be written.
   bool changed = false;
+  std::string unit;  ///< in which its format has lengths: "m"; empty: the file does not say
   /// Sentences about what the mesh does not have although the file has it.
   std::vector<std::string> warnings;
 };

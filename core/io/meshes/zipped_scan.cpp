@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/meshes/other_meshes.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
@@ -112,13 +113,19 @@ fs::path MeshAmong(const fs::path& folder, const std::string& who) {
           meshes.size() > 2 ? ", ..." : ""));
     if (!meshes.empty()) return folder / meshes[0];
   }
-  for (const fs::path& file : files)
-    for (const char* usd : {".usdc", ".usda", ".usd"})
-      if (LowerExtension(file) == usd)
-        throw InputError(fmt::format(
-            "{} holds a USD scene ({}), which is not read: export GLB or OBJ from the app, or open "
-            "it in Blender and export it as OBJ",
-            who, PrintableName(file)));
+  for (const fs::path& file : files) {
+    const OtherMesh other = OtherMeshNamed(file);
+    if (other.kind.empty() || LowerExtension(file) == ".csv") continue;
+    if (LowerExtension(file) == ".model")
+      throw InputError(fmt::format("{} is a 3MF file, which is not read: {}", who, other.cure));
+    if (other.kind == "a USD file")
+      throw InputError(fmt::format(
+          "{} holds a USD scene ({}), which is not read: export GLB or OBJ from the app, or open "
+          "it in Blender and export it as OBJ",
+          who, PrintableName(file)));
+    throw InputError(fmt::format("{} holds {} ({}), which is not read: {}", who, other.kind,
+                                 PrintableName(file), other.cure));
+  }
   throw InputError(
       fmt::format("{} is a ZIP file without a mesh that is read (GLB, glTF, OBJ, PLY, "
                   "STL, OFF)",

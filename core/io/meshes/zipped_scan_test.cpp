@@ -88,4 +88,10 @@ TEST_F(ZippedScanTest, WhatIsNotReadIsNamed) {
   EXPECT_THROW(ReadMesh(Zip({{"a.obj", kObj}})), InputError);
 }
 
+TEST_F(ZippedScanTest, OtherFilesInItAreNamed) {
+  EXPECT_THAT(Refusal({{"3D/3dmodel.model", "<model/>"}, {"[Content_Types].xml", "<x/>"}}),
+              ::testing::AllOf(HasSubstr("is a 3MF file"), HasSubstr("slicer")));
+  EXPECT_THAT(Refusal({{"scan.fbx", "Kaydara FBX"}}), HasSubstr("holds an FBX file (scan.fbx)"));
+}
+
 }  // namespace keypose::zipped_scan_test

@@ -31,10 +31,20 @@ constexpr std::array<const char*, 28> kMeshes = {
     ".obj",  ".ply",  ".off", ".stl", ".glb", ".gltf", ".fbx",   ".dae", ".usd", ".usda",
     ".usdc", ".usdz", ".abc", ".zip", ".x3d", ".wrl",  ".blend", ".3ds", ".3mf", ".drc",
     ".ma",   ".mb",   ".max", ".c4d", ".lwo", ".ztl",  ".3dm",   ".step"};
+constexpr std::array<const char*, 33> kOtherScans = {
+    ".stp", ".iges",  ".igs",    ".amf", ".las", ".laz", ".msh", ".mesh", ".pcd", ".vtk", ".vtp",
+    ".vtu", ".xyz",   ".pts",    ".ptx", ".asc", ".csv", ".e57", ".dxf",  ".skp", ".ctm", ".zpr",
+    ".spz", ".splat", ".ksplat", ".sog", ".x",   ".pmx", ".pmd", ".u3d",  ".kmz", ".zae", ".model"};
+constexpr std::array<const char*, 6> kReadMeshes = {".obj", ".ply", ".off",
+                                                    ".stl", ".glb", ".gltf"};
 
 }  // namespace
 
-bool IsMeshName(const fs::path& file) { return IsOneOf(LowerExtension(file), kMeshes); }
+bool IsMeshName(const fs::path& file) {
+  const std::string ending = LowerExtension(file);
+  return IsOneOf(ending, kMeshes) || IsOneOf(ending, kOtherScans);
+}
+bool IsReadableMeshName(const fs::path& file) { return IsOneOf(LowerExtension(file), kReadMeshes); }
 bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtension(file), kHeic); }
 bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtension(file), kRaw); }
 bool IsPhotographName(const fs::path& file) {

@@ -41,6 +41,9 @@ bool IsShotName(const std::filesystem::path& file);
 /// Whether the extension (any case) is one of a mesh's: .obj .ply .off .stl, or a format that is
 /// not read, such as .glb.
 bool IsMeshName(const std::filesystem::path& file);
+/// Whether the extension (any case) is one of the meshes that stages read: .obj .ply .off .stl .glb
+/// .gltf.
+bool IsReadableMeshName(const std::filesystem::path& file);
 inline constexpr const char* kHowToNameMeshes =
     "for meshes made elsewhere, name each file itself, as in --pose rest=rest.obj --pose "
     "wave=wave.ply";
