@@ -342,6 +342,82 @@ cases(OTHER, INIT, [('assimp STL', '', 'right', 'a.stl', 'stlb', False), ('assim
                     ('assimp 3DS', '3DS|3D Studio', 'named', 'a.3ds', '3ds')], assimp_scan)
 
 
+def colored_faces():
+    """Points, faces, colour of each face: levels of its middle."""
+    points, faces, _ = star()
+    middle = points[faces].mean(1)
+    return points, faces, np.round(color_of(middle / np.linalg.norm(middle, axis=1)[:, None])).astype(int)
+
+
+def own_off(b, keyword, scale, of_faces=False, binary=False):
+    """Colours of vertices or faces as whole levels or fractions of 1."""
+    points, faces, face_colors = colored_faces()
+    levels = np.round(color_of(points / np.linalg.norm(points, axis=1)[:, None])).astype(int)
+    file = b.folder('off') / 'scan.off'
+    if binary:
+        data = f'{keyword} BINARY\n'.encode() + struct.pack('>3i', len(points), len(faces), 0)
+        data += b''.join(struct.pack('>7f', *p, *c, 1) for p, c in zip(points, (levels / 255).tolist()))
+        file.write_bytes(data + b''.join(struct.pack('>5i', 3, *f, 0) for f in faces.tolist()))
+    else:
+        said = lambda c: ' '.join(str(x) if scale == 1 else f'{x / scale:.6f}' for x in c)
+        rows = [' '.join(f'{x:.9g}' for x in p) + ('' if of_faces else f' {said(c)} {said([255])}') for p, c in zip(points, levels)]
+        rows += [f'3 {f[0]} {f[1]} {f[2]}' + (f' {said(c)}' if of_faces else '') for f, c in zip(faces, face_colors)]
+        file.write_text(f'{keyword}\n{len(points)} {len(faces)} 0\n' + '\n'.join(rows) + '\n')
+    return scan_numbers(b, file, of=(points, faces))
+
+
+def own_stl(b, magics, tail=b'', set_bit=0):
+    points, faces, levels = colored_faces()
+    five = np.round(levels * 31 / 255).astype(int)
+    bits = five[:, 0] | five[:, 1] << 5 | five[:, 2] << 10 | set_bit if magics else five[:, 2] | five[:, 1] << 5 | five[:, 0] << 10 | 0x8000
+    normals = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    rows = [struct.pack('<12fH', *n, *points[f].ravel(), a) for n, f, a in zip(normals / np.linalg.norm(normals, axis=1)[:, None], faces, bits.tolist())]
+    file = b.folder('stl') / 'scan.stl'
+    file.write_bytes((b'COLOR=\x80\x80\x80\xff' if magics else b'').ljust(80, b'\0') + struct.pack('<I', len(faces)) + b''.join(rows) + tail)
+    # Five bits a channel are 8.2 levels apart.
+    outcome = scan_numbers(b, file, of=(points, faces))
+    outcome.numbers = [(label, value, 3 if label == 'levels' else bound) for label, value, bound in outcome.numbers]
+    return outcome
+
+
+def packed_ply(b, kind):
+    points, faces, _ = star()
+    c = np.round(color_of(points / np.linalg.norm(points, axis=1)[:, None])).astype(int).tolist()
+    file = b.folder('ply') / 'scan.ply'
+    head = f'ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n' + ''.join(f'property float {a}\n' for a in 'xyz')
+    head += f'property {kind}\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n'
+    rows = [struct.pack('<3f', *p) + bytes((k[2], k[1], k[0], 255)) for p, k in zip(points, c)] + [struct.pack('<B3i', 3, *f) for f in faces]
+    file.write_bytes(head.encode() + b''.join(rows))
+    return scan_numbers(b, file, of=(points, faces))
+
+
+def named_file(b, name, data):
+    file = b.folder('named') / name
+    file.write_bytes(data if isinstance(data, bytes) else data.encode())
+    code, text = b.keypose('init', file.parent / 'project', '--pose', f'rest={file}')
+    return Outcome(code, text)
+
+
+cases(OTHER, INIT, [
+    ('COFF, levels', '', 'right', 'COFF', 1), ('COFF, fractions', '', 'right', 'COFF', 255),
+    ('OFF, faces in levels', '', 'right', 'OFF', 1, True), ('OFF, faces in fractions', '', 'right', 'OFF', 255, True),
+    ('COFF, binary', '', 'right', 'COFF', 255, False, True)], own_off)
+cases(OTHER, INIT, [('STL, VisCAM', '', 'right', False), ('STL, Magics', '', 'right', True), ('STL, MeshLab', '', 'right', True, b'', 0x8000),
+                    ('STL with bytes behind', '', 'right', False, b'more')], own_stl)
+cases('PLY', INIT, [(f'packed {kind}', '', 'right', kind) for kind in ('uint rgb', 'float rgb', 'uint rgba')], packed_ply)
+cases('OBJ, MTL', INIT, [('map_basecolor', '', 'right', 'newmtl my skin\nmap_basecolor my scan.png\n'),
+                         ('Kd xyz', 'Kd xyz', 'named', 'newmtl my skin\nKd xyz 0.4 0.2 0.1\n')], own_obj)
+cases('glTF', INIT, [('minVersion 2.1', 'glTF 2.1', 'named', 'a.gltf', '{"asset": {"version": "2.1", "minVersion": "2.1"}}')], named_file)
+cases(OTHER, INIT, [
+    ('3MF', '3MF', 'named', 'a.3mf', 'nothing known'), ('AMF', 'an AMF file', 'named', 'a.amf', '<?xml version="1.0"?>\n<amf unit="inch"/>'),
+    ('LAS', 'a LAS or LAZ', 'named', 'a.laz', b'LASF\0\0'), ('Gmsh', 'a Gmsh file', 'named', 'a.msh', '$MeshFormat\n4.1 0 8\n'),
+    ('PCD', 'point cloud of PCL', 'named', 'a.pcd', '# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\n'), ('splats', 'Gaussian splats', 'named', 'a.splat', b'\1\2\3\4'),
+    ('VTK', 'a VTK file', 'named', 'a.vtk', '# vtk DataFile Version 3.0\nm\nASCII\n'), ('VTP', 'a VTK file', 'named', 'a.vtp', '<VTKFile type="PolyData">'),
+    ('points', 'a list of points', 'named', 'a.xyz', '0 1 2\n3 4 5\n'), ('E57', 'an E57', 'named', 'a.e57', b'ASTM-E57\1'),
+    ('USD', 'a USD file', 'named', 'a.usd', b'PXR-USDC\0'), ('VRML', 'a VRML file', 'named', 'a.wrl', '#VRML V2.0 utf8\n'),
+    ('UTF-16', 'UTF-16', 'named', 'a.obj', 'v 0 0 0\nv 1 0 0\n'.encode('utf-16'))], named_file)
+
+
 @case(OTHER, INIT, 'zipped OBJ')
 def zipped(b):
     folder, source = b.folder('zip'), b.once(star_files)

@@ -213,7 +213,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "12",
+    .version = "13",
     .summary =
         "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
         "wanted size.",

@@ -30,7 +30,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "8";
+  spec.version = "9";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.title = "In-betweens";
   spec.inputs = {

@@ -291,6 +291,7 @@ TEST_F(ScannedMeshes, BinaryGltfIsTakenWithItsTexture) {
   const RunResult init = Init({}, "app.glb");
   ASSERT_EQ(init.exit_code, kOk) << init.output;
   EXPECT_EQ(ReadFile(folder_ / "fox/meshes/rest_texture.png"), ReadFile(folder_ / "rest.png"));
+  EXPECT_THAT(init.output, HasSubstr(" m, has a texture"));
   EXPECT_NEAR(BoundingDiagonal(ReadMesh(folder_ / "fox/meshes/rest.obj").points),
               BoundingDiagonal(mesh_.points) / 1000, 1e-6)
       << "which is in metres";
@@ -324,10 +325,25 @@ TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
   refuse(Init({}, "rest pose.obj", "photos"), kUsage, "either meshes or photographs");
   refuse(Init({}, "rest pose.obj", "wave.glb"), kInput, "export it as OBJ");
   refuse(Init({}, "rest pose.obj", "wave.fbx"), kInput, "export it as OBJ");
+  WriteFile(folder_ / "wave.laz", "LASF");
+  refuse(Init({}, "rest pose.obj", "wave.laz"), kInput, "it holds points and no faces");
   refuse(Init({}, "rest pose.obj", "none.ply"), kInput, "there is no file");
   refuse(Init({"--texture", "none.png"}), kInput, "there is no file");
   refuse(Init({"--few", "wave"}), kUsage, "these are meshes");
   refuse(Init({"--texture", "skin.png"}, "photos", "photos"), kUsage, "poses from meshes");
+}
+
+TEST_F(MeshProject, InitSaysWhatItReadInOneLine) {
+  const std::string corners = "0 0 0 255 0 0\n100 0 0 255 0 0\n0 50 2 255 0 0\n";
+  WriteFile(folder_ / "a.off", "COFF\n3 1 0\n" + corners + "3 0 1 2\n");
+  WriteFile(folder_ / "no ending", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n");
+  const RunResult init = Init({}, "a.off", "no ending");
+  ASSERT_EQ(init.exit_code, kOk) << init.output;
+  EXPECT_THAT(init.output, HasSubstr("3 vertices, 1 faces, 100 x 50 x 2 (its file names no unit), "
+                                     "has colours of its vertices"));
+  EXPECT_THAT(init.output, HasSubstr("4 vertices, 1 faces, 4 x 4 x 0 (its file names no unit), has "
+                                     "no colours"));
+  EXPECT_EQ(ReadMesh(folder_ / "fox/meshes/wave.obj").vertex_count(), 4);
 }
 
 TEST_F(MeshProject, AFolderOfMeshesIsNoFolderOfPhotographsAndSaysWhatToDo) {

@@ -151,14 +151,27 @@ class BinaryStl {
     return color;
   }
 
+  /// Whether all faces say that they have no colour of their own, and have some: so MeshLab and
+  /// toxiclibs write Magics' colours.
+  bool HaveUnsaidColors() const {
+    bool some = false;
+    for (const std::uint16_t bits : attributes_) {
+      if (bits >> 15 == 0) return false;
+      const int color = bits & 0x7fff;
+      some |= color != 0 && color != 0x7fff;
+    }
+    return some;
+  }
+
   /// Magics: red is lowest, and the highest bit says that the face has the colour of the whole.
   /// VisCAM, SolidView: blue is lowest, and the highest bit says that there is a colour.
   bool PutColors(Mesh* mesh) const {
     const std::optional<Eigen::RowVector3d> all = ColorOfAll();
     const bool none = std::all_of(attributes_.begin(), attributes_.end(),
-                                  [](std::uint16_t bits) { return bits == 0; });
+                                  [](std::uint16_t bits) { return bits == 0; }),
+               unsaid = all && HaveUnsaidColors();
     const auto own = [&](std::uint16_t bits) {
-      return !none && (bits >> 15 == 1) != all.has_value();
+      return unsaid || (!none && (bits >> 15 == 1) != all.has_value());
     };
     const bool grey = !all || ((*all)[0] == (*all)[1] && (*all)[1] == (*all)[2]);
     // Grey is what a mesh without colours is.

@@ -102,12 +102,15 @@ TEST_F(StlFile, ColorsOfMagics) {
   // The bit is inverted, and red is lowest.
   const NotedMesh own = Read(Binary(31, 31, header));
   EXPECT_EQ(ColorOf(own.mesh, 0), Eigen::RowVector3i(255, 0, 0));
-  const NotedMesh all = Read(Binary(kValid, kValid | 31, header));
+  const NotedMesh all = Read(Binary(kValid, kValid | 0x7fff, header));
   for (int v = 0; v < 4; ++v) EXPECT_EQ(ColorOf(all.mesh, v), Eigen::RowVector3i(10, 20, 30));
   EXPECT_THAT(all.notes, IsEmpty());
   const NotedMesh mixed = Read(Binary(31 << 10, kValid, header));
   EXPECT_EQ(ColorOf(mixed.mesh, 1), Eigen::RowVector3i(0, 0, 255));
   EXPECT_EQ(ColorOf(mixed.mesh, 3), Eigen::RowVector3i(10, 20, 30));
+  // MeshLab 2020.09 and toxiclibs set the bit, and mean the face's own colour.
+  EXPECT_EQ(ColorOf(Read(Binary(kValid | 31, kValid | 31, header)).mesh, 0),
+            Eigen::RowVector3i(255, 0, 0));
   EXPECT_EQ(ColorOf(Read(Binary(0, 0, header)).mesh, 0), Eigen::RowVector3i(10, 20, 30))
       << "no face has any";
   EXPECT_EQ(Read(Binary(kValid, kValid, "COLOR=\xc8\xc8\xc8\xff")).mesh.colors.rows(), 0)

@@ -11,4 +11,17 @@ TEST(IsRawName, KnowsTheKindsOfTheBigMakersInAnyCase) {
     EXPECT_FALSE(IsRawName(name)) << name;
 }
 
+TEST(IsMeshName, KnowsWhatIsReadAndWhatIsRefusedByName) {
+  for (const char* name : {"a.OBJ", "a.ply", "a.off", "a.stl", "a.glb", "a.gltf"}) {
+    EXPECT_TRUE(IsReadableMeshName(name)) << name;
+    EXPECT_TRUE(IsMeshName(name)) << name;
+  }
+  for (const char* name : {"a.zip", "a.fbx", "a.3mf", "a.amf", "a.las", "a.laz", "a.msh", "a.pcd",
+                           "a.splat", "a.vtk", "a.vtp", "a.xyz", "a.e57", "a.usdz", "a.wrl"}) {
+    EXPECT_FALSE(IsReadableMeshName(name)) << name;
+    EXPECT_TRUE(IsMeshName(name)) << name;
+  }
+  EXPECT_FALSE(IsMeshName("a.jpg"));
+}
+
 }  // namespace keypose::photograph_files_test
