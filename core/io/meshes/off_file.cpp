@@ -27,12 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kMostCount = 9e15;  // that a double still counts
+
 bool IsOffSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 /// Where the first word begins, behind a byte order mark, spaces and comments.
 std::size_t FirstWord(std::string_view text) {
   std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
-  for (;; ++at) {
+  for (;;) {
     while (at < text.size() && IsOffSpace(text[at])) ++at;
     if (at >= text.size() || text[at] != '#') return at;
     at = std::min(text.find_first_of("\r\n", at), text.size());
@@ -225,7 +227,7 @@ class OffFileReader {
   std::int64_t Whole(const char* what, std::size_t index) {
     if (binary_) return static_cast<std::int32_t>(BinaryWord(what, index));
     const double value = Real(what, index);
-    if (value != std::floor(value) || std::abs(value) > 9e15)
+    if (value != std::floor(value) || std::abs(value) > kMostCount)
       Fail(fmt::format("{} {} is malformed (a number is not whole)", what, index));
     return static_cast<std::int64_t>(value);
   }
@@ -238,7 +240,8 @@ class OffFileReader {
       SkipToWord();
       double value = 0;
       const auto word = NextInLine();
-      if (!word || !IsNumberWord(*word, &value) || value != std::floor(value) || value < 0)
+      if (!word || !IsNumberWord(*word, &value) || value != std::floor(value) || value < 0 ||
+          value > kMostCount)
         Fail("its header is malformed (it begins with the numbers of vertices, faces and edges)");
       return static_cast<std::int64_t>(value);
     }

@@ -210,7 +210,8 @@ TEST_F(OffFile, WhatIsNotReadIsSaidWithItsPlace) {
 TEST(OffKeyword, IsToldFromOtherWords) {
   for (const char* text : {"OFF\n", "coff\n", "STCN4nOFF\n", "NCOFF", "OFF490 518 0", "# a\nOFF"})
     EXPECT_TRUE(LooksLikeOff(text)) << text;
-  for (const char* text : {"o coffee", "coffee", "s off", "office", "g OFF", "XOFF", "OFFER", ""})
+  for (const char* text :
+       {"o coffee", "coffee", "s off", "office", "g OFF", "XOFF", "OFFER", "", "#", "# OFF"})
     EXPECT_FALSE(LooksLikeOff(text)) << text;
 }
 
