@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostCount = 9e15;  // that a double still counts
+constexpr double kMostOffCount = 9e15;  // that a double still counts
 
 bool IsOffSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
@@ -227,7 +227,7 @@ class OffFileReader {
   std::int64_t Whole(const char* what, std::size_t index) {
     if (binary_) return static_cast<std::int32_t>(BinaryWord(what, index));
     const double value = Real(what, index);
-    if (value != std::floor(value) || std::abs(value) > kMostCount)
+    if (value != std::floor(value) || std::abs(value) > kMostOffCount)
       Fail(fmt::format("{} {} is malformed (a number is not whole)", what, index));
     return static_cast<std::int64_t>(value);
   }
@@ -241,7 +241,7 @@ class OffFileReader {
       double value = 0;
       const auto word = NextInLine();
       if (!word || !IsNumberWord(*word, &value) || value != std::floor(value) || value < 0 ||
-          value > kMostCount)
+          value > kMostOffCount)
         Fail("its header is malformed (it begins with the numbers of vertices, faces and edges)");
       return static_cast<std::int64_t>(value);
     }
