@@ -77,6 +77,15 @@ void FitIntoMemory(StageContext& stage, const PhotographImport& import) {
   stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
 }
 
+/// Files of a folder of masks whose names are those of no picture that is read.
+std::vector<fs::path> OtherFilesIn(const fs::path& folder) {
+  std::vector<fs::path> others;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && !IsPhotographName(entry.path()) && !IsLitterName(entry.path()))
+      others.push_back(entry.path());
+  return others;
+}
+
 /// Reports user masks with other names, so that none is ignored silently.
 void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& import) {
   if (import.masks.empty()) return;
@@ -114,6 +123,13 @@ void RequireMasksOfPhotographs(StageContext& stage, const PhotographImport& impo
     throw InputError("capture: none of the masks in " + import.masks.string() +
                      " has a photograph's name; name that of " + import.photographs[0].name + ": " +
                      example);
+  const std::vector<fs::path> unread = OtherFilesIn(import.masks);
+  const std::string cure = CureFor(unread);
+  const std::string unread_text =
+      WithoutOddBytes(import.masks.string() + " holds " + KindsOf(unread) +
+                      ", which are no masks that are read; " + cure);
+  if (!any && strangers.empty() && !cure.empty()) throw InputError("capture: " + unread_text);
+  if (!cure.empty()) stage.Warn(unread_text);
   if (!any && strangers.empty() && import.left_out.empty())
     stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
   if (!strangers.empty())

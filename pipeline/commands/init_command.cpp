@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "core/io/pictures/film_kind.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/movie_header.h"
 #include "core/io/pictures/painted_masks.h"
@@ -49,6 +50,24 @@ struct NewPose {
   }
 };
 
+/// How pictures are taken out of a film of one turn of the turntable.
+std::string WaysOutOf(const fs::path& film, const std::string& pose) {
+  constexpr double kPictures = 48;  // of a turn: enough for a scan, and some may be blurred
+  double a_second = 2;
+  try {
+    const MovieHeader header = ReadMovieHeader(film);
+    if (header.fps > 0 && header.frames > 0)
+      a_second = std::min(header.fps, kPictures * header.fps / header.frames);
+  } catch (const Error&) {  // of another container, or without times: as above
+  }
+  return fmt::format(
+      "is a film, and a pose is made of photographs, which are sharper. If the film is all there "
+      "is, take about {} pictures of one turn out of it, as in\n  mkdir {} && ffmpeg -i {} -vf "
+      "fps={:.3g} -q:v 1 {}/%04d.jpg\nand name that folder: --pose {}={}",
+      kPictures, ShellWord(pose), ShellWord(film.string()), a_second, ShellWord(pose), pose,
+      ShellWord(pose));
+}
+
 NewPose ParsePose(const std::string& text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
@@ -59,6 +78,9 @@ NewPose ParsePose(const std::string& text) {
   if (!IsName(pose.name))
     throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
   pose.photos = OnDisk(RealDisk(), "", pose.photos);
+  if (IsFilm(pose.photos))
+    throw InputError(fmt::format("--pose {}: {} {}", text, pose.photos.string(),
+                                 WaysOutOf(pose.photos, pose.name)));
   if (!fs::is_directory(pose.photos))
     throw InputError(
         fmt::format("--pose {}: {} is not a folder; name the folder of this pose's photographs",
@@ -232,6 +254,11 @@ FilmFacts LookAtFilm(const InitOptions& options, const std::string& film) {
     return {std::round(header.fps * 1000) / 1000, header.last_frame,
             header.last_frame + 1 == header.frames};
   }
+  if (IsFilm(film))
+    throw InputError(fmt::format(
+        "--film {}: {} is no MP4 or QuickTime file, whose header `init` reads; put the film into "
+        "one as it is, or name a folder of its pictures:\n  ffmpeg -i {} -c copy film.mp4",
+        options.film, film, ShellWord(film)));
   if (!fs::is_directory(film))
     throw InputError(
         fmt::format("--film {}: {} is neither a folder of numbered pictures nor a "

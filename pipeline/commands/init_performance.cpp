@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/io/pictures/film_kind.h"
 #include "pipeline/commands/keypose_commands.h"
 #include "pipeline/commands/new_project.h"
 #include "pipeline/disk/project_paths.h"
@@ -23,6 +24,11 @@ std::pair<std::string, std::string> ParseShot(const std::string& text) {
   if (!IsName(name))
     throw UsageError(fmt::format("--shot {}: a shot's name may have {}", text, kNameRule));
   const fs::path folder = fs::absolute(WithHome(text.substr(equals + 1))).lexically_normal();
+  if (IsFilm(folder))
+    throw InputError(fmt::format(
+        "--shot {}: {} is a film; put it into a folder with those of the other cameras, and name "
+        "the folder",
+        text, folder.string()));
   if (!fs::is_directory(folder))
     throw InputError(fmt::format(
         "--shot {}: {} is not a folder; name the folder with one video or picture folder for each "

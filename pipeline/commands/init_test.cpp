@@ -242,4 +242,22 @@ TEST_F(InitTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   EXPECT_FALSE(fs::exists(root_ / "a new one/photos/rest/IMG_0.mov"));
 }
 
+TEST_F(RunTest, InitSaysHowAFilmBecomesPhotographs) {
+  WriteFile(root_ / "turn.mkv", "\x1a\x45\xdf\xa3 and so on");
+  const Ended pose = Keypose(
+      {"init", (root_ / "new").string(), "--pose", "rest=" + (root_ / "turn.mkv").string()});
+  EXPECT_EQ(pose.code, 3);
+  EXPECT_THAT(pose.text, HasSubstr("is a film, and a pose is made of photographs"));
+  EXPECT_THAT(pose.text, HasSubstr("-vf fps=2 -q:v 1 rest/%04d.jpg"));
+  const Ended film = Keypose({"init", (root_ / "new").string(), "--pose",
+                              "rest=" + (root_ / "hero/photos/rest").string(), "--film",
+                              (root_ / "turn.mkv").string(), "--shows", "0=rest,4=rest"});
+  EXPECT_EQ(film.code, 3);
+  EXPECT_THAT(film.text, HasSubstr("-c copy film.mp4"));
+  const Ended shot = Keypose({"init", (root_ / "new").string(), "--kind", "performance", "--shot",
+                              "walk=" + (root_ / "turn.mkv").string()});
+  EXPECT_EQ(shot.code, 3);
+  EXPECT_THAT(shot.text, HasSubstr("is a film; put it into a folder"));
+}
+
 }  // namespace keypose::pipeline::init_test

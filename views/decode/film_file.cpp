@@ -13,6 +13,7 @@ extern "C" {
 #include <cmath>
 #include <set>
 
+#include "core/io/pictures/film_kind.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "views/decode/film_colors.h"
@@ -30,6 +31,12 @@ constexpr int kMostFaults = 100;
 
 /// Formats that are lists of other files, also on other machines.
 const std::set<std::string> kLists{"hls", "dash", "concat", "concatf", "imf", "sdp", "rtsp"};
+
+/// Formats in which libavformat shows a picture or a text as a film.
+bool IsNoFilm(const std::string& format) {
+  static const std::set<std::string> texts{"tty", "bin", "xbin", "adf", "idf", "image2"};
+  return texts.contains(format) || format.ends_with("_pipe");
+}
 
 std::string CodecOf(const AVStream& stream) {
   char tag[AV_FOURCC_MAX_STRING_SIZE];
@@ -84,6 +91,7 @@ FilmFile::FilmFile(const fs::path& path)
   std::error_code error;
   if (!fs::is_regular_file(path, error))
     throw DiskError("cannot read the video " + PrintableName(path));
+  if (const std::string fault = FilmFault(path); !fault.empty()) Fail(fault);
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* opened = nullptr;
   AVDictionary* options = nullptr;
@@ -94,7 +102,7 @@ FilmFile::FilmFile(const fs::path& path)
   format_.reset(opened);
   if (code == AVERROR(EACCES) || code == AVERROR(EIO))
     throw DiskError("cannot read the video " + PrintableName(path));
-  if (code < 0 || kLists.contains(format_->iformat->name))
+  if (code < 0 || kLists.contains(format_->iformat->name) || IsNoFilm(format_->iformat->name))
     Fail(std::string("cannot be decoded: it is no film that libavformat knows") + kConvert);
   if (avformat_find_stream_info(format_.get(), nullptr) < 0)
     Fail(std::string("cannot be decoded: its header is damaged") + kConvert);

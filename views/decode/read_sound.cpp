@@ -9,6 +9,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/values/errors.h"
 #include "views/decode/film_index.h"
@@ -23,6 +24,10 @@ constexpr int kMostDamagedParts = 2;
 /// Turns frames of any kind into a Sound, each at its time.
 class SoundSamples {
  public:
+  /// @param name  of the file, for messages
+  explicit SoundSamples(std::string name) : name_(std::move(name)) {}
+  SoundSamples(const SoundSamples&) = delete;
+  SoundSamples& operator=(const SoundSamples&) = delete;
   ~SoundSamples() { swr_free(&converter_); }
 
   /// @param begin_s  of its first sample, from the sound's begin on
@@ -65,7 +70,9 @@ class SoundSamples {
     if (code >= 0) code = swr_init(converter_);
     av_channel_layout_uninit(&from);
     if (code < 0)
-      throw InputError(fmt::format("sound of {} channels cannot be mixed down to two", channels_));
+      throw InputError(
+          fmt::format("{} has {} channels that cannot be mixed down to two; save it as stereo",
+                      name_, channels_));
   }
   /// Silence up to this time; of what overlaps, the first stays.
   void Reach(double seconds) {
@@ -86,6 +93,7 @@ class SoundSamples {
     if (converter_) Convert(nullptr, 0);
   }
 
+  std::string name_;
   Sound sound_;
   SwrContext* converter_ = nullptr;
   int format_ = -1, rate_ = 0, channels_ = 0;
@@ -103,7 +111,7 @@ Sound ReadSound(const std::filesystem::path& path, const Progress* progress) {
     throw InputError(
         fmt::format("{} {}; a sound is WAV, FLAC, MP3, Opus or another that ffmpeg decodes",
                     path.string(), file.fault()));
-  SoundSamples samples;
+  SoundSamples samples("the sound " + path.string());
   double zero_s = file.is_film() ? ReadFilmIndex(path).zero_s : 0;
   bool first = true;
   while (const AVFrame* frame = file.Next(progress)) {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/photograph_files.h"
 #include "core/io/project/frame_names.h"
 #include "core/io/project/rig_calibration.h"
 #include "core/io/project/shot_io.h"
@@ -66,18 +67,24 @@ std::map<std::string, FrameSource> SourcesIn(const fs::path& folder) {
   return sources;
 }
 
-/// Words on pictures that only `locate` and `composite` read.
-std::string WordsOnLight(const fs::path& folder) {
+/// Words on what is there instead of films.
+std::string WordsOnOthers(const fs::path& folder) {
   if (!fs::is_directory(folder)) return "";
+  std::vector<fs::path> others;
   for (const fs::path& camera : NumberedContent(folder)) {
-    if (!fs::is_directory(camera)) continue;
-    for (const fs::path& picture : NumberedContent(camera))
+    if (fs::is_regular_file(camera)) others.push_back(camera);
+    if (!fs::is_directory(camera) || camera.filename() == "background") continue;
+    for (const fs::path& picture : NumberedContent(camera)) {
       if (const std::string kind = LowerExtension(picture); kind == ".exr" || kind == ".dpx")
         return "; " + PrintableName(picture.filename()) +
                " and its like are read by locate and composite only: make them TIFF or PNG with "
                "the colours as they should look (sRGB)";
+      if (fs::is_regular_file(picture)) others.push_back(picture);
+    }
   }
-  return "";
+  if (others.empty()) return "";
+  const std::string cure = CureFor(others);
+  return "; there are " + KindsOf(others) + (cure.empty() ? "" : "; " + cure);
 }
 
 fs::path PlateOf(const fs::path& folder, const std::string& camera) {
@@ -154,15 +161,15 @@ Shot OpenShot(const fs::path& folder, FilmGaps gaps, const ClockWish& clocks,
     throw InputError(
         "the shot " + PrintableName(folder) +
         " has no camera; it needs a folder of numbered pictures, or a video, for each" +
-        WordsOnLight(folder));
+        WordsOnOthers(folder));
   RequireSameGaps(shot.cameras);
   shot.join = JoinByClocks(shot.cameras, gaps, clocks, progress);
   shot.frames_per_second = shot.join.frames_per_second;
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   for (const ShotCamera& camera : shot.cameras) {
     RequireMaskForEach(camera);
-    if (const std::string words = WordsOnOrder(camera); !words.empty())
-      shot.join.notes.push_back(words);
+    for (const std::string& words : {WordsOnOrder(camera), WordsOnGaps(camera)})
+      if (!words.empty()) shot.join.notes.push_back(words);
   }
   return shot;
 }
@@ -175,7 +182,7 @@ std::vector<ShotCamera> OpenSeparateFilms(const fs::path& folder) {
   if (films.empty())
     throw InputError("the folder " + PrintableName(folder) +
                      " has no camera; it needs a folder of pictures, or a video, for each" +
-                     WordsOnLight(folder));
+                     WordsOnOthers(folder));
   return films;
 }
 

@@ -74,6 +74,36 @@ TEST_F(ShotTest, BroadcastsAndCamcordersStreamsAreFilms) {
   for (const ShotCamera& camera : shot.cameras) EXPECT_EQ(camera.frames(), 5) << camera.name;
 }
 
+TEST_F(ShotTest, FilmsAreKnownByTheirContent) {
+  fs::create_directories(folder_);
+  TestFilmKind kind;
+  kind.format = "matroska";
+  WriteTestFilm(folder_ / "cam1", kind, EvenTimes(5, 3000));
+  WriteTestFilm(folder_ / "cam2.dat", kind, EvenTimes(5, 3000));
+  kind.format = "nut";
+  WriteTestFilm(folder_ / "cam3.nut", kind, EvenTimes(5, 3000));
+  WriteFile(folder_ / "notes.txt", "filmed on Monday");
+  const Shot shot = OpenShot(folder_);
+  EXPECT_EQ(shot.names(), (std::vector<std::string>{"cam1", "cam2", "cam3"}));
+  for (const ShotCamera& camera : shot.cameras) EXPECT_EQ(camera.frames(), 5) << camera.name;
+  EXPECT_EQ(shot.frames_per_second, 30);
+}
+
+TEST_F(ShotTest, WhatIsThereInsteadOfFilmsIsNamed) {
+  fs::create_directories(folder_ / "cam1");
+  WriteFile(folder_ / "cam1/0001.bmp", "BM");
+  WriteFile(folder_ / "notes.txt", "filmed on Monday");
+  try {
+    OpenShot(folder_);
+    FAIL() << "there is no camera";
+  } catch (const InputError& fault) {
+    const std::string text = fault.what();
+    EXPECT_NE(text.find("1 .bmp (0001.bmp), 1 .txt (notes.txt); save pictures of other formats"),
+              std::string::npos)
+        << text;
+  }
+}
+
 TEST_F(ShotTest, MasksAloneAreAShot) {
   PutPicture("masks/a/0.png", 255);
   PutPicture("masks/b/0.png", 255);

@@ -8,10 +8,14 @@
 #include <string>
 
 #include "core/io/project/shot_io.h"
+#include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 
 namespace keypose {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 /// Names whose numbers do not rise by one step are no frame numbers: times, or counters.
@@ -63,6 +67,25 @@ void RequireSameGaps(const std::vector<ShotCamera>& cameras) {
         lacks.name, before.filename().string(), lacks.pictures.pictures[at].filename().string(),
         (&lacks == &camera ? first->name : camera.name), before.filename().string()));
   }
+}
+
+std::string WordsOnGaps(const ShotCamera& camera) {
+  const std::vector<fs::path>& pictures = camera.pictures.pictures;
+  const std::vector<long> steps = StepsOf(camera.pictures);
+  long missing = 0;
+  std::string first;
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    if (steps[i] - steps[i - 1] < 2) continue;
+    missing += steps[i] - steps[i - 1] - 1;
+    if (first.empty())
+      first = fmt::format("between {} and {}", PrintableName(pictures[i - 1].filename()),
+                          PrintableName(pictures[i].filename()));
+  }
+  if (missing == 0) return "";
+  return fmt::format(
+      "camera {}: by their numbers {} pictures are missing, first {}; frames are counted without "
+      "them, so no time passes there: put copies in their places where it shall",
+      camera.name, missing, first);
 }
 
 }  // namespace keypose

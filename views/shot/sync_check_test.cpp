@@ -55,6 +55,16 @@ TEST(Together, FilmsOnTwosOtherStartsAndOtherLengthsRunTogether) {
       << "left out of both";
 }
 
+TEST(Together, PicturesThatAllCamerasLackAreSaid) {
+  std::vector<int> numbers = Range(0, 40, 2, 9);
+  numbers.erase(numbers.begin() + 20, numbers.begin() + 22);
+  EXPECT_THAT(WordsOnGaps(Numbered("a", numbers)),
+              HasSubstr("camera a: by their numbers 3 pictures are missing, first between "
+                        "take2_0016.jpg and take2_0020.jpg"));
+  EXPECT_EQ(WordsOnGaps(Numbered("a", Range(7, 33, 1))), "");
+  EXPECT_EQ(WordsOnGaps(Numbered("a", {12, 45, 79, 112, 145})), "") << "times";
+}
+
 TEST(Together, NumbersThatAreTimesSayNothing) {
   EXPECT_EQ(Fault({Numbered("a", {12, 45, 79, 112, 145}), Numbered("b", {13, 46, 80, 112, 147})}),
             "");

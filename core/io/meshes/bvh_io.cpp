@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/io/meshes/clip_kind.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 
@@ -345,6 +346,26 @@ void PlaceByFirstFrame(MotionClip* clip) {
   }
 }
 
+/// Nothing in a file tells, but a body that moves turns by more than a few degrees.
+void NoteRadians(const MotionClip& clip, const std::string& name, std::vector<std::string>* notes) {
+  constexpr double kTurn = 6.2832, kMoves = 0.5;
+  if (clip.frame_count() < 2) return;
+  double most = 0, moved = 0;
+  Eigen::Index column = 0;
+  for (const ClipJoint& joint : clip.joints)
+    for (const BvhChannel channel : joint.channels) {
+      const auto angles = clip.values.col(column++);
+      if (IsPosition(channel)) continue;
+      most = std::max(most, angles.cwiseAbs().maxCoeff());
+      moved = std::max(moved, angles.maxCoeff() - angles.minCoeff());
+    }
+  if (most > kTurn || moved < kMoves) return;
+  Note(notes, fmt::format("all turns of {} lie within {:.2f}; are they radians? BVH has degrees: "
+                          "they are taken as such; if the figure hardly moves, export it in "
+                          "degrees",
+                          name, most));
+}
+
 void WriteJoint(const MotionClip& clip, const std::vector<std::vector<int>>& children, int j,
                 int depth, std::string* text) {
   const ClipJoint& joint = clip.joints[j];
@@ -367,12 +388,16 @@ void WriteJoint(const MotionClip& clip, const std::vector<std::vector<int>>& chi
 
 MotionClip ParseBvh(const std::string& text, const std::string& name,
                     std::vector<std::string>* notes) {
+  if (const std::string other = OtherClip(text); !other.empty())
+    throw InputError(name + " " + other);
+  const std::string decoded = FromUtf16(text);
   BvhFile file;
-  Words words(text, name);
+  Words words(decoded.empty() ? text : decoded, name);
   HierarchyReader(words, &file).Read();
   ReadMotion(words, name, &file, notes);
   MotionClip clip = ValuesWriter(file, words).Clip();
   PlaceByFirstFrame(&clip);
+  NoteRadians(clip, name, notes);
   return clip;
 }
 

@@ -16,6 +16,7 @@
 #include "core/io/pictures/heif_io.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/io/pictures/picture_pages.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/pictures/image_turns.h"
@@ -116,6 +117,39 @@ void RequireModestHeif(const fs::path& path) {
   RequireMemory(6 * pixels, "image " + path.string());
 }
 
+[[noreturn]] void ThrowSeveral(const fs::path& path, const std::string& what, const char* words) {
+  throw InputError("image " + path.string() + " is " + what +
+                   ", of which only one could be read; save each as a picture of its own, as in\n" +
+                   words);
+}
+
+/// Previews and masks beside a TIFF's picture are no pages.
+bool IsPage(const ImageSpec& first, const ImageSpec& other) {
+  constexpr int kReduced = 1, kMask = 4;  // bits of NewSubfileType
+  const bool aside = (other.get_int_attribute("tiff:subfiletype", 0) & (kReduced | kMask)) != 0;
+  return !aside && 2 * other.width > first.width && 2 * other.height > first.height;
+}
+
+/// @throws InputError  a TIFF has a second page, or begins with a preview
+void RequireOnePage(const fs::path& path, ImageInput& input) {
+  const ImageSpec first = input.spec();
+  int pages = 1;
+  for (int i = 1; input.seek_subimage(i, 0); ++i) pages += IsPage(first, input.spec());
+  input.geterror();
+  if (!input.seek_subimage(0, 0)) ThrowDamaged(path, input.geterror());
+  if (pages > 1)
+    ThrowSeveral(path, "a TIFF of " + std::to_string(pages) + " pages",
+                 "  convert FILE.tif page_%02d.png");
+}
+
+void RequireOnePng(const fs::path& path) {
+  const std::string bytes = ReadFile(path);
+  if (!IsWholeImage(bytes, "png")) ThrowDamaged(path, "");
+  if (const int frames = PngFrames(bytes); frames > 1)
+    ThrowSeveral(path, "an animated PNG of " + std::to_string(frames) + " pictures",
+                 "  ffmpeg -f apng -i FILE.png frame_%04d.png");
+}
+
 /// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
 /// of its readers, and not all of them withstand damaged files.
 /// @param straight  colours as they are stored; else multiplied by alpha
@@ -124,7 +158,7 @@ std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
   const std::string kind = RequireKnownKind(path);
   if (kind == "heif") RequireModestHeif(path);
   // What libpng takes memory for is looked at first.
-  if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
+  if (kind == "png") RequireOnePng(path);
   ImageSpec spec, wishes;
   if (straight) wishes.attribute("oiio:UnassociatedAlpha", 1);
   auto input = ImageInput::create(kind);
@@ -134,6 +168,7 @@ std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
                      "; it is truncated or not a " + kKinds);
   }
   RequireModestSize(path, input->spec());
+  if (kind == "tiff") RequireOnePage(path, *input);
   return input;
 }
 

@@ -1,4 +1,5 @@
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/pictures/film_kind.h"
 #include "core/values/file_names.h"
 
 #include <algorithm>
@@ -21,7 +22,6 @@ constexpr std::array<const char*, 6> kPlain = {".jpg", ".jpeg", ".jfif", ".png",
 constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
                                              ".dng", ".raf", ".orf", ".rw2"};
 constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
-constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
 constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
                                                         ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
                                                         ".jp2",  ".tga",  ".exr", ".hdr"};
@@ -101,8 +101,12 @@ std::string CureFor(const std::vector<fs::path>& files) {
   const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };
   if (some(kRaw) || some(kOtherRaw))
     add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
-  if (some(kVideo))
-    add("take photographs rather than a film, or save its sharpest pictures as JPEG");
+  const bool film = std::any_of(files.begin(), files.end(), [](const fs::path& file) {
+    return IsFilmName(file) && !IsOneOf(LowerExtension(file), kOtherPictures);
+  });
+  if (film)
+    add("take photographs rather than a film, or save its sharpest pictures as JPEG, as in "
+        "`ffmpeg -i FILM -vf fps=2 -q:v 1 %04d.jpg`");
   if (some(kOtherPictures))
     add("save pictures of other formats as JPEG or PNG, in any picture program or with "
         "ImageMagick's `mogrify -format png FILES`");

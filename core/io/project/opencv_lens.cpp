@@ -47,7 +47,10 @@ bool IsAny(const std::string& word, const std::vector<const char*>& words) {
 void PutBrown(const std::vector<double>& d, const std::string& where, Lens* lens) {
   constexpr std::array<std::size_t, 7> kCounts{0, 2, 4, 5, 8, 12, 14};
   if (std::find(kCounts.begin(), kCounts.end(), d.size()) == kCounts.end())
-    ThrowCount(lens->model, d.size(), "4, 5, 8, 12 or 14", where);
+    ThrowCount(IsAny(Plain(lens->model), kBrownNames) ? lens->model : "", d.size(),
+               "4, 5, 8, 12 or 14, in the order k1 k2 p1 p2 k3 and on; put 0 for those that it "
+               "lacks",
+               where);
   std::array<double, 14> all{};
   std::copy(d.begin(), d.end(), all.begin());
   lens->radial = {all[0], all[1], all[4], 0, 0, 0};

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/io/pictures/film_kind.h"
 #include "core/io/project/frame_names.h"
 #include "core/io/project/lens_use.h"
 #include "core/io/project/rig_calibration.h"
@@ -409,9 +410,6 @@ std::vector<long> FrameNumbersOf(const std::vector<fs::path>& pictures) {
 }
 
 std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
-  static const std::set<std::string> videos{".mp4",  ".mov",  ".avi",  ".mkv", ".m4v",
-                                            ".mpg",  ".mpeg", ".webm", ".ts",  ".mts",
-                                            ".m2ts", ".mxf",  ".wmv"};
   std::vector<CameraFilm> films;
   if (!fs::is_directory(folder)) return films;
   for (const fs::path& path : NumberedContent(folder)) {
@@ -421,7 +419,7 @@ std::vector<CameraFilm> CameraFilms(const fs::path& folder) {
       film.pictures = NumberedContent(path);
       std::erase_if(film.pictures, [](const fs::path& file) { return !IsFramePicture(file); });
       SortByFrame(&film.pictures);
-    } else if (videos.contains(LowerExtension(path))) {
+    } else if (IsFilm(path)) {
       film.name = path.stem().string();
       film.video = path;
     }

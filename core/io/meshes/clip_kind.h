@@ -1,0 +1,16 @@
+// What a file that shall be a motion clip is, judged by its first bytes, and its text.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace keypose {
+
+/// What a clip is that is no BVH file, with the cure, as "is FBX; ..."; empty: it may be one.
+std::string OtherClip(std::string_view bytes);
+
+/// UTF-16, by its byte order mark or by the zero beside its first letter, as UTF-8; "" for a text
+/// that is not UTF-16.
+std::string FromUtf16(std::string_view bytes);
+
+}  // namespace keypose
