@@ -36,7 +36,7 @@ int PictureCount(const fs::path& folder) {
 }
 
 bool IsVideoName(const fs::path& file) {
-  return file.extension() == ".mp4" || file.extension() == ".mov";
+  return LowerExtension(file) == ".mp4" || LowerExtension(file) == ".mov";
 }
 
 /// The list of offers that a file belongs to; null: none.

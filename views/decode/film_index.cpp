@@ -112,6 +112,16 @@ void Count(int pictures, double rate, FilmIndex* index) {
       "has no times; its pictures are taken for {:.4g} a second, as its header says", rate));
 }
 
+/// Bare streams have no times; libavformat invents them at a rate that nobody said.
+void NoteInventedRate(const FilmFile& film, FilmIndex* index) {
+  if ((film.format().iformat->flags & AVFMT_NOTIMESTAMPS) == 0) return;
+  index->notes.push_back(
+      fmt::format("has no times and no rate; its pictures are taken for {:.4g} a second: if it has "
+                  "another, put it into a file that says so, as in\n  ffmpeg -framerate RATE -i "
+                  "FILM -c copy film.mkv",
+                  index->rate.per_second));
+}
+
 void TakeTimes(const FilmFile& film, Stamps stamps, FilmIndex* index) {
   const double header = HeaderRate(film.stream());
   const double unit = av_q2d(film.stream().time_base);
@@ -130,6 +140,7 @@ void TakeTimes(const FilmFile& film, Stamps stamps, FilmIndex* index) {
     index->times_s.push_back(static_cast<double>(stamp - zero) * unit);
   index->stamps = std::move(stamps.all);
   index->rate = RateOf(index->times_s, header);
+  NoteInventedRate(film, index);
 }
 
 /// What of the film the first frame tells. Pictures before it lack what they are made from: the

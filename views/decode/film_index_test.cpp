@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
@@ -69,6 +70,16 @@ TEST_F(Films, AnAviIsCounted) {
   const FilmIndex index = Index("a.avi", kind, EvenTimes(7, 1));
   EXPECT_EQ(index.frames(), 7);
   EXPECT_EQ(index.rate.per_second, 25);
+}
+
+TEST_F(Films, OfABareStreamTheRateIsInventedAndSaid) {
+  TestFilmKind kind;
+  kind.codec = "mjpeg", kind.pixels = AV_PIX_FMT_YUVJ420P, kind.unit = 12, kind.rate = 12;
+  const FilmIndex index = Index("a.mjpeg", kind, EvenTimes(7, 1));
+  EXPECT_EQ(index.frames(), 7);
+  EXPECT_EQ(index.rate.per_second, 25) << "libavformat's own";
+  ASSERT_EQ(index.notes.size(), 1u);
+  EXPECT_THAT(index.notes[0], HasSubstr("has no times and no rate"));
 }
 
 TEST_F(Films, OfAnAviThatStoresPicturesInAnotherOrderToo) {
@@ -149,6 +160,9 @@ TEST_F(Films, NoFilmAndHalfAFilmAreNamed) {
   const fs::path list = folder_ / "list.mp4";
   WriteFile(list, "#EXTM3U\n#EXTINF:1,\na.mkv\n");
   EXPECT_THROW(ReadFilmIndex(list), InputError) << "a list of other files";
+  WriteImage(folder_ / "photo.jpg", Image8(16, 16, 3));
+  fs::rename(folder_ / "photo.jpg", folder_ / "photo.mkv");
+  EXPECT_THROW(ReadFilmIndex(folder_ / "photo.mkv"), InputError) << "a film of one picture";
 }
 
 TEST_F(Films, PicturesAreNoFilms) {

@@ -109,6 +109,21 @@ std::string WordsOnOrder(const ShotCamera& camera) {
          "; the pictures are taken in the order of their names";
 }
 
+/// On pictures of kinds that are not read, beside those of a film; empty: there are none.
+std::string WordsOnLeftOut(const ShotCamera& camera) {
+  const std::vector<fs::path>& pictures = camera.pictures.pictures;
+  if (pictures.empty()) return "";
+  std::set<fs::path> stems;
+  for (const fs::path& picture : pictures) stems.insert(picture.stem());
+  std::vector<fs::path> others = NumberedContent(pictures.front().parent_path());
+  std::erase_if(others, [&](const fs::path& file) {
+    return stems.contains(file.stem()) || !fs::is_regular_file(file) || CureFor({file}).empty();
+  });
+  if (others.empty()) return "";
+  return "camera " + camera.name + ": " + WithoutOddBytes(KindsOf(others)) +
+         " are not read and left out; " + CureFor(others);
+}
+
 void RequireMaskForEach(const ShotCamera& camera) {
   if (camera.masks.empty() || camera.pictures.empty()) return;
   if (camera.masks.frames == camera.pictures.frames) return;
@@ -168,7 +183,8 @@ Shot OpenShot(const fs::path& folder, FilmGaps gaps, const ClockWish& clocks,
   if (!(shot.frames_per_second > 0)) shot.frames_per_second = RateIn(folder);
   for (const ShotCamera& camera : shot.cameras) {
     RequireMaskForEach(camera);
-    for (const std::string& words : {WordsOnOrder(camera), WordsOnGaps(camera)})
+    for (const std::string& words :
+         {WordsOnOrder(camera), WordsOnGaps(camera), WordsOnLeftOut(camera)})
       if (!words.empty()) shot.join.notes.push_back(words);
   }
   return shot;

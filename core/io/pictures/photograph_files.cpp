@@ -21,10 +21,13 @@ constexpr std::array<const char*, 3> kHeic = {".heic", ".heif", ".hif"};
 constexpr std::array<const char*, 6> kPlain = {".jpg", ".jpeg", ".jfif", ".png", ".tif", ".tiff"};
 constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
                                              ".dng", ".raf", ".orf", ".rw2"};
-constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
-constexpr std::array<const char*, 14> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",
-                                                        ".ppm",  ".pgm",  ".pbm", ".pnm", ".jxl",
-                                                        ".jp2",  ".tga",  ".exr", ".hdr"};
+constexpr std::array kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f", ".3fr",
+                                  ".iiq", ".erf", ".mrw", ".rwl", ".kdc", ".dcr", ".srf",
+                                  ".sr2", ".mef", ".mos", ".gpr", ".fff"};
+constexpr std::array kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd",  ".ppm",
+                                       ".pgm",  ".pbm",  ".pnm", ".jxl", ".jp2",  ".j2k",
+                                       ".tga",  ".exr",  ".hdr", ".jpe", ".apng", ".mpo",
+                                       ".jxr",  ".dib",  ".sgi", ".dpx", ".xcf",  ".qoi"};
 
 // Also those that are not read: they are refused by what they are, not taken for photographs.
 constexpr std::array<const char*, 28> kMeshes = {

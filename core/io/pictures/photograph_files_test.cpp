@@ -24,4 +24,14 @@ TEST(IsMeshName, KnowsWhatIsReadAndWhatIsRefusedByName) {
   EXPECT_FALSE(IsMeshName("a.jpg"));
 }
 
+TEST(CureFor, EachKindHasItsOwn) {
+  EXPECT_NE(CureFor({"a.AVIF"}).find("mogrify"), std::string::npos);
+  EXPECT_NE(CureFor({"a.jpe", "b.jpe"}).find("mogrify"), std::string::npos);
+  EXPECT_NE(CureFor({"a.3fr"}).find("develop RAW"), std::string::npos);
+  for (const char* film : {"a.mov", "a.flv", "a.Y4M", "a.m2ts"})
+    EXPECT_NE(CureFor({film}).find("ffmpeg -i FILM"), std::string::npos) << film;
+  EXPECT_EQ(CureFor({"a.gif"}).find("FILM"), std::string::npos);
+  EXPECT_EQ(CureFor({"notes.txt"}), "");
+}
+
 }  // namespace keypose::photograph_files_test

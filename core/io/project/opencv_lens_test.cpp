@@ -80,4 +80,15 @@ TEST(OpenCvLens, ProductsAreNoLensModels) {
     EXPECT_FALSE(IsLensModelName(name)) << name;
 }
 
+TEST(OpenCvLens, ACountThatOpenCvDoesNotHaveIsToldTheOrder) {
+  try {
+    OpenCvLens("", kMatrix, Numbers(3), "rig.yml, cam0");
+    FAIL() << "three are none of OpenCV's";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "rig.yml, cam0: its distortion has 3 coefficients, but OpenCV's has 4, 5, 8, 12 or "
+              "14, in the order k1 k2 p1 p2 k3 and on; put 0 for those that it lacks");
+  }
+}
+
 }  // namespace keypose::opencv_lens_test

@@ -247,8 +247,9 @@ std::vector<std::pair<long, fs::path>> Numbered(const fs::path& folder,
 
 /// Words on pictures of kinds that are not read, such as come from a compositing program.
 std::string OtherPictures(const std::vector<std::string>& names) {
-  for (const char* kind :
-       {".exr", ".dpx", ".cin", ".tga", ".webp", ".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf"}) {
+  for (const char* kind : {".exr", ".dpx", ".cin", ".tga", ".webp", ".bmp", ".gif", ".avif",
+                           ".jp2", ".jxl", ".psd", ".ppm", ".pgm",  ".pnm", ".sgi", ".jpe",
+                           ".cr2", ".cr3", ".nef", ".arw", ".dng",  ".raf", ".orf", ".rw2"}) {
     const auto count = std::count_if(names.begin(), names.end(), [&](const std::string& name) {
       return LowerExtension(name) == kind;
     });
