@@ -161,12 +161,15 @@ def contained(b, ending, *codec):
 
 
 cases('films: containers', SILHOUETTES, [
-    ('FLV', '', 'right', 'flv', '-c:v', 'flv', '-q:v', 2), ('Ogg', '', 'right', 'ogv', '-c:v', 'libtheora', '-q:v', 9, '-pix_fmt', 'yuv420p'), ('GIF', '', 'right', 'gif'), ('APNG', '', 'right', 'apng', '-f', 'apng'),
+    ('FLV', '', 'right', 'flv', '-c:v', 'flv', '-q:v', 2), ('Ogg', '', 'right', 'ogv', '-c:v', 'libtheora', '-q:v', 9, '-pix_fmt', 'yuv420p'), ('APNG', '', 'right', 'apng', '-f', 'apng'),
     ('Y4M', '', 'right', 'y4m', '-pix_fmt', 'yuv420p'), ('3GP', '', 'right', '3gp', *X264), ('VOB', '', 'right', 'vob', '-c:v', 'mpeg2video', '-q:v', 2), ('ASF', '', 'right', 'asf', '-c:v', 'wmv2', '-q:v', 2),
     ('NUT', '', 'right', 'nut', '-c:v', 'ffv1'), ('IVF', '', 'right', 'ivf', *VP9), ('M2TS', '', 'right', 'm2ts', *X264), ('bare HEVC', '', 'right', 'hevc', '-c:v', 'libx265', '-x265-params', 'log-level=none', '-pix_fmt', 'yuv420p'),
     ('bare H.264', '', 'right', 'h264', *X264), ('no ending', '', 'right', '', *X264, '-f', 'mp4'), ('another ending', '', 'right', 'dat', *X264, '-f', 'matroska'),
     ('bare JPEGs: no rate', 'no times and no rate', 'named', 'mjpeg', '-c:v', 'mjpeg', '-q:v', 2, '-pix_fmt', 'yuvj420p'), ('bare pixels', 'without their size', 'named', 'yuv', '-pix_fmt', 'yuv420p', '-f', 'rawvideo'),
     ('animated WebP', 'animated WebP', 'named', 'webp', '-c:v', 'libwebp_anim'), ('a playlist', 'is a playlist', 'named', 'm3u8', *X264, '-f', 'hls')], contained)
+
+
+case('films: containers', SILHOUETTES, 'GIF')(lambda b: own_times(b, 'cam1.gif', range(COUNT), '-vf', 'split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none', codec=(), rate=25))
 
 
 def again(b, change, right):

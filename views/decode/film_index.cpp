@@ -114,7 +114,9 @@ void Count(int pictures, double rate, FilmIndex* index) {
 
 /// Bare streams have no times; libavformat invents them at a rate that nobody said.
 void NoteInventedRate(const FilmFile& film, FilmIndex* index) {
-  if ((film.format().iformat->flags & AVFMT_NOTIMESTAMPS) == 0) return;
+  const AVInputFormat& format = *film.format().iformat;
+  const bool is_av1 = std::string(format.name) == "obu";  // lacks the flag
+  if (!is_av1 && (format.flags & AVFMT_NOTIMESTAMPS) == 0) return;
   index->notes.push_back(
       fmt::format("has no times and no rate; its pictures are taken for {:.4g} a second: if it has "
                   "another, put it into a file that says so, as in\n  ffmpeg -framerate RATE -i "

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "core/io/pictures/film_kind.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/project/frame_names.h"
@@ -79,6 +80,10 @@ std::string WordsOnOthers(const fs::path& folder) {
         return "; " + PrintableName(picture.filename()) +
                " and its like are read by locate and composite only: make them TIFF or PNG with "
                "the colours as they should look (sRGB)";
+      if (IsFilm(picture))
+        return "; " + PrintableName(camera.filename() / picture.filename()) +
+               " is a film in a folder of its own: move it into the shot's folder, named as its "
+               "camera";
       if (fs::is_regular_file(picture)) others.push_back(picture);
     }
   }

@@ -102,6 +102,15 @@ TEST_F(ShotTest, WhatIsThereInsteadOfFilmsIsNamed) {
               std::string::npos)
         << text;
   }
+  WriteFile(folder_ / "cam1/film.flv", "FLV\1");
+  try {
+    OpenShot(folder_);
+    FAIL() << "there is no camera";
+  } catch (const InputError& fault) {
+    EXPECT_NE(std::string(fault.what()).find("film.flv is a film in a folder of its own"),
+              std::string::npos)
+        << fault.what();
+  }
 }
 
 TEST_F(ShotTest, MasksAloneAreAShot) {
