@@ -129,7 +129,13 @@ Sound ReadSound(const std::filesystem::path& path, const Progress* progress) {
         fmt::format("the sound {} is damaged: {}", path.string(),
                     first ? "nothing of it can be decoded"
                           : fmt::format("{} parts of it cannot be decoded", file.faults())));
-  return samples.Finished();
+  Sound sound = samples.Finished();
+  if (!std::all_of(sound.samples.begin(), sound.samples.end(),
+                   [](float sample) { return std::isfinite(sample); }))
+    throw InputError(fmt::format(
+        "the sound {} holds samples that are no numbers (NaN or infinite); save it anew as 24 bits",
+        path.string()));
+  return sound;
 }
 
 HeardSound ReadSoundAt(const std::filesystem::path& path, double at_s, double film_s,

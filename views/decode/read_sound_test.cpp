@@ -129,4 +129,27 @@ TEST_F(ReadSoundOf, WhatIsNoSoundIsNamed) {
   EXPECT_THROW(ReadSound(folder_ / "none.wav"), DiskError);
 }
 
+TEST_F(ReadSoundOf, SamplesThatAreNoNumbersAreNamed) {
+  std::string wav = Wav(48000, 2, 0.5);  // as floats: of each four bytes one number
+  wav.replace(20, 2, Word(3, 2)).replace(34, 2, Word(32, 2));
+  wav.replace(28, 4, Word(8 * 48000, 4)).replace(32, 2, Word(8, 2));
+  for (std::size_t at = 44; at < wav.size(); ++at) wav[at] = 0;
+  wav.replace(44 + 800, 4, Word(0x7fc00000, 4));
+  try {
+    ReadSound(File("nan.wav", wav));
+    FAIL() << "there is a NaN";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("nan.wav holds samples that are no numbers"));
+  }
+}
+
+TEST_F(ReadSoundOf, ChannelsThatCannotBeMixedNameTheFile) {
+  try {
+    ReadSound(File("many.wav", Wav(48000, 32, 0.1)));
+    FAIL() << "32 channels have no layout";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("many.wav has 32 channels that cannot be mixed down"));
+  }
+}
+
 }  // namespace keypose::read_sound_test
