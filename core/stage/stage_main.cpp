@@ -20,6 +20,7 @@
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
+#include "core/values/late_library.h"
 #include "core/values/size_of.h"
 
 namespace keypose::internal {
@@ -427,6 +428,7 @@ int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& optio
   std::vector<std::string> awaited;
   std::vector<char*> words(argv, argv + argc);
   if (argc == 2 && std::string(argv[1]) == "--await") {
+    LoadLateLibraries();
     awaited = AwaitArguments(STDIN_FILENO);
     if (awaited.empty()) return 0;
     words.pop_back();
