@@ -71,6 +71,19 @@ function(keypose_program name)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+# keypose_late_library(NAME SOURCES a.cpp [LINK lib ...] [SYSTEM_INCLUDES dir ...]): lib/keypose/keypose_NAME.so, which programs load
+# when they need it (core/values/late_library.h). The room that loads it depends on it and does not link it.
+function(keypose_late_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
+  add_library(keypose_${name} MODULE ${ARG_SOURCES})
+  set_target_properties(keypose_${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/keypose
+    CXX_VISIBILITY_PRESET hidden)
+  target_link_libraries(keypose_${name} PRIVATE keypose_flags ${ARG_LINK})
+  target_include_directories(keypose_${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
+  add_dependencies(programs keypose_${name})
+  install(TARGETS keypose_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_BINDIR}/../lib/keypose)
+endfunction()
+
 # keypose_stage(STAGE ROOM room SOURCES stage.cpp): the program bin/keypose-STAGE.
 function(keypose_stage stage)
   cmake_parse_arguments(ARG "" "ROOM" "SOURCES;LINK" ${ARGN})

@@ -1,8 +1,6 @@
 #include "export/vat/vat_images.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
+#include "core/io/pictures/picture_codec.h"
 #include "core/values/errors.h"
 
 namespace keypose::exporting {
@@ -11,18 +9,18 @@ namespace {
 template <class T>
 std::string Encoded(const ImageT<T>& image, const std::string& extension,
                     const std::string& compression) {
-  const std::string name = "image." + extension;
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::BaseTypeFromC<T>::value);
-  spec.attribute("compression", compression);
-  spec.attribute("DateTime", "");  // else OpenImageIO writes the time of day into EXR files
-  OIIO::Filesystem::IOVecOutput file;
-  const auto output = OIIO::ImageOutput::create(name, &file);
-  if (!output) throw ToolError("export: OpenImageIO cannot write ." + extension + " files");
-  if (!output->open(name, spec) || !output->write_image(spec.format, image.data.data()) ||
-      !output->close())
+  const PictureHeader header{image.width, image.height, image.channels, PixelTypeOf<T>()};
+  const PictureTags tags{
+      {"compression", compression},
+      {"DateTime", std::string()}};  // else OpenImageIO writes the time of day into EXR files
+  std::string file;
+  const WrittenPicture written =
+      Pictures().Encode("image." + extension, header, tags, image.data.data(), &file);
+  if (!written.known) throw ToolError("export: OpenImageIO cannot write ." + extension + " files");
+  if (!written.done)
     throw ToolError("export: OpenImageIO could not write a ." + extension +
-                    " file: " + output->geterror());
-  return std::string(file.buffer().begin(), file.buffer().end());
+                    " file: " + written.reason);
+  return file;
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 #include "capture/shoot/develop/photograph.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/pictures/picture_codec.h"
 #include "core/io/pictures/raw_io.h"
 #include "core/io/text/files.h"
 
@@ -23,11 +22,11 @@ ExposureSettings ReadSettings(const fs::path& file) {
   ExposureSettings settings;
   settings.focal_mm = info.focal_mm.value_or(0);
   settings.focal_35mm = info.focal_35mm.value_or(0);
-  const auto input = OIIO::ImageInput::create(info.format);
-  OIIO::ImageSpec spec;
-  if (!input || info.format == "heif" || !input->open(file.string(), spec)) return settings;
+  if (info.format == "heif") return settings;
+  const OpenedPicture opened = Pictures().Open(file.string(), info.format, {});
+  if (!opened.reader) return settings;
   const auto positive = [&](const char* name) {
-    const double value = spec.get_float_attribute(name, 0);
+    const double value = opened.reader->Float(name, 0);
     return value > 0 && value < 1e7 ? value : 0.0;
   };
   settings.exposure_s = positive("ExposureTime");

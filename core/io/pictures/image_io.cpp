@@ -1,9 +1,5 @@
 #include "core/io/pictures/image_io.h"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -16,6 +12,7 @@
 #include "core/io/pictures/heif_io.h"
 #include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/image_levels.h"
+#include "core/io/pictures/picture_codec.h"
 #include "core/io/pictures/picture_pages.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
@@ -28,10 +25,6 @@
 
 namespace keypose {
 namespace fs = std::filesystem;
-using OIIO::ImageInput;
-using OIIO::ImageOutput;
-using OIIO::ImageSpec;
-using OIIO::TypeDesc;
 
 namespace {
 
@@ -81,33 +74,33 @@ std::string RequireKnownKind(const fs::path& path) {
 }
 
 /// Checks the sizes that the header claims, before memory is allocated for them.
-void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
+void RequireModestSize(const fs::path& path, const PictureHeader& header) {
   const std::string size =
-      std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
-  if (spec.width < 1 || spec.height < 1)
+      std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels";
+  if (header.width < 1 || header.height < 1)
     throw InputError("image " + path.string() + " has no pixels (" + size + "); leave it out");
   const auto pixels = [](int width, int height) {
     return static_cast<std::int64_t>(width) * height;
   };
-  if (pixels(spec.width, spec.height) > kMostPixels ||
-      pixels(spec.tile_width, spec.tile_height) > kMostPixels)
+  if (pixels(header.width, header.height) > kMostPixels ||
+      pixels(header.tile_width, header.tile_height) > kMostPixels)
     ThrowTooLarge(path, size);
-  if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.nchannels > kMostChannels)
+  if (header.depth > 1 || header.deep || header.channels < 1 || header.channels > kMostChannels)
     throw InputError("image " + path.string() +
                      " is not a flat picture of 1 to 4 channels (depth " +
-                     std::to_string(spec.depth) + ", " + std::to_string(spec.nchannels) +
+                     std::to_string(header.depth) + ", " + std::to_string(header.channels) +
                      " channels); save it as JPEG or PNG");
 }
 
 /// Requires memory for twice the pixels: while they are rotated or converted, there are two copies.
 /// Small pictures are not checked.
-void RequireMemoryFor(const fs::path& path, const ImageSpec& spec, std::int64_t bytes_each) {
+void RequireMemoryFor(const fs::path& path, const PictureHeader& header, std::int64_t bytes_each) {
   constexpr std::int64_t kSmall = 64 << 20;
   const std::int64_t bytes =
-      2 * bytes_each * spec.width * spec.height * std::max(3, spec.nchannels);
+      2 * bytes_each * header.width * header.height * std::max(3, header.channels);
   if (bytes > kSmall)
-    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " +
-                             std::to_string(spec.height) + " pixels)");
+    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(header.width) + " x " +
+                             std::to_string(header.height) + " pixels)");
 }
 
 /// The HEIC decoder allocates memory for the pixels before it reports their number.
@@ -123,20 +116,22 @@ void RequireModestHeif(const fs::path& path) {
                    words);
 }
 
-/// Previews and masks beside a TIFF's picture are no pages.
-bool IsPage(const ImageSpec& first, const ImageSpec& other) {
+/// Whether the page that the reader is at is a picture of its own: previews and masks beside a TIFF's
+/// picture are none.
+bool IsPage(const PictureHeader& first, const PictureReader& input) {
   constexpr int kReduced = 1, kMask = 4;  // bits of NewSubfileType
-  const bool aside = (other.get_int_attribute("tiff:subfiletype", 0) & (kReduced | kMask)) != 0;
-  return !aside && 2 * other.width > first.width && 2 * other.height > first.height;
+  const PictureHeader page = input.header();
+  const bool aside = (input.Int("tiff:subfiletype", 0) & (kReduced | kMask)) != 0;
+  return !aside && 2 * page.width > first.width && 2 * page.height > first.height;
 }
 
 /// @throws InputError  a TIFF has a second page, or begins with a preview
-void RequireOnePage(const fs::path& path, ImageInput& input) {
-  const ImageSpec first = input.spec();
+void RequireOnePage(const fs::path& path, PictureReader& input) {
+  const PictureHeader first = input.header();
   int pages = 1;
-  for (int i = 1; input.seek_subimage(i, 0); ++i) pages += IsPage(first, input.spec());
-  input.geterror();
-  if (!input.seek_subimage(0, 0)) ThrowDamaged(path, input.geterror());
+  for (int i = 1; input.Seek(i); ++i) pages += IsPage(first, input);
+  input.Reason();
+  if (!input.Seek(0)) ThrowDamaged(path, input.Reason());
   if (pages > 1)
     ThrowSeveral(path, "a TIFF of " + std::to_string(pages) + " pages",
                  "  convert FILE.tif page_%02d.png");
@@ -153,40 +148,34 @@ void RequireOnePng(const fs::path& path) {
 /// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
 /// of its readers, and not all of them withstand damaged files.
 /// @param straight  colours as they are stored; else multiplied by alpha
-std::unique_ptr<ImageInput> Open(const fs::path& path, bool straight = false) {
+std::unique_ptr<PictureReader> Open(const fs::path& path, bool straight = false) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
   if (kind == "heif") RequireModestHeif(path);
   // What libpng takes memory for is looked at first.
   if (kind == "png") RequireOnePng(path);
-  ImageSpec spec, wishes;
-  if (straight) wishes.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = ImageInput::create(kind);
-  if (!input || !input->open(path.string(), spec, wishes)) {
-    const std::string reason = input ? input->geterror() : OIIO::geterror();
-    throw InputError("cannot read image " + path.string() + ": " + reason +
+  PictureTags wishes;
+  if (straight) wishes.emplace_back("oiio:UnassociatedAlpha", 1);
+  OpenedPicture opened = Pictures().Open(path.string(), kind, wishes);
+  if (!opened.reader)
+    throw InputError("cannot read image " + path.string() + ": " + opened.reason +
                      "; it is truncated or not a " + kKinds);
-  }
-  RequireModestSize(path, input->spec());
-  if (kind == "tiff") RequireOnePage(path, *input);
-  return input;
+  RequireModestSize(path, opened.reader->header());
+  if (kind == "tiff") RequireOnePage(path, *opened.reader);
+  return std::move(opened.reader);
 }
 
 /// EXIF orientation; 1 (upright) when it is not one of the eight values.
-int OrientationOf(const ImageSpec& spec) {
-  const int orientation = spec.get_int_attribute("Orientation", 1);
+int OrientationOf(const PictureReader& input) {
+  const int orientation = input.Int("Orientation", 1);
   return orientation >= 1 && orientation <= 8 ? orientation : 1;
 }
 
 /// Bytes of the ICC profile; empty where there is none.
-std::string ProfileIn(const ImageSpec& spec) {
-  const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
-  if (!profile) return {};
-  return {static_cast<const char*>(profile->data()), static_cast<std::size_t>(profile->datasize())};
-}
+std::string ProfileIn(const PictureReader& input) { return input.Bytes("ICCProfile"); }
 
-std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name) {
-  const float value = spec.get_float_attribute(name, 0);
+std::optional<double> PositiveAttribute(const PictureReader& input, const char* name) {
+  const float value = input.Float(name, 0);
   if (value > 0 && std::isfinite(value)) return value;
   return std::nullopt;
 }
@@ -209,14 +198,13 @@ double MillimetresOf(int unit) {
 
 /// The sensor's longer side. Pixels are square, and programs that turn a photograph may or may not
 /// swap its two sides in EXIF, so the longer one stands for both.
-std::optional<double> SensorSize(const ImageSpec& spec) {
-  const auto resolution = PositiveAttribute(spec, "Exif:FocalPlaneXResolution");
+std::optional<double> SensorSize(const PictureReader& input) {
+  const auto resolution = PositiveAttribute(input, "Exif:FocalPlaneXResolution");
   if (!resolution) return std::nullopt;
-  const double mm_per_unit =
-      MillimetresOf(spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2));
-  const int x = spec.get_int_attribute("Exif:PixelXDimension", 0),
-            y = spec.get_int_attribute("Exif:PixelYDimension", 0);
-  const int pixels = x > 0 ? std::max(x, y) : std::max(spec.width, spec.height);
+  const double mm_per_unit = MillimetresOf(input.Int("Exif:FocalPlaneResolutionUnit", 2));
+  const int x = input.Int("Exif:PixelXDimension", 0), y = input.Int("Exif:PixelYDimension", 0);
+  const PictureHeader header = input.header();
+  const int pixels = x > 0 ? std::max(x, y) : std::max(header.width, header.height);
   const double longer = pixels / *resolution * mm_per_unit;
   return longer > 1 && longer < 100 ? std::optional<double>(longer) : std::nullopt;
 }
@@ -245,44 +233,42 @@ ImageT<T> WithChannels(ImageT<T> in, int channels) {
   return out;
 }
 
-/// Writes the image as `spec` says. Leaves no file behind when writing fails.
-void WriteAll(const fs::path& path, ImageSpec spec, TypeDesc from, const void* data) {
+/// Writes the image as `header` and `tags` say. Leaves no file behind when writing fails.
+void WriteAll(const fs::path& path, const PictureHeader& header, PictureTags tags, PixelType from,
+              const void* data) {
   const std::string extension = LowerExtension(path);
   // Otherwise the library writes the time of day into these.
   if (extension == ".exr" || extension == ".tif" || extension == ".tiff")
-    spec.attribute("DateTime", "");
-  auto output = ImageOutput::create(path.string());
-  if (!output)
+    tags.emplace_back("DateTime", std::string());
+  const WrittenPicture written = Pictures().Write(path.string(), header, tags, from, data);
+  if (!written.known)
     throw DiskError("cannot write image " + path.string() +
                     ": its extension is not a known image format");
-  if (output->open(path.string(), spec) && output->write_image(from, data) && output->close())
-    return;
-  const std::string reason = output->geterror();
+  if (written.done) return;
   std::error_code ignored;
   fs::remove(path, ignored);
   throw DiskError("cannot write image " + path.string() + ": " +
-                  (reason.empty() ? "the disk may be full" : reason));
+                  (written.reason.empty() ? "the disk may be full" : written.reason));
 }
 
 }  // namespace
 
 ImageInfo ReadImageInfo(const fs::path& path) {
   const auto input = Open(path);
-  const ImageSpec& spec = input->spec();
+  const PictureHeader header = input->header();
   ImageInfo info;
-  info.orientation = OrientationOf(spec);
-  info.width = info.orientation >= 5 ? spec.height : spec.width;
-  info.height = info.orientation >= 5 ? spec.width : spec.height;
-  info.channels = spec.nchannels;
-  info.focal_mm = PositiveAttribute(spec, "Exif:FocalLength");
-  info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
-  info.sensor_width_mm = SensorSize(spec);
-  const std::string make(spec.get_string_attribute("Make")),
-      model(spec.get_string_attribute("Model"));
+  info.orientation = OrientationOf(*input);
+  info.width = info.orientation >= 5 ? header.height : header.width;
+  info.height = info.orientation >= 5 ? header.width : header.height;
+  info.channels = header.channels;
+  info.focal_mm = PositiveAttribute(*input, "Exif:FocalLength");
+  info.focal_35mm = PositiveAttribute(*input, "Exif:FocalLengthIn35mmFilm");
+  info.sensor_width_mm = SensorSize(*input);
+  const std::string make = input->Text("Make"), model = input->Text("Model");
   info.camera_model =
       WithoutOddBytes(model.empty() || make.empty() ? make + model : make + " " + model);
-  info.date_time = WithoutOddBytes(std::string(spec.get_string_attribute("DateTime")));
-  info.format = input->format_name();
+  info.date_time = WithoutOddBytes(input->Text("DateTime"));
+  info.format = input->format();
   return info;
 }
 
@@ -290,24 +276,23 @@ namespace {
 
 /// All channels. Floats are in [0, 1].
 template <class T = std::uint8_t>
-ImageT<T> ReadRaw(const fs::path& path, ImageInput& input, const ImageSpec& spec) {
-  RequireMemoryFor(path, spec, sizeof(T));
-  ImageT<T> raw(spec.width, spec.height, spec.nchannels);
-  const bool complete =
-      input.read_image(0, 0, 0, spec.nchannels, OIIO::BaseTypeFromC<T>::value, raw.data.data());
+ImageT<T> ReadRaw(const fs::path& path, PictureReader& input) {
+  const PictureHeader header = input.header();
+  RequireMemoryFor(path, header, sizeof(T));
+  ImageT<T> raw(header.width, header.height, header.channels);
+  const bool complete = input.Read(0, header.channels, PixelTypeOf<T>(), raw.data.data());
   // libjpeg fills missing parts with grey and only warns.
-  const bool is_jpeg = std::string_view(input.format_name()) == "jpeg";
+  const bool is_jpeg = input.format() == "jpeg";
   if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
-    ThrowDamaged(path, input.geterror());
+    ThrowDamaged(path, input.Reason());
   return raw;
 }
 
 /// Upright and in sRGB.
 template <class T>
-ImageT<T> ReadSrgb(const fs::path& path, ImageInput& input, int channels) {
-  const ImageSpec spec = input.spec();
-  ImageT<T> image = WithChannels(ReadRaw<T>(path, input, spec), channels);
-  return Oriented(InSrgb(std::move(image), ProfileIn(spec)), OrientationOf(spec));
+ImageT<T> ReadSrgb(const fs::path& path, PictureReader& input, int channels) {
+  ImageT<T> image = WithChannels(ReadRaw<T>(path, input), channels);
+  return Oriented(InSrgb(std::move(image), ProfileIn(input)), OrientationOf(input));
 }
 
 }  // namespace
@@ -316,13 +301,13 @@ Image8 ReadAlpha(const fs::path& path) {
   RequireReadable(path);
   if (RequireKnownKind(path) == "heif") return {};
   const auto input = Open(path);
-  const ImageSpec spec = input->spec();
-  if (spec.alpha_channel < 0) return {};
-  const Image8 raw = ReadRaw(path, *input, spec);
+  const int channel = input->header().alpha;
+  if (channel < 0) return {};
+  const Image8 raw = ReadRaw(path, *input);
   Image8 alpha(raw.width, raw.height, 1);
   for (int y = 0; y < raw.height; ++y)
-    for (int x = 0; x < raw.width; ++x) *alpha.at(x, y) = raw.at(x, y)[spec.alpha_channel];
-  return Oriented(std::move(alpha), OrientationOf(spec));
+    for (int x = 0; x < raw.width; ++x) *alpha.at(x, y) = raw.at(x, y)[channel];
+  return Oriented(std::move(alpha), OrientationOf(*input));
 }
 
 Image8 ReadImage(const fs::path& path, int channels) try {
@@ -332,7 +317,7 @@ Image8 ReadImage(const fs::path& path, int channels) try {
     return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
   }
   const auto input = Open(path);
-  const int wanted = channels > 0 ? channels : (input->spec().nchannels >= 3 ? 3 : 1);
+  const int wanted = channels > 0 ? channels : (input->header().channels >= 3 ? 3 : 1);
   return ReadSrgb<std::uint8_t>(path, *input, wanted);
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
@@ -342,7 +327,7 @@ StoredPicture ReadAsStored(const fs::path& path) try {
   RequireReadable(path);
   if (RequireKnownKind(path) == "heif") return {ReadImage(path, 3), {}};
   const auto input = Open(path);
-  if (input->spec().format.size() == 1) return {ReadSrgb<std::uint8_t>(path, *input, 3), {}};
+  if (input->header().bytes == 1) return {ReadSrgb<std::uint8_t>(path, *input, 3), {}};
   return {{}, ReadSrgb<std::uint16_t>(path, *input, 3)};
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
@@ -352,12 +337,12 @@ StoredLevels StoredLevelsOf(const fs::path& path) {
   RequireReadable(path);
   if (RequireKnownKind(path) == "heif") return {};
   const auto input = Open(path);
-  const ImageSpec& spec = input->spec();
+  const PictureHeader header = input->header();
   StoredLevels stored;
-  stored.bits = spec.get_int_attribute("oiio:BitsPerSample", 0);
-  if (stored.bits <= 0) stored.bits = static_cast<int>(8 * spec.format.size());
-  stored.alpha = spec.alpha_channel >= 0;
-  stored.profile = ProfileIn(spec);
+  stored.bits = input->Int("oiio:BitsPerSample", 0);
+  if (stored.bits <= 0) stored.bits = 8 * header.bytes;
+  stored.alpha = header.alpha >= 0;
+  stored.profile = ProfileIn(*input);
   return stored;
 }
 
@@ -365,80 +350,80 @@ ImageF ReadLevels(const fs::path& path, int channels) try {
   RequireReadable(path);
   const bool heif = RequireKnownKind(path) == "heif";
   const auto input = heif ? nullptr : Open(path, true);
-  if (heif || input->spec().format == TypeDesc::UINT8) {
+  if (heif || input->header().type == PixelType::kByte) {
     // Whole levels stay whole.
-    const Image8 stored = heif ? ReadImage(path, channels) : ReadRaw(path, *input, input->spec());
+    const Image8 stored = heif ? ReadImage(path, channels) : ReadRaw(path, *input);
     ImageF levels(stored.width, stored.height, stored.channels);
     std::copy(stored.data.begin(), stored.data.end(), levels.data.begin());
-    return Oriented(WithChannels(std::move(levels), channels),
-                    heif ? 1 : OrientationOf(input->spec()));
+    return Oriented(WithChannels(std::move(levels), channels), heif ? 1 : OrientationOf(*input));
   }
-  ImageF levels = ReadRaw<float>(path, *input, input->spec());
+  ImageF levels = ReadRaw<float>(path, *input);
   for (float& level : levels.data) level = 255 * std::clamp(level, 0.0f, 1.0f);
-  return Oriented(WithChannels(std::move(levels), channels), OrientationOf(input->spec()));
+  return Oriented(WithChannels(std::move(levels), channels), OrientationOf(*input));
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
 
 void WriteLevels(const fs::path& path, const ImageF& levels, int bits, const std::string& profile) {
-  ImageSpec spec(levels.width, levels.height, levels.channels,
-                 bits == 16 ? TypeDesc::UINT16 : TypeDesc::UINT8);
-  spec.attribute("Compression", "zip");
-  spec.attribute("png:compressionLevel", 4);
-  spec.attribute("oiio:UnassociatedAlpha", 1);
+  const PixelType type = bits == 16 ? PixelType::kShort : PixelType::kByte;
+  const PictureHeader header{levels.width, levels.height, levels.channels, type};
+  PictureTags tags{{"Compression", std::string("zip")},
+                   {"png:compressionLevel", 4},
+                   {"oiio:UnassociatedAlpha", 1}};
   if (profile.empty())
-    spec.attribute("oiio:ColorSpace", "sRGB");
+    tags.emplace_back("oiio:ColorSpace", std::string("sRGB"));
   else
-    spec.attribute("ICCProfile", TypeDesc(TypeDesc::UINT8, static_cast<int>(profile.size())),
-                   profile.data());
+    tags.emplace_back("ICCProfile", std::vector<std::uint8_t>(profile.begin(), profile.end()));
   const double steps = bits == 16 ? 257 : 1, most = 255 * steps;
   std::vector<std::uint16_t> stored(levels.data.size());
   std::transform(levels.data.begin(), levels.data.end(), stored.begin(), [&](float level) {
     return static_cast<std::uint16_t>(std::lround(std::clamp(steps * level, 0.0, most)));
   });
-  if (bits == 16) return WriteAll(path, spec, TypeDesc::UINT16, stored.data());
+  if (bits == 16) return WriteAll(path, header, tags, type, stored.data());
   const std::vector<std::uint8_t> eight(stored.begin(), stored.end());
-  WriteAll(path, spec, TypeDesc::UINT8, eight.data());
+  WriteAll(path, header, tags, type, eight.data());
 }
 
 namespace {
 
 /// The equivalent of 35 mm film is a whole number in EXIF. Where it is none, the size of a pixel on
 /// the sensor tells the focal length exactly, as cameras do.
-void AddPixelPitch(const ExifToWrite& exif, ImageSpec* spec) {
+void AddPixelPitch(const ExifToWrite& exif, const PictureHeader& header, PictureTags* tags) {
   const bool whole = exif.focal_35mm == std::round(exif.focal_35mm);
   if (exif.focal_mm <= 0 || exif.focal_35mm <= 0 || whole) return;
   const double focal_px =
-      exif.focal_35mm / kFilmDiagonal_mm * std::hypot(spec->width, spec->height);
+      exif.focal_35mm / kFilmDiagonal_mm * std::hypot(header.width, header.height);
   const auto pixels_per_cm = static_cast<float>(10 * focal_px / exif.focal_mm);
-  spec->attribute("Exif:FocalPlaneXResolution", pixels_per_cm);
-  spec->attribute("Exif:FocalPlaneYResolution", pixels_per_cm);
-  spec->attribute("Exif:FocalPlaneResolutionUnit", 3);
+  tags->emplace_back("Exif:FocalPlaneXResolution", pixels_per_cm);
+  tags->emplace_back("Exif:FocalPlaneYResolution", pixels_per_cm);
+  tags->emplace_back("Exif:FocalPlaneResolutionUnit", 3);
 }
 
 template <class T>
 void WritePicture(const fs::path& path, const ImageT<T>& image, int quality,
                   const ExifToWrite* exif) {
-  const TypeDesc type(OIIO::BaseTypeFromC<T>::value);
-  ImageSpec spec(image.width, image.height, image.channels, type);
+  const PixelType type = PixelTypeOf<T>();
+  const PictureHeader header{image.width, image.height, image.channels, type};
   // A TIFF of 8 bits may be a JPEG within.
   const std::string extension = LowerExtension(path);
-  const bool deep = type != TypeDesc::UINT8 && extension != ".jpg" && extension != ".jpeg";
-  spec.attribute("CompressionQuality", quality);
-  spec.attribute("Compression",
-                 path.extension() == ".png" || deep ? "zip" : "jpeg:" + std::to_string(quality));
-  spec.attribute("png:compressionLevel", 4);
-  if (image.channels == 3) spec.attribute("oiio:ColorSpace", "sRGB");
+  const bool deep = type != PixelType::kByte && extension != ".jpg" && extension != ".jpeg";
+  PictureTags tags{{"CompressionQuality", quality},
+                   {"Compression",
+                    path.extension() == ".png" || deep ? "zip" : "jpeg:" + std::to_string(quality)},
+                   {"png:compressionLevel", 4}};
+  if (image.channels == 3) tags.emplace_back("oiio:ColorSpace", std::string("sRGB"));
   if (exif) {
-    spec.attribute("Make", exif->make);
-    spec.attribute("Model", exif->model);
-    spec.attribute("Orientation", exif->orientation);
-    if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
+    tags.emplace_back("Make", exif->make);
+    tags.emplace_back("Model", exif->model);
+    tags.emplace_back("Orientation", exif->orientation);
+    if (exif->focal_mm > 0)
+      tags.emplace_back("Exif:FocalLength", static_cast<float>(exif->focal_mm));
     if (exif->focal_35mm > 0)
-      spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
-    AddPixelPitch(*exif, &spec);
+      tags.emplace_back("Exif:FocalLengthIn35mmFilm",
+                        static_cast<int>(std::lround(exif->focal_35mm)));
+    AddPixelPitch(*exif, header, &tags);
   }
-  WriteAll(path, spec, type, image.data.data());
+  WriteAll(path, header, tags, type, image.data.data());
 }
 
 }  // namespace
@@ -463,22 +448,22 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
     throw UsageError("cannot write " + path.string() + " with " + std::to_string(bits) +
                      " bits per channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
   const std::string extension = LowerExtension(path);
-  ImageSpec spec(linear.width, linear.height, linear.channels, TypeDesc::HALF);
-  spec.attribute("Compression", "zip");
+  PictureHeader header{linear.width, linear.height, linear.channels, PixelType::kHalf};
+  PictureTags tags{{"Compression", std::string("zip")}};
   if (extension == ".exr") {
-    if (bits == 32) spec.set_format(TypeDesc::FLOAT);
-    spec.attribute("oiio:ColorSpace", "Linear");
-    return WriteAll(path, spec, TypeDesc::FLOAT, linear.data.data());
+    if (bits == 32) header.type = PixelType::kFloat;
+    tags.emplace_back("oiio:ColorSpace", std::string("Linear"));
+    return WriteAll(path, header, tags, PixelType::kFloat, linear.data.data());
   }
   const bool eight = bits == 8 || (bits == 0 && extension == ".png");
-  spec.set_format(eight ? TypeDesc::UINT8 : TypeDesc::UINT16);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("png:compressionLevel", 4);
+  header.type = eight ? PixelType::kByte : PixelType::kShort;
+  tags.emplace_back("oiio:ColorSpace", std::string("sRGB"));
+  tags.emplace_back("png:compressionLevel", 4);
   ImageF srgb(linear.width, linear.height, linear.channels);
   ParallelBlocks(std::ssize(srgb.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
   });
-  WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
+  WriteAll(path, header, tags, PixelType::kFloat, srgb.data.data());
 }
 
 }  // namespace keypose

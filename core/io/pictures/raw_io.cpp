@@ -1,11 +1,10 @@
 #include "core/io/pictures/raw_io.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <memory>
 #include <new>
 
 #include "core/io/pictures/image_kind.h"
+#include "core/io/pictures/picture_codec.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/memory.h"
@@ -14,9 +13,6 @@ namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
-using OIIO::ImageInput;
-using OIIO::ImageSpec;
-using OIIO::TypeDesc;
 
 [[noreturn]] void ThrowUnread(const fs::path& file, const std::string& reason) {
   throw InputError("the RAW file " + file.string() + " cannot be developed (" + reason +
@@ -39,26 +35,28 @@ void RequireRawMark(const fs::path& file) {
     ThrowUnread(file, "its first bytes are not those of a RAW file");
 }
 
-std::unique_ptr<ImageInput> OpenRaw(const fs::path& file) {
+std::unique_ptr<PictureReader> OpenRaw(const fs::path& file) {
   RequireRawMark(file);
-  ImageSpec wish, spec;
-  wish.attribute("raw:ColorSpace", "sRGB");
-  wish.attribute("raw:use_camera_wb", 1);
-  wish.attribute("raw:auto_bright", 0);
-  wish.attribute("raw:adjust_maximum_thr", 0.0f);  // else the white point depends on the picture
-  auto input = ImageInput::create("raw");
-  if (!input) throw ToolError("OpenImageIO was built without LibRaw; save JPEG in the camera");
-  if (!input->open(file.string(), spec, wish)) ThrowUnread(file, input->geterror());
-  const std::int64_t pixels = std::int64_t{input->spec().width} * input->spec().height;
-  if (pixels < 1 || pixels > kMostPixels || input->spec().nchannels != 3)
-    ThrowUnread(file, "it has " + std::to_string(input->spec().width) + " x " +
-                          std::to_string(input->spec().height) + " pixels of " +
-                          std::to_string(input->spec().nchannels) + " channels");
-  return input;
+  const PictureTags wishes{
+      {"raw:ColorSpace", std::string("sRGB")},
+      {"raw:use_camera_wb", 1},
+      {"raw:auto_bright", 0},
+      {"raw:adjust_maximum_thr", 0.0f}};  // else the white point depends on the picture
+  OpenedPicture opened = Pictures().Open(file.string(), "raw", wishes);
+  if (!opened.known)
+    throw ToolError("OpenImageIO was built without LibRaw; save JPEG in the camera");
+  if (!opened.reader) ThrowUnread(file, opened.reason);
+  const PictureHeader header = opened.reader->header();
+  const std::int64_t pixels = std::int64_t{header.width} * header.height;
+  if (pixels < 1 || pixels > kMostPixels || header.channels != 3)
+    ThrowUnread(file, "it has " + std::to_string(header.width) + " x " +
+                          std::to_string(header.height) + " pixels of " +
+                          std::to_string(header.channels) + " channels");
+  return std::move(opened.reader);
 }
 
-std::optional<double> Positive(const ImageSpec& spec, const char* name) {
-  const double value = spec.get_float_attribute(name, 0);
+std::optional<double> Positive(const PictureReader& input, const char* name) {
+  const double value = input.Float(name, 0);
   return value > 0 && value < 1e6 ? std::optional<double>(value) : std::nullopt;
 }
 
@@ -66,12 +64,11 @@ std::optional<double> Positive(const ImageSpec& spec, const char* name) {
 
 Image8 ReadRaw(const fs::path& file) try {
   const auto input = OpenRaw(file);
-  const ImageSpec spec = input->spec();
+  const PictureHeader header = input->header();
   constexpr std::int64_t kBytesAPixel = 20;  // LibRaw's mosaic and colours of 16 bits, and ours
-  RequireMemory(kBytesAPixel * spec.width * spec.height, "RAW file " + file.string());
-  Image8 image(spec.width, spec.height, 3);
-  if (!input->read_image(0, 0, 0, 3, TypeDesc::UINT8, image.data.data()))
-    ThrowUnread(file, input->geterror());
+  RequireMemory(kBytesAPixel * header.width * header.height, "RAW file " + file.string());
+  Image8 image(header.width, header.height, 3);
+  if (!input->Read(0, 3, PixelType::kByte, image.data.data())) ThrowUnread(file, input->Reason());
   return image;
 } catch (const std::bad_alloc&) {
   throw DiskError("not enough memory to develop " + file.string() + "; close other programs");
@@ -79,15 +76,14 @@ Image8 ReadRaw(const fs::path& file) try {
 
 ImageInfo ReadRawInfo(const fs::path& file) {
   const auto input = OpenRaw(file);
-  const ImageSpec& spec = input->spec();
+  const PictureHeader header = input->header();
   ImageInfo info;
-  info.width = spec.width;
-  info.height = spec.height;
+  info.width = header.width;
+  info.height = header.height;
   info.channels = 3;
-  info.focal_mm = Positive(spec, "Exif:FocalLength");
-  info.focal_35mm = Positive(spec, "Exif:FocalLengthIn35mmFilm");
-  const std::string make(spec.get_string_attribute("Make"));
-  const std::string model(spec.get_string_attribute("Model"));
+  info.focal_mm = Positive(*input, "Exif:FocalLength");
+  info.focal_35mm = Positive(*input, "Exif:FocalLengthIn35mmFilm");
+  const std::string make = input->Text("Make"), model = input->Text("Model");
   info.camera_model =
       WithoutOddBytes(make.empty() || model.empty() ? make + model : make + " " + model);
   info.format = "raw";
