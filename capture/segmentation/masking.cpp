@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/ximgproc/edge_filter.hpp>
 #include <string>
 
 #include "capture/pictures/cv_image.h"
@@ -14,6 +13,7 @@
 #include "capture/segmentation/colour_odds.h"
 #include "capture/segmentation/empty_set.h"
 #include "capture/segmentation/guided_border.h"
+#include "capture/segmentation/guided_filter.h"
 #include "capture/segmentation/mask_holes.h"
 #include "capture/segmentation/region_cut.h"
 #include "capture/segmentation/set_rounds.h"
@@ -113,8 +113,8 @@ Image8 GuidedWhole(const Image8& image, const Image8& small_mask, int radius) {
   if (box.empty()) return ImageOf(large);
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect({0, 0}, large.size());
-  cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius,
-                             kGuideNoise * kGuideNoise);
+  GuidedFilter(MatOf(image)(box).clone(), large(box).clone(), radius, kGuideNoise * kGuideNoise,
+               &guided);
   cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
   mask(box).setTo(255, guided > 127);
   return ImageOf(mask);
