@@ -18,6 +18,8 @@ keypose graph -C /nonexistent 2>/dev/null && fail "a project that is not there m
 mkdir -p "$folder/photos" "$folder/project"
 printf 'poses: {rest: %s}\n' "$folder/photos" > "$folder/project/pipeline.yaml"
 keypose graph -C "$folder/project" | grep -q 'dense/rest' || fail "the default pipeline is not found under the prefix"
+# So are the libraries that programs load later.
+[ "$(ls "$folder/prefix/lib/keypose")" = "$(ls "$build/lib/keypose")" ] || fail "a library of lib/keypose was not installed"
 # No test programs are installed.
 ! ls "$folder/prefix/bin" | grep -q _test || fail "a test program was installed"
 echo "1 passed, 0 failed"

@@ -44,6 +44,7 @@ class Figure : public RunTest {
   void SetUp() override {
     RunTest::SetUp();
     fs::copy_file(BinFolder() + "/keypose-figure", root_ / "bin/keypose-figure");
+    fs::create_symlink(fs::path(BinFolder()).parent_path() / "lib", root_ / "lib");
     for (const std::string stage : {"capture", "masks", "silhouettes"})
       fs::copy_file(BinFolder() + "/testing/pipeline_text_stage", root_ / ("bin/keypose-" + stage));
     WriteFile(root_ / "share/keypose/pipeline.yaml", kMasked);
