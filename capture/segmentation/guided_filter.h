@@ -2,7 +2,9 @@
 // links some 120 libraries of pictures and maps and is therefore loaded when it is needed.
 #pragma once
 
-#include <opencv2/core.hpp>
+namespace cv {
+class Mat;
+}
 
 namespace keypose::capture {
 

@@ -27,32 +27,30 @@ fs::path PlaceOfLibrary(const std::string& name) {
 
 }  // namespace
 
-LateLibrary::LateLibrary(const char* name, const char* entry, const char* purpose)
-    : name_(name), entry_(entry), purpose_(purpose), next_(first_late_library) {
+LateLibrary::LateLibrary(const char* name, const char* purpose)
+    : name_(name), purpose_(purpose), next_(first_late_library) {
   first_late_library = this;
 }
 
-void* LateLibrary::Entry() {
+void LateLibrary::Load() {
   const std::lock_guard<std::mutex> lock(loading_);
-  if (address_) return address_;
-  const fs::path place = PlaceOfLibrary(name_);
   // Functions are bound when they are called, as those of the libraries that a program starts with.
-  void* library = dlopen(place.c_str(), RTLD_LAZY | RTLD_LOCAL);
-  if (library) address_ = dlsym(library, entry_);
-  if (address_) return address_;
+  if (!handle_) handle_ = dlopen(PlaceOfLibrary(name_).c_str(), RTLD_LAZY | RTLD_LOCAL);
+}
+
+void* LateLibrary::Find(const char* function) {
+  Load();
+  if (void* found = handle_ ? dlsym(handle_, function) : nullptr) return found;
   const char* reason = dlerror();
-  throw ToolError("cannot load " + place.string() + ", which is needed to " + purpose_ + " (" +
-                  (reason ? reason : "no reason is known") +
+  throw ToolError("cannot load " + PlaceOfLibrary(name_).string() + ", which is needed to " +
+                  purpose_ + " (" + (reason ? reason : "no reason is known") +
                   "): build or install Keypose again, and the Debian packages that ./dev setup "
                   "installs");
 }
 
 void LoadLateLibraries() {
-  for (LateLibrary* library = first_late_library; library; library = library->next_) try {
-      library->Entry();
-    } catch (const ToolError&) {
-      continue;
-    }
+  for (LateLibrary* library = first_late_library; library; library = library->next_)
+    library->Load();
 }
 
 }  // namespace keypose

@@ -10,23 +10,24 @@ namespace keypose {
 class LateLibrary {
  public:
   /// @param name     of lib/keypose/keypose_NAME.so beside the folder of the program
-  /// @param entry    the C function in it
   /// @param purpose  what it is for, after "to": "read and write pictures"
-  LateLibrary(const char* name, const char* entry, const char* purpose);
+  LateLibrary(const char* name, const char* purpose);
   LateLibrary(const LateLibrary&) = delete;
   LateLibrary& operator=(const LateLibrary&) = delete;
 
-  /// The address of the C function; the library stays loaded. Any thread may call it.
-  /// @throws ToolError  it cannot be loaded; names the file
-  void* Entry();
+  /// The address of a C function of its own or of what it links; it stays loaded. Any thread may
+  /// call it.
+  /// @throws ToolError  it cannot be loaded, or has no such function; names the file
+  void* Find(const char* function);
 
  private:
   friend void LoadLateLibraries();
+  void Load();
 
-  const char *name_, *entry_, *purpose_;
+  const char *name_, *purpose_;
   LateLibrary* next_;
   std::mutex loading_;
-  void* address_ = nullptr;
+  void* handle_ = nullptr;
 };
 
 /// Loads all of the program's, before its work is known. One that fails is refused at its use.

@@ -10,12 +10,12 @@ namespace keypose::late_library_test {
 
 using testing::HasSubstr;
 
-LateLibrary missing("of_nobody", "Nothing", "test what is missing");
+LateLibrary missing("of_nobody", "test what is missing");
 
 TEST(LateLibrary, OneThatIsMissingIsRefusedAtItsUseByItsPathAndPurpose) {
   LoadLateLibraries();
   for (const int again : {0, 1}) try {
-      missing.Entry();
+      missing.Find("Nothing");
       FAIL() << again;
     } catch (const ToolError& error) {
       EXPECT_THAT(error.what(), HasSubstr("/lib/keypose/keypose_of_nobody.so, which is needed to "

@@ -5,13 +5,15 @@
 namespace keypose {
 namespace {
 
-LateLibrary picture_library("pictures", "KeyposePictures", "read and write pictures");
+LateLibrary picture_library("pictures", "read and write pictures");
 
 }  // namespace
 
 const PictureCodec& Pictures() {
   using Entry = const PictureCodec* (*)();
-  return *reinterpret_cast<Entry>(picture_library.Entry())();
+  static const PictureCodec& codec =
+      *reinterpret_cast<Entry>(picture_library.Find("KeyposePictures"))();
+  return codec;
 }
 
 }  // namespace keypose
