@@ -1,8 +1,6 @@
 #include "views/decode/film_colors.h"
 
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
+#include "views/film/late_libav.h"
 
 #include <fmt/format.h>
 

@@ -1,15 +1,12 @@
 #include "views/decode/film_motion.h"
 
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
 #include "views/decode/film_file.h"
+#include "views/film/late_libav.h"
 
 namespace keypose {
 namespace {

@@ -1,9 +1,5 @@
 #include "views/decode/film_pixels.h"
 
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,6 +8,7 @@ extern "C" {
 
 #include "core/numbers/parallel.h"
 #include "views/decode/film_colors.h"
+#include "views/film/late_libav.h"
 
 namespace keypose {
 namespace {

@@ -1,9 +1,5 @@
 #include "views/decode/film_sound.h"
 
-extern "C" {
-#include <libavutil/samplefmt.h>
-}
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +7,7 @@ extern "C" {
 
 #include "core/values/size_of.h"
 #include "views/decode/sound_file.h"
+#include "views/film/late_libav.h"
 
 namespace keypose {
 namespace {

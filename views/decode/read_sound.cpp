@@ -2,11 +2,6 @@
 
 #include <fmt/format.h>
 
-extern "C" {
-#include <libavutil/opt.h>
-#include <libswresample/swresample.h>
-}
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,6 +9,7 @@ extern "C" {
 #include "core/values/errors.h"
 #include "views/decode/film_index.h"
 #include "views/decode/sound_file.h"
+#include "views/film/late_libav.h"
 
 namespace keypose {
 namespace {

@@ -1,9 +1,5 @@
 #include "views/film/gif.h"
 
-extern "C" {
-#include <libavutil/opt.h>
-}
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,8 +1,16 @@
 #include "views/film/libav.h"
 
 #include "core/values/errors.h"
+#include "core/values/late_library.h"
 
 namespace keypose {
+namespace {
+
+LateLibrary film_library("films", "read and write films and sound");
+
+}  // namespace
+
+void* FindInLibav(const char* function) { return film_library.Find(function); }
 
 std::string AvText(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE];

@@ -1,17 +1,14 @@
 // What the writers of films share: owners of libav's objects.
 #pragma once
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-}
-
 #include <memory>
 #include <string>
 
+#include "views/film/late_libav.h"
+
 namespace keypose {
 
-template <class T, void (*Free)(T**)>
+template <class T, const auto& Free>
 struct AvFree {
   void operator()(T* pointer) const { Free(&pointer); }
 };

@@ -1,10 +1,5 @@
 #include "views/film/mp4.h"
 
-extern "C" {
-#include <libavutil/opt.h>
-#include <libswscale/swscale.h>
-}
-
 #include <optional>
 
 #include "core/values/errors.h"
