@@ -36,7 +36,7 @@ constexpr int kLensPictures = 60;  // of a camera
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "calibrate";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary =
       "Lenses and places of fixed cameras, from films of a calibration board or from points of "
       "known place.";

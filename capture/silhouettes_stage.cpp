@@ -29,7 +29,7 @@ constexpr int kTogether = 24;  // frames that are segmented as one set
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "silhouettes";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
   spec.title = "Masks of the films";
   spec.inputs = {

@@ -31,7 +31,7 @@ constexpr double kLowOverlap = 0.75;
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "follow";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Bends a moving mesh, frame by frame, until it agrees with the films.";
   spec.title = "Surface from the films";
   spec.measurements = {{"iou_before_mean", "overlap with the masks before bending, mean", "IoU"},

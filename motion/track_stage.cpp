@@ -42,7 +42,7 @@ constexpr double kTurnGain = 0.9;                      // of the outlines' cost,
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "track";
-  spec.version = "13";
+  spec.version = "14";
   spec.summary = "A body's motion from the films of several cameras, by silhouettes.";
   spec.title = "Tracked body";
   spec.measurements = {{"frames", "frames"},

@@ -33,7 +33,7 @@ constexpr double kUsualRate = 25;
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "video3d";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Paints a moving mesh from the films of several cameras, a texture a frame.";
   spec.title = "Painted by the films";
   spec.inputs = MovingMeshPorts();

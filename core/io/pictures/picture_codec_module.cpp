@@ -54,12 +54,15 @@ void AddTags(const PictureTags& tags, ImageSpec* spec) {
 
 PictureHeader HeaderOf(const ImageSpec& spec) {
   PictureHeader header;
-  header.width = spec.width, header.height = spec.height, header.channels = spec.nchannels;
+  header.width = spec.width;
+  header.height = spec.height;
+  header.channels = spec.nchannels;
   header.type = TypeOf(spec.format);
   header.bytes = static_cast<int>(spec.format.size());
   header.window = {spec.x, spec.y, spec.full_x, spec.full_y, spec.full_width, spec.full_height};
   header.depth = spec.depth;
-  header.tile_width = spec.tile_width, header.tile_height = spec.tile_height;
+  header.tile_width = spec.tile_width;
+  header.tile_height = spec.tile_height;
   header.deep = spec.deep;
   header.alpha = spec.alpha_channel;
   header.names = spec.channelnames;
@@ -71,9 +74,12 @@ PictureHeader HeaderOf(const ImageSpec& spec) {
 ImageSpec SpecOf(const PictureHeader& header, const PictureTags& tags) {
   ImageSpec spec(header.width, header.height, header.channels, DescOf(header.type));
   if (const PixelWindow& window = header.window; window.full_width > 0) {
-    spec.x = window.x, spec.y = window.y;
-    spec.full_x = window.full_x, spec.full_y = window.full_y;
-    spec.full_width = window.full_width, spec.full_height = window.full_height;
+    spec.x = window.x;
+    spec.y = window.y;
+    spec.full_x = window.full_x;
+    spec.full_y = window.full_y;
+    spec.full_width = window.full_width;
+    spec.full_height = window.full_height;
   }
   if (!header.names.empty()) {
     spec.channelnames = header.names;
