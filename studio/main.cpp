@@ -1,5 +1,6 @@
 // The program `keypose studio`: serves the studio's page for one project.
 #include <fmt/format.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -8,6 +9,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <thread>
 
 #include "core/values/errors.h"
@@ -22,11 +25,12 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string folder;
-  int port = 0;
+  std::optional<int> port;
   bool no_browser = false;
 };
 
-/// The project's folder: the given one, or the nearest parent with a pipeline.yaml, else this one.
+/// The project's folder: the given one, or the nearest parent with a pipeline.yaml, or this one if
+/// it is empty. Else none: the page shows which there are.
 fs::path FolderOf(const std::string& given) {
   const fs::path start =
       fs::absolute(given.empty() ? "." : pipeline::WithHome(given)).lexically_normal();
@@ -36,7 +40,15 @@ fs::path FolderOf(const std::string& given) {
   if (!given.empty()) return clean;
   for (fs::path folder = clean; folder != folder.root_path(); folder = folder.parent_path())
     if (fs::is_regular_file(folder / "pipeline.yaml")) return folder;
-  return clean;
+  std::error_code none;
+  const bool is_for_it = fs::is_empty(clean, none) || fs::exists(clean / "armature");
+  return is_for_it && !none ? clean : fs::path();
+}
+
+/// Where the page makes new projects: here, but not among the files of a home folder.
+fs::path NewProjects() {
+  const fs::path here = fs::current_path(), home = pipeline::WithHome("~");
+  return here == home || here == "/" ? home / "Keypose" : here;
 }
 
 /// Opens the person's browser, if there is a desktop.
@@ -64,10 +76,20 @@ void HandleSignals() {
   ::signal(SIGPIPE, SIG_IGN);
 }
 
-std::thread StopWhenAsked(StudioServer& server) {
-  return std::thread([&server] {
-    eventfd_t count = 0;
-    while (eventfd_read(stop_event, &count) != 0 && errno == EINTR) {
+/// Waits for the end; the Enter key meanwhile prints an address for another browser.
+std::thread StopWhenAsked(StudioServer& server,
+                          const std::function<void(const std::string&)>& say) {
+  return std::thread([&server, say] {
+    pollfd both[2] = {{stop_event, POLLIN, 0}, {isatty(0) ? 0 : -1, POLLIN, 0}};
+    for (;;) {
+      if (poll(both, 2, -1) < 0 && errno != EINTR) break;
+      if (both[0].revents) break;
+      char typed[256];
+      if (!both[1].revents) continue;
+      if (read(0, typed, sizeof typed) > 0)
+        say(server.NewAddress());
+      else
+        both[1].fd = -1;  // its terminal is gone
     }
     server.Stop();
   });
@@ -75,15 +97,25 @@ std::thread StopWhenAsked(StudioServer& server) {
 
 ExitCode Serve(const Options& options) {
   HandleSignals();
-  StudioServer server({FolderOf(options.folder), options.port, &PageFiles()});
-  fmt::print("{}\n", server.address());
-  fmt::print("open it in a browser on this machine; Ctrl-C ends the studio\n");
+  StudioServer server({FolderOf(options.folder), NewProjects(), options.port, &PageFiles()});
+  const auto say = [](const std::string& address) {
+    fmt::print("{}\n", address);
+    std::fflush(stdout);
+  };
+  say(server.address());
+  server.OnAsked(say);
+  fmt::print(
+      "open it in a browser on this machine; Enter prints an address for another browser, "
+      "Ctrl-C ends the studio\n");
   std::fflush(stdout);
   if (!options.no_browser) OpenBrowser(server.address());
-  std::thread stopper = StopWhenAsked(server);
+  std::thread stopper = StopWhenAsked(server, say);
   server.Serve();
   eventfd_write(stop_event, 1);  // the server may have ended by itself
   stopper.join();
+  if (server.IsRunning())
+    fmt::print("the run goes on; to see or stop it: keypose studio -C {}\n",
+               server.folder().string());
   return ExitCode::kOk;
 }
 
@@ -92,9 +124,10 @@ int Main(int argc, char** argv) {
                "keypose studio");
   Options options;
   app.add_option("-C,--folder", options.folder,
-                 "the project's folder, or an empty one for a new project");
-  app.add_option("--port", options.port, "default: 4777, or the next free one")
-      ->check(CLI::Range(1, 65535));
+                 "the project's folder, or an empty one for a new project; default: that in which "
+                 "this is, else the page shows all");
+  app.add_option("--port", options.port, "0: any; default: 4777, or the next free one")
+      ->check(CLI::Range(0, 65535));
   app.add_flag("--no-browser", options.no_browser, "only print the address");
   try {
     app.parse(argc, argv);

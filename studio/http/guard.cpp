@@ -42,7 +42,15 @@ std::optional<std::string> Guard::Enter(const std::string& token) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (token_.empty() || !Same(token, token_)) return std::nullopt;
   token_.clear();
-  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_, session_);
+  // As long as the session is kept: who has closed the browser overnight goes on in the morning.
+  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age=2592000", cookie_,
+                     session_);
+}
+
+std::string Guard::NewToken() {
+  const std::string token = RandomDigits(128);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return token_ = token;
 }
 
 bool Guard::HasCookie(const std::string& cookies) const {
@@ -77,7 +85,7 @@ std::optional<Refusal> Guard::Judge(const RequestHead& head) const {
   if (!HasCookie(head.cookies))
     return Refusal{403,
                    "open the address that `keypose studio` printed; each address lets one browser "
-                   "in, so start the studio again for another one"};
+                   "in: for another one press Enter where it was printed"};
   if (head.method == "GET" || head.method == "HEAD") return std::nullopt;
   if (head.method != "POST" && head.method != "PUT")
     return Refusal{405, "the studio knows GET, POST and PUT"};

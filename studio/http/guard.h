@@ -35,6 +35,10 @@ class Guard {
 
   /// The value of Set-Cookie for a browser with the right token. The token is used up.
   std::optional<std::string> Enter(const std::string& token);
+  /// A new token, for one more browser; an older one that was not used lets nobody in any more.
+  std::string NewToken();
+  /// Whether the request comes from a browser that was let in.
+  bool HasEntered(const RequestHead& head) const { return HasCookie(head.cookies); }
 
   /// Nothing if the request may go on.
   std::optional<Refusal> Judge(const RequestHead& head) const;

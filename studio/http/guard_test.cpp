@@ -36,6 +36,17 @@ TEST(Guard, ATokenLetsOneBrowserInOnce) {
   EXPECT_FALSE(guard.Enter(kToken));
 }
 
+TEST(Guard, ANewTokenLetsAnotherBrowserInAndReplacesTheOlder) {
+  Guard guard(kToken, kSession, 4777);
+  const std::string next = guard.NewToken();
+  EXPECT_EQ(next.size(), 32U);
+  EXPECT_FALSE(guard.Enter(kToken)) << "one address at a time";
+  EXPECT_TRUE(guard.Enter(next));
+  EXPECT_FALSE(guard.Enter(next));
+  EXPECT_TRUE(guard.HasEntered(Good()));
+  EXPECT_FALSE(guard.HasEntered({}));
+}
+
 TEST(Guard, OtherHostNamesAreRefused) {
   const Guard guard(kToken, kSession, 4777);
   for (const char* host : {"evil.example:4777", "127.0.0.1", "127.0.0.1:4778", "", "localhost",

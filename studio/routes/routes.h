@@ -18,6 +18,7 @@ class Routes {
   /// Never throws: faults are answers with {"error": words}.
   Answer Handle(const Question& question);
   EventHub& hub() { return project_.hub(); }
+  bool IsRunning() { return project_.run().running(); }
 
  private:
   void Tell(Changes changes);

@@ -44,7 +44,8 @@ class Tail {
 
 /// Whether the process is at work; a child that has ended is collected.
 bool IsAlive(int pid, bool own, int* exit_code) {
-  if (!own) return kill(pid, 0) == 0;
+  // Of a studio that is this process's own, it may have ended and not been collected.
+  if (!own) return !MarkOfProcess(pid).empty();
   int status = 0;
   const pid_t done = waitpid(pid, &status, WNOHANG);
   if (done == 0) return true;
@@ -71,7 +72,6 @@ RunControl::RunControl(fs::path project, Listener listener)
     : project_(std::move(project)), listener_(std::move(listener)) {}
 
 RunControl::~RunControl() {
-  if (own_) Stop();
   leave_ = true;
   if (follower_.joinable()) follower_.join();
 }
@@ -96,7 +96,7 @@ void RunControl::Start(const RunSelection& selection) {
   pid_ = StartChild(words, project_, File("run.jsonl"), File("run.txt"));
   WriteFileAtomically(File("run.json"),
                       json{{"pid", pid_.load()}, {"process", MarkOfProcess(pid_)}}.dump());
-  running_ = own_ = true;
+  running_ = true;
   follower_ = std::thread([this, pid = pid_.load()] { Follow(pid, true); });
 }
 
@@ -111,7 +111,6 @@ void RunControl::TakeUp() {
   const int pid = NumberOf(value);
   if (pid <= 0 || value.value("process", json()) != MarkOfProcess(pid)) return;
   pid_ = pid;
-  own_ = false;
   running_ = true;
   follower_ = std::thread([this, pid] { Follow(pid, false); });
 }
@@ -123,7 +122,7 @@ void RunControl::Follow(int pid, bool own) {
   while (alive) {
     alive = IsAlive(pid, own, &exit_code);
     lines.Read(listener_.line);
-    if (!own && leave_) return;  // it goes on without this studio
+    if (leave_) return;  // it goes on without this studio
     if (alive) std::this_thread::sleep_for(kPause);
   }
   std::error_code ignored;

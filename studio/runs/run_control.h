@@ -25,7 +25,7 @@ class RunControl {
   };
 
   RunControl(std::filesystem::path project, Listener listener);
-  /// Stops the run that this object has started, and waits for it; one that was taken up goes on.
+  /// A run at work goes on; the next studio takes it up.
   ~RunControl();
 
   bool running() const { return running_; }
@@ -45,7 +45,6 @@ class RunControl {
   std::mutex mutex_;
   std::thread follower_;
   std::atomic<bool> running_ = false, leave_ = false;
-  std::atomic<bool> own_ = false;  ///< of the run at work: this object has started it
   std::atomic<int> pid_ = 0;
 };
 

@@ -5,10 +5,14 @@
 #include <netinet/tcp.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -17,6 +21,7 @@
 #include "core/values/errors.h"
 #include "studio/http/guard.h"
 #include "studio/http/page_files.h"
+#include "studio/project/known_projects.h"
 #include "studio/routes/routes.h"
 
 // A macro of resolv.h, and a name within Eigen, which later sources of a batch include.
@@ -58,8 +63,29 @@ void KeepSession(const fs::path& folder, const std::string& secret) {
   chmod(file.c_str(), 0600);
 }
 
-/// The secret of the last session here, or a new one.
+std::string DoorSecret() {
+  const fs::path state = UserStateFolder(), file = state / "session";
+  std::error_code error;
+  if (!state.empty() && fs::is_regular_file(file, error)) {
+    const std::string secret = ReadFile(file);
+    if (secret.size() == 64) return secret;
+  }
+  const std::string secret = RandomDigits(256);
+  if (state.empty()) return secret;
+  try {
+    fs::create_directories(state);
+    WriteFileAtomically(file, secret);
+    chmod(file.c_str(), 0600);
+  } catch (const std::exception&) {
+    // It is the session of this one time then.
+  }
+  return secret;
+}
+
+/// The secret of the last session here, or a new one. Without a project, that of the person's own
+/// first page.
 std::string SessionSecret(const fs::path& folder) {
+  if (folder.empty()) return DoorSecret();
   const fs::path file = SessionFile(folder);
   std::error_code error;
   if (fs::is_regular_file(file, error)) {
@@ -215,12 +241,31 @@ bool SendPage(const std::vector<PageFile>& page, const std::string& path,
 
 }  // namespace
 
+/// What a browser sees that is not let in.
+std::string ClosedDoor(const std::string& words) {
+  return "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Keypose studio</title>"
+         "<style>body{font:16px/1.5 sans-serif;max-width:34em;margin:15vh auto;padding:0 1em;"
+         "color-scheme:light dark}a{font-weight:600}</style><h1>This browser is not let in yet</h1>"
+         "<p>" +
+         words + "</p></html>";
+}
+constexpr char kHowToEnter[] =
+    "Each address that the studio prints lets one browser in. <a href=\"/enter?again=1\">Print a "
+    "new "
+    "address</a> where the studio was started (so does the Enter key there), and open it here. A "
+    "browser that is let in has it too: <i>Another browser</i>, at the top right.";
+constexpr char kPrinted[] =
+    "A new address was printed where the studio was started: open it in this browser.";
+
+bool WantsPage(const httplib::Request& request) {
+  return request.method == "GET" &&
+         request.get_header_value("Accept").find("text/html") != std::string::npos;
+}
+
 struct StudioServer::Impl {
   explicit Impl(const ServerOptions& options)
-      : folder(options.folder),
-        session(SessionSecret(folder)),
-        routes(options.folder),
-        page(*options.page) {
+      : home(options.home), session(SessionSecret(options.folder)), page(*options.page) {
+    if (!options.folder.empty()) Open(options.folder);
     server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server.set_payload_max_length(kMostBody);
     server.set_keep_alive_max_count(1000);
@@ -229,7 +274,26 @@ struct StudioServer::Impl {
     port = Bind(options.port);
   }
 
-  int Bind(int wanted) {
+  /// What the open tabs of another project ask goes to this one from now on.
+  void Open(const fs::path& next) {
+    auto opened = std::make_shared<Routes>(next);
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (routes) routes->hub().Close();
+    routes = std::move(opened);
+    folder = next;
+    remembered = false;
+  }
+  std::shared_ptr<Routes> Now() const {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return routes;
+  }
+  fs::path Folder() const {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return folder;
+  }
+
+  int Bind(std::optional<int> given) {
+    const int wanted = given.value_or(-1);
     const int first = wanted > 0 ? wanted : kUsualPort;
     const int tries = wanted > 0 ? 1 : kOtherPorts;
     server.set_socket_options([this](socket_t socket) {
@@ -238,6 +302,12 @@ struct StudioServer::Impl {
       setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       listener = socket;
     });
+    if (wanted == 0) {
+      const int any = server.bind_to_any_port("127.0.0.1");
+      if (any <= 0) throw UsageError("no port is free");
+      listen(listener, kWaiting);
+      return any;
+    }
     for (int i = 0; i < tries; ++i) {
       if (!server.bind_to_port("127.0.0.1", first + i)) continue;
       // The library lets five callers wait; tabs with many pictures are more.
@@ -253,6 +323,7 @@ struct StudioServer::Impl {
       const auto refusal = guard->Judge(HeadOf(request));
       if (!refusal) return httplib::Server::HandlerResponse::Unhandled;
       Refuse(*refusal, response);
+      if (refusal->status == 403 && WantsPage(request)) ShowDoor(kHowToEnter, response);
       // What a refused request still sends is not read.
       response.set_header("Connection", "close");
       return httplib::Server::HandlerResponse::Handled;
@@ -266,10 +337,15 @@ struct StudioServer::Impl {
     const auto any = [this](const httplib::Request& request, httplib::Response& response) {
       if (request.method == "GET" && SendPage(page, PathOf(request), response)) return;
       const Question question = QuestionOf(request);
-      Answer answer = routes.Handle(question);
+      const std::shared_ptr<Routes> open = Now();
+      if (question.path.starts_with("/api/door")) {
+        Send(question, AtDoor(question), request, response);
+        return;
+      }
+      Answer answer =
+          open ? open->Handle(question) : ErrorAnswer(404, "no project is open; choose one first");
       // A project is made by the page, or by `keypose shoot`; every tab then asks for it.
-      if (question.path == "/api/project" || question.path == "/api/armature")
-        KeepSession(folder, session);
+      if (question.path == "/api/project" || question.path == "/api/armature") Keep();
       Send(question, std::move(answer), request, response);
     };
     server.Get(".*", any);
@@ -277,29 +353,112 @@ struct StudioServer::Impl {
     server.Put(".*", any);
   }
 
+  void Keep() {
+    const fs::path now = Folder();
+    if (now.empty()) return;
+    KeepSession(now, session);
+    if (remembered || !fs::exists(now / "pipeline.yaml")) return;
+    remembered = true;
+    Remember(UserStateFolder(), now, static_cast<double>(std::time(nullptr)));
+  }
+
+  static void ShowDoor(const char* words, httplib::Response& response) {
+    response.set_header("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'");
+    response.set_content(ClosedDoor(words), "text/html; charset=utf-8");
+  }
+
+  std::string Address(const std::string& token) const {
+    return fmt::format("http://127.0.0.1:{}/enter?token={}", port, token);
+  }
+
+  /// A browser that was let in goes on: an address that is opened again, or that was left open.
   void Enter(const httplib::Request& request, httplib::Response& response) {
     const auto cookie = guard->Enter(request.get_param_value("token"));
-    if (!cookie) {
-      Refuse({403, "this address was used already; start the studio again for a new one"},
+    if (!cookie && !guard->HasEntered(HeadOf(request))) {
+      const bool asked = request.has_param("again");
+      if (asked) PrintAgain();
+      Refuse({403, "this address was used already; press Enter where it was printed for a new one"},
              response);
+      if (WantsPage(request)) ShowDoor(asked ? kPrinted : kHowToEnter, response);
       return;
     }
-    response.set_header("Set-Cookie", *cookie);
+    if (cookie) response.set_header("Set-Cookie", *cookie);
     response.set_redirect("/");
   }
 
+  void PrintAgain() {
+    constexpr auto kPause = std::chrono::seconds(10);
+    const std::lock_guard<std::mutex> lock(mutex);
+    const auto now = std::chrono::steady_clock::now();
+    if (!print || now - printed < kPause) return;
+    printed = now;
+    print(Address(guard->NewToken()));
+  }
+
+  /// The first page: which projects there are, and which is open.
+  Answer AtDoor(const Question& question) {
+    try {
+      return AtDoorOrThrow(question);
+    } catch (const Error& error) {
+      return ErrorAnswer(error.code() == ExitCode::kDisk ? 500 : 400, error.what());
+    } catch (const nlohmann::json::exception& error) {
+      return ErrorAnswer(400, "the request is incomplete: " + JsonFault(error));
+    }
+  }
+  Answer AtDoorOrThrow(const Question& question) {
+    const bool asks = question.method == "GET", posts = question.method == "POST";
+    const auto folder_in = [&] {
+      return fs::path(question.Json().at("folder").get<std::string>());
+    };
+    if (asks && question.path == "/api/door") return JsonAnswer(DoorJson());
+    if (posts && question.path == "/api/door/address")
+      return JsonAnswer({{"address", Address(guard->NewToken())}});
+    if (posts && question.path == "/api/door/open") {
+      const fs::path wanted = folder_in().lexically_normal();
+      if (!wanted.is_absolute() || !fs::is_regular_file(wanted / "pipeline.yaml"))
+        throw UsageError(fmt::format("{} has no project", wanted.string()));
+      Open(wanted);
+      return JsonAnswer(DoorJson());
+    }
+    if (posts && question.path == "/api/door/new") {
+      Open(NewProjectFolder(home, question.Json().at("name").get<std::string>()));
+      return JsonAnswer(DoorJson());
+    }
+    if (posts && question.path == "/api/door/forget") {
+      ForgetProject(UserStateFolder(), folder_in());
+      return JsonAnswer(DoorJson());
+    }
+    return ErrorAnswer(404, "there is nothing at this address");
+  }
+  nlohmann::json DoorJson() const {
+    nlohmann::json projects = nlohmann::json::array();
+    for (const KnownProject& one : KnownProjects(UserStateFolder()))
+      projects.push_back({{"folder", one.folder.string()},
+                          {"name", one.folder.filename().string()},
+                          {"opened", one.opened},
+                          {"there", one.there}});
+    return {{"open", Folder().string()}, {"home", home.string()}, {"projects", projects}};
+  }
+
   void SendEvents(httplib::Response& response) {
-    auto tab = std::make_shared<EventHub::Tab>(routes.hub());
+    const std::shared_ptr<Routes> open = Now();
+    if (!open) return Refuse({404, "no project is open"}, response);
+    auto tab = std::make_shared<EventHub::Tab>(open->hub());
     response.set_chunked_content_provider(
-        "text/event-stream", [tab](std::size_t, httplib::DataSink& sink) {
+        "text/event-stream", [open, tab](std::size_t, httplib::DataSink& sink) {
           const std::string text = tab->Next();
           return !text.empty() && sink.write(text.data(), text.size());
         });
   }
 
-  const fs::path folder;
+  const fs::path home;
   const std::string session;
-  Routes routes;
+  mutable std::mutex mutex;
+  fs::path folder;                 ///< of the open project
+  std::shared_ptr<Routes> routes;  ///< null: none is open
+  std::atomic<bool> remembered = false;
+  std::function<void(const std::string&)> print;
+  std::chrono::steady_clock::time_point printed;
   const std::vector<PageFile>& page;
   httplib::Server server;
   std::unique_ptr<Guard> guard;
@@ -311,7 +470,22 @@ StudioServer::StudioServer(const ServerOptions& options) : impl_(std::make_uniqu
   const std::string token = RandomDigits(128);
   impl_->guard = std::make_unique<Guard>(token, impl_->session, impl_->port);
   impl_->SetUp();
-  address_ = fmt::format("http://127.0.0.1:{}/enter?token={}", impl_->port, token);
+  address_ = impl_->Address(token);
+}
+
+std::string StudioServer::NewAddress() { return impl_->Address(impl_->guard->NewToken()); }
+
+void StudioServer::OnAsked(std::function<void(const std::string&)> print) {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->print = std::move(print);
+  impl_->printed = std::chrono::steady_clock::now() - std::chrono::hours(1);
+}
+
+fs::path StudioServer::folder() const { return impl_->Folder(); }
+
+bool StudioServer::IsRunning() const {
+  const std::shared_ptr<Routes> open = impl_->Now();
+  return open && open->IsRunning();
 }
 
 StudioServer::~StudioServer() = default;
@@ -321,7 +495,7 @@ void StudioServer::Serve() { impl_->server.listen_after_bind(); }
 void StudioServer::Stop() {
   // Long enough for an answer that is being written.
   constexpr auto kLastWords = std::chrono::milliseconds(200);
-  impl_->routes.hub().Close();
+  if (const auto open = impl_->Now()) open->hub().Close();
   impl_->server.stop();
   std::this_thread::sleep_for(kLastWords);
   ShutDownConnections(impl_->port);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +13,9 @@
 namespace keypose::studio {
 
 struct ServerOptions {
-  std::filesystem::path folder;                 ///< of the project, or where one is to be made
-  int port = 0;                                 ///< 0: 4777, or the next free one
+  std::filesystem::path folder;  ///< of the project, or where one is to be made; empty: the page asks
+  std::filesystem::path home;    ///< where the page makes new projects
+  std::optional<int> port;       ///< none: 4777, or the next free one; 0: any
   const std::vector<PageFile>* page = nullptr;  ///< must outlive the server
 };
 
@@ -25,6 +28,14 @@ class StudioServer {
 
   /// The address that lets one browser in, once.
   const std::string& address() const { return address_; }
+  /// Another one, for another browser.
+  std::string NewAddress();
+  /// Calls `print` with a new address when a browser that is not let in asks for one; at most once
+  /// in ten seconds. What is printed, only the person at this terminal reads.
+  void OnAsked(std::function<void(const std::string& address)> print);
+  /// The project that is open; empty: none.
+  std::filesystem::path folder() const;
+  bool IsRunning() const;
   /// Answers requests until Stop.
   void Serve();
   /// May be called from another thread.
