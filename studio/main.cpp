@@ -30,7 +30,7 @@ struct Options {
 };
 
 /// The project's folder: the given one, or the nearest parent with a pipeline.yaml, or this one if
-/// it is empty. Else none: the page shows which there are.
+/// it is empty and nobody's home. Else none: the page shows which there are.
 fs::path FolderOf(const std::string& given) {
   const fs::path start =
       fs::absolute(given.empty() ? "." : pipeline::WithHome(given)).lexically_normal();
@@ -41,6 +41,7 @@ fs::path FolderOf(const std::string& given) {
   for (fs::path folder = clean; folder != folder.root_path(); folder = folder.parent_path())
     if (fs::is_regular_file(folder / "pipeline.yaml")) return folder;
   std::error_code none;
+  if (clean == fs::path(pipeline::WithHome("~"))) return {};
   const bool is_for_it = fs::is_empty(clean, none) || fs::exists(clean / "armature");
   return is_for_it && !none ? clean : fs::path();
 }
@@ -95,21 +96,36 @@ std::thread StopWhenAsked(StudioServer& server,
   });
 }
 
+void Say(const std::string& address) {
+  fmt::print("{}\n", address);
+  std::fflush(stdout);
+}
+
+/// Whoever starts it twice without a project, as from the menu of applications, comes to the first.
+bool OpensRunning(const Options& options, const fs::path& folder) {
+  if (!folder.empty() || options.port) return false;
+  const std::string address = AddressOfRunning();
+  if (address.empty()) return false;
+  Say(address);
+  if (!options.no_browser) OpenBrowser(address);
+  return true;
+}
+
 ExitCode Serve(const Options& options) {
+  const fs::path folder = FolderOf(options.folder);
+  if (OpensRunning(options, folder)) return ExitCode::kOk;
   HandleSignals();
-  StudioServer server({FolderOf(options.folder), NewProjects(), options.port, &PageFiles()});
-  const auto say = [](const std::string& address) {
-    fmt::print("{}\n", address);
-    std::fflush(stdout);
-  };
-  say(server.address());
-  server.OnAsked(say);
+  StudioServer server({folder, NewProjects(), options.port, &PageFiles()});
+  if (folder.empty()) server.TellOthers();
+  Say(server.address());
+  server.OnAsked(Say);
+  server.OnEnd([] { eventfd_write(stop_event, 1); });
   fmt::print(
       "open it in a browser on this machine; Enter prints an address for another browser, "
       "Ctrl-C ends the studio\n");
   std::fflush(stdout);
   if (!options.no_browser) OpenBrowser(server.address());
-  std::thread stopper = StopWhenAsked(server, say);
+  std::thread stopper = StopWhenAsked(server, Say);
   server.Serve();
   eventfd_write(stop_event, 1);  // the server may have ended by itself
   stopper.join();

@@ -50,6 +50,32 @@ fs::path UserStateFolder() {
   return home.empty() ? home : home / ".local/state/keypose";
 }
 
+bool IsProject(const fs::path& folder) {
+  std::error_code none;
+  return fs::is_regular_file(folder / "pipeline.yaml", none) ||
+         fs::is_directory(folder / "armature", none);
+}
+
+fs::path FolderToOpen(const std::string& given) {
+  fs::path folder = fs::path(given).lexically_normal();
+  if (!folder.is_absolute())
+    throw UsageError(fmt::format("'{}' is no whole path: it begins with / or ~/", given));
+  std::error_code none;
+  if (folder.filename() == "pipeline.yaml" && fs::is_regular_file(folder, none))
+    folder = folder.parent_path();
+  if (!fs::is_directory(folder, none))
+    throw UsageError(fmt::format("{} is not there, or is no folder", folder.string()));
+  folder = fs::canonical(folder);
+  if (IsProject(folder) || fs::is_empty(folder, none)) return folder;
+  std::string within;
+  for (fs::directory_iterator at(folder, none), end; !none && at != end; at.increment(none))
+    if (within.empty() && IsProject(at->path())) within = at->path().filename().string();
+  throw UsageError(
+      fmt::format("{} is no project: it has no pipeline.yaml{}", folder.string(),
+                  within.empty() ? "; make a new project, which copies photographs into its folder"
+                                 : "; its folder '" + within + "' is one"));
+}
+
 std::vector<KnownProject> KnownProjects(const fs::path& state) {
   std::vector<KnownProject> projects;
   std::error_code none;
@@ -58,7 +84,7 @@ std::vector<KnownProject> KnownProjects(const fs::path& state) {
     const json list = json::parse(ReadFile(ListIn(state))).at("projects");
     for (const json& one : list) {
       const fs::path folder = one.at("folder").get<std::string>();
-      const bool there = fs::is_regular_file(folder / "pipeline.yaml", none);
+      const bool there = IsProject(folder);
       projects.push_back({folder, one.at("opened").get<double>(), there});
     }
   } catch (const std::exception&) {

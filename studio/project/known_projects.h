@@ -14,8 +14,16 @@ std::filesystem::path UserStateFolder();
 struct KnownProject {
   std::filesystem::path folder;
   double opened = 0;   ///< [s since 1970]
-  bool there = false;  ///< it has a pipeline.yaml now
+  bool there = false;  ///< it is a project now
 };
+
+/// Whether the folder has a pipeline.yaml, or a puppet's files.
+bool IsProject(const std::filesystem::path& folder);
+
+/// The folder that a person has named, without links: a project, or empty, for a new one.
+/// @param given  a whole path, of the folder or its pipeline.yaml
+/// @throws UsageError  it is neither; says which folder within it is a project, if one is
+std::filesystem::path FolderToOpen(const std::string& given);
 
 /// The latest first. A file that cannot be read counts as none.
 /// @param state  the folder of UserStateFolder

@@ -19,10 +19,13 @@
 
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
 #include "studio/http/guard.h"
 #include "studio/http/page_files.h"
 #include "studio/project/known_projects.h"
 #include "studio/routes/routes.h"
+#include "studio/runs/children.h"
+#include "studio/server/door.h"
 
 // A macro of resolv.h, and a name within Eigen, which later sources of a batch include.
 #undef _res
@@ -33,6 +36,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr char kMarkHeader[] = "X-Keypose-Project";
 constexpr int kUsualPort = 4777, kOtherPorts = 20;
 // A client that says nothing, and a tab that listens for events, each hold a thread.
 constexpr int kThreads = 256, kWaiting = 256;
@@ -224,6 +228,7 @@ std::string PageType(const std::string& name) {
   if (name.ends_with(".html")) return "text/html; charset=utf-8";
   if (name.ends_with(".css")) return "text/css";
   if (name.ends_with(".js")) return "text/javascript";
+  if (name.ends_with(".svg")) return "image/svg+xml";
   return "application/octet-stream";
 }
 
@@ -239,8 +244,6 @@ bool SendPage(const std::vector<PageFile>& page, const std::string& path,
   return false;
 }
 
-}  // namespace
-
 /// What a browser sees that is not let in.
 std::string ClosedDoor(const std::string& words) {
   return "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Keypose studio</title>"
@@ -250,10 +253,11 @@ std::string ClosedDoor(const std::string& words) {
          words + "</p></html>";
 }
 constexpr char kHowToEnter[] =
-    "Each address that the studio prints lets one browser in. <a href=\"/enter?again=1\">Print a "
-    "new "
-    "address</a> where the studio was started (so does the Enter key there), and open it here. A "
-    "browser that is let in has it too: <i>Another browser</i>, at the top right.";
+    "Each address of the studio lets one browser in. Where it was started, press Enter, or <a "
+    "href=\"/enter?again=1\">print a new address there</a>, and open it here. A browser that is "
+    "let "
+    "in has it too: <i>Another browser</i>, on its first page. Was the studio started from the "
+    "menu of applications? Start it there again: it comes to the one that is open.";
 constexpr char kPrinted[] =
     "A new address was printed where the studio was started: open it in this browser.";
 
@@ -262,10 +266,15 @@ bool WantsPage(const httplib::Request& request) {
          request.get_header_value("Accept").find("text/html") != std::string::npos;
 }
 
+/// What `keypose studio` needs to know of one that is at work without a project of its own.
+fs::path RunningFile() { return UserStateFolder() / "server.json"; }
+
+}  // namespace
+
 struct StudioServer::Impl {
   explicit Impl(const ServerOptions& options)
-      : home(options.home), session(SessionSecret(options.folder)), page(*options.page) {
-    if (!options.folder.empty()) Open(options.folder);
+      : session(SessionSecret(options.folder)), page(*options.page), door(ForDoor(options)) {
+    if (!options.folder.empty()) door.Open(options.folder);
     server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server.set_payload_max_length(kMostBody);
     server.set_keep_alive_max_count(1000);
@@ -274,22 +283,12 @@ struct StudioServer::Impl {
     port = Bind(options.port);
   }
 
-  /// What the open tabs of another project ask goes to this one from now on.
-  void Open(const fs::path& next) {
-    auto opened = std::make_shared<Routes>(next);
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (routes) routes->hub().Close();
-    routes = std::move(opened);
-    folder = next;
-    remembered = false;
-  }
-  std::shared_ptr<Routes> Now() const {
-    const std::lock_guard<std::mutex> lock(mutex);
-    return routes;
-  }
-  fs::path Folder() const {
-    const std::lock_guard<std::mutex> lock(mutex);
-    return folder;
+  DoorOptions ForDoor(const ServerOptions& options) {
+    return {options.home, UserStateFolder(), pipeline::ProgramFolder(),
+            [this] { return Address(guard->NewToken()); },
+            [this] {
+              if (end) end();
+            }};
   }
 
   int Bind(std::optional<int> given) {
@@ -337,13 +336,11 @@ struct StudioServer::Impl {
     const auto any = [this](const httplib::Request& request, httplib::Response& response) {
       if (request.method == "GET" && SendPage(page, PathOf(request), response)) return;
       const Question question = QuestionOf(request);
-      const std::shared_ptr<Routes> open = Now();
-      if (question.path.starts_with("/api/door")) {
-        Send(question, AtDoor(question), request, response);
+      if (question.path == "/api/door" || question.path.starts_with("/api/door/")) {
+        Send(question, door.Handle(question), request, response);
         return;
       }
-      Answer answer =
-          open ? open->Handle(question) : ErrorAnswer(404, "no project is open; choose one first");
+      Answer answer = AnswerOfProject(question, request.get_header_value(kMarkHeader), response);
       // A project is made by the page, or by `keypose shoot`; every tab then asks for it.
       if (question.path == "/api/project" || question.path == "/api/armature") Keep();
       Send(question, std::move(answer), request, response);
@@ -354,12 +351,20 @@ struct StudioServer::Impl {
   }
 
   void Keep() {
-    const fs::path now = Folder();
-    if (now.empty()) return;
-    KeepSession(now, session);
-    if (remembered || !fs::exists(now / "pipeline.yaml")) return;
-    remembered = true;
-    Remember(UserStateFolder(), now, static_cast<double>(std::time(nullptr)));
+    if (const fs::path now = door.Folder(); !now.empty()) KeepSession(now, session);
+    door.RememberIt();
+  }
+
+  /// @param mark  of the project that the page shows; "": it does not say
+  Answer AnswerOfProject(const Question& question, const std::string& mark,
+                         httplib::Response& response) {
+    const std::shared_ptr<Routes> open = door.Now();
+    if (!open) return ErrorAnswer(404, "no project is open; choose one first");
+    const std::string now = door.Mark();
+    response.set_header(kMarkHeader, now);
+    if (question.method != "GET" && !mark.empty() && mark != now)
+      return ErrorAnswer(409, "another project was opened; nothing was changed");
+    return open->Handle(question);
   }
 
   static void ShowDoor(const char* words, httplib::Response& response) {
@@ -375,7 +380,9 @@ struct StudioServer::Impl {
   void Enter(const httplib::Request& request, httplib::Response& response) {
     const auto cookie = guard->Enter(request.get_param_value("token"));
     if (!cookie && !guard->HasEntered(HeadOf(request))) {
-      const bool asked = request.has_param("again");
+      // Not by a link on somebody else's page.
+      const bool asked =
+          request.has_param("again") && request.get_header_value("Sec-Fetch-Site") != "cross-site";
       if (asked) PrintAgain();
       Refuse({403, "this address was used already; press Enter where it was printed for a new one"},
              response);
@@ -395,53 +402,8 @@ struct StudioServer::Impl {
     print(Address(guard->NewToken()));
   }
 
-  /// The first page: which projects there are, and which is open.
-  Answer AtDoor(const Question& question) {
-    try {
-      return AtDoorOrThrow(question);
-    } catch (const Error& error) {
-      return ErrorAnswer(error.code() == ExitCode::kDisk ? 500 : 400, error.what());
-    } catch (const nlohmann::json::exception& error) {
-      return ErrorAnswer(400, "the request is incomplete: " + JsonFault(error));
-    }
-  }
-  Answer AtDoorOrThrow(const Question& question) {
-    const bool asks = question.method == "GET", posts = question.method == "POST";
-    const auto folder_in = [&] {
-      return fs::path(question.Json().at("folder").get<std::string>());
-    };
-    if (asks && question.path == "/api/door") return JsonAnswer(DoorJson());
-    if (posts && question.path == "/api/door/address")
-      return JsonAnswer({{"address", Address(guard->NewToken())}});
-    if (posts && question.path == "/api/door/open") {
-      const fs::path wanted = folder_in().lexically_normal();
-      if (!wanted.is_absolute() || !fs::is_regular_file(wanted / "pipeline.yaml"))
-        throw UsageError(fmt::format("{} has no project", wanted.string()));
-      Open(wanted);
-      return JsonAnswer(DoorJson());
-    }
-    if (posts && question.path == "/api/door/new") {
-      Open(NewProjectFolder(home, question.Json().at("name").get<std::string>()));
-      return JsonAnswer(DoorJson());
-    }
-    if (posts && question.path == "/api/door/forget") {
-      ForgetProject(UserStateFolder(), folder_in());
-      return JsonAnswer(DoorJson());
-    }
-    return ErrorAnswer(404, "there is nothing at this address");
-  }
-  nlohmann::json DoorJson() const {
-    nlohmann::json projects = nlohmann::json::array();
-    for (const KnownProject& one : KnownProjects(UserStateFolder()))
-      projects.push_back({{"folder", one.folder.string()},
-                          {"name", one.folder.filename().string()},
-                          {"opened", one.opened},
-                          {"there", one.there}});
-    return {{"open", Folder().string()}, {"home", home.string()}, {"projects", projects}};
-  }
-
   void SendEvents(httplib::Response& response) {
-    const std::shared_ptr<Routes> open = Now();
+    const std::shared_ptr<Routes> open = door.Now();
     if (!open) return Refuse({404, "no project is open"}, response);
     auto tab = std::make_shared<EventHub::Tab>(open->hub());
     response.set_chunked_content_provider(
@@ -451,15 +413,13 @@ struct StudioServer::Impl {
         });
   }
 
-  const fs::path home;
   const std::string session;
-  mutable std::mutex mutex;
-  fs::path folder;                 ///< of the open project
-  std::shared_ptr<Routes> routes;  ///< null: none is open
-  std::atomic<bool> remembered = false;
+  std::mutex mutex;
   std::function<void(const std::string&)> print;
+  std::function<void()> end;
   std::chrono::steady_clock::time_point printed;
   const std::vector<PageFile>& page;
+  Door door;
   httplib::Server server;
   std::unique_ptr<Guard> guard;
   socket_t listener = INVALID_SOCKET;
@@ -481,10 +441,12 @@ void StudioServer::OnAsked(std::function<void(const std::string&)> print) {
   impl_->printed = std::chrono::steady_clock::now() - std::chrono::hours(1);
 }
 
-fs::path StudioServer::folder() const { return impl_->Folder(); }
+void StudioServer::OnEnd(std::function<void()> end) { impl_->end = std::move(end); }
+
+fs::path StudioServer::folder() const { return impl_->door.Folder(); }
 
 bool StudioServer::IsRunning() const {
-  const std::shared_ptr<Routes> open = impl_->Now();
+  const std::shared_ptr<Routes> open = impl_->door.Now();
   return open && open->IsRunning();
 }
 
@@ -492,10 +454,41 @@ StudioServer::~StudioServer() = default;
 
 void StudioServer::Serve() { impl_->server.listen_after_bind(); }
 
+void StudioServer::TellOthers() const {
+  const nlohmann::json running = {
+      {"pid", getpid()}, {"process", MarkOfProcess(getpid())}, {"port", impl_->port}};
+  try {
+    WriteFileAtomically(RunningFile(), running.dump());
+  } catch (const Error&) {
+    // then the next one is a second one
+  }
+}
+
+std::string AddressOfRunning() {
+  try {
+    const auto running = nlohmann::json::parse(ReadFile(RunningFile()));
+    // Only a program of this person's own is told the secret.
+    const std::string process = running.at("process");
+    if (process.empty() || process != MarkOfProcess(running.at("pid"))) return "";
+    const int port = running.at("port");
+    httplib::Client client("127.0.0.1", port);
+    client.set_connection_timeout(2, 0);
+    client.set_read_timeout(5, 0);
+    const httplib::Headers headers = {
+        {"Cookie", fmt::format("keypose_{}={}", port, ReadFile(UserStateFolder() / "session"))},
+        {"X-Keypose", "1"}};
+    const auto answer = client.Post("/api/door/address", headers, "{}", "application/json");
+    if (!answer || answer->status != 200) return "";
+    return nlohmann::json::parse(answer->body).at("address");
+  } catch (const std::exception&) {
+    return "";
+  }
+}
+
 void StudioServer::Stop() {
   // Long enough for an answer that is being written.
   constexpr auto kLastWords = std::chrono::milliseconds(200);
-  if (const auto open = impl_->Now()) open->hub().Close();
+  if (const auto open = impl_->door.Now()) open->hub().Close();
   impl_->server.stop();
   std::this_thread::sleep_for(kLastWords);
   ShutDownConnections(impl_->port);

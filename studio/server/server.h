@@ -13,9 +13,10 @@
 namespace keypose::studio {
 
 struct ServerOptions {
-  std::filesystem::path folder;  ///< of the project, or where one is to be made; empty: the page asks
-  std::filesystem::path home;    ///< where the page makes new projects
-  std::optional<int> port;       ///< none: 4777, or the next free one; 0: any
+  std::filesystem::path
+      folder;                  ///< of the project, or where one is to be made; empty: the page asks
+  std::filesystem::path home;  ///< where the page makes new projects
+  std::optional<int> port;     ///< none: 4777, or the next free one; 0: any
   const std::vector<PageFile>* page = nullptr;  ///< must outlive the server
 };
 
@@ -33,6 +34,10 @@ class StudioServer {
   /// Calls `print` with a new address when a browser that is not let in asks for one; at most once
   /// in ten seconds. What is printed, only the person at this terminal reads.
   void OnAsked(std::function<void(const std::string& address)> print);
+  /// Calls `end` when the page asks for the studio's end.
+  void OnEnd(std::function<void()> end);
+  /// From now on AddressOfRunning finds this one. For a studio that began without a project.
+  void TellOthers() const;
   /// The project that is open; empty: none.
   std::filesystem::path folder() const;
   bool IsRunning() const;
@@ -46,5 +51,9 @@ class StudioServer {
   std::unique_ptr<Impl> impl_;
   std::string address_;
 };
+
+/// A new address of the studio of this person that is at work on this machine and began without a
+/// project; "" if there is none.
+std::string AddressOfRunning();
 
 }  // namespace keypose::studio

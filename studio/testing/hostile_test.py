@@ -12,6 +12,7 @@ only Python.
 """
 import hashlib
 import json
+import os
 import pathlib
 import random
 import socket
@@ -28,6 +29,7 @@ class Studio:
         self.program = subprocess.Popen(
             [str(pathlib.Path(bin_dir) / 'keypose'), 'studio', '-C', str(folder), '--no-browser'],
             stdout=subprocess.PIPE,
+            env={**os.environ, 'KEYPOSE_HOME': str(folder.parent / '.keypose')},
             text=True,
         )
         address = self.program.stdout.readline().strip()
@@ -140,6 +142,12 @@ CHANGES = [
     ('POST', '/api/armature/take/draft'),
     ('POST', '/api/armature/take/save'),
     ('PUT', '/api/armature/take/use'),
+    ('POST', '/api/door/open'),
+    ('POST', '/api/door/new'),
+    ('POST', '/api/door/forget'),
+    ('POST', '/api/door/example'),
+    ('POST', '/api/door/address'),
+    ('POST', '/api/door/end'),
 ]
 LOOKS = [
     '/api/project',
@@ -150,6 +158,8 @@ LOOKS = [
     '/studio.js',
     '/api/events',
     '/results/a.txt',
+    '/api/door',
+    '/api/door/card',
 ]
 
 
@@ -190,6 +200,8 @@ def path_tricks(studio, pick):
         ('GET', f'/api/confidence?pose={path}'),
         ('GET', f'/api/landmarks/fit?pose={path}'),
         ('GET', f'/api/landmarks/photographs?pose={path}'),
+        ('GET', f'/api/door/card?folder={path}'),
+        ('GET', f'/api/door/picture?folder={path}'),
     ]
     status, _, body = studio.ask(*pick.choice(ways))
     return status in (400, 404) and b'TOP SECRET' not in body and b'root:' not in body
@@ -254,6 +266,9 @@ def writing_outside(studio, pick):
         ('POST', '/api/armature/take/draft', json.dumps({'take': path, 'edits': []}).encode()),
         ('PUT', '/api/armature/take/use', json.dumps(using(take=path)).encode()),
         ('PUT', '/api/armature/take/use', json.dumps(using(use=path)).encode()),
+        ('POST', '/api/door/open', json.dumps({'folder': path}).encode()),
+        ('POST', '/api/door/new', json.dumps({'name': path + '/'}).encode()),
+        ('POST', '/api/door/example', json.dumps({'kind': path, 'base': path}).encode()),
         ('POST', '/api/armature/take/save', json.dumps(saving(name=path)).encode()),
         ('POST', '/api/armature/take/save', json.dumps(saving(edits=[path])).encode()),
     ]
@@ -366,7 +381,15 @@ def bad_json(studio, pick):
         [
             change
             for change in CHANGES
-            if change[1].split('?')[0] not in ('/api/mask', '/api/photos', '/api/stop', '/api/run')
+            if change[1].split('?')[0]
+            not in (
+                '/api/mask',
+                '/api/photos',
+                '/api/stop',
+                '/api/run',
+                '/api/door/address',
+                '/api/door/end',
+            )
         ]
     )
     return studio.ask(method, path, body=body)[0] in (400, 404, 409)

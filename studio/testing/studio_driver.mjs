@@ -86,7 +86,10 @@ export async function boxOf(element) {
 class StudioProgram {
   constructor(bin, folder) {
     this.bin = bin;
-    this.folder = folder;
+    /** what it is started with, until it has a port */
+    this.words = ['-C', folder];
+    /** of spawn: its folder and variables */
+    this.place = {};
     this.port = 0;
   }
 
@@ -94,12 +97,12 @@ class StudioProgram {
   async start() {
     const words = [
       'studio',
-      '-C',
-      this.folder,
+      ...this.words,
       '--no-browser',
       ...(this.port ? ['--port', String(this.port)] : []),
     ];
     this.program = spawn(join(this.bin, 'keypose'), words, {
+      ...this.place,
       stdio: ['ignore', 'pipe', 'inherit'],
     });
     this.ended = new Promise((resolve) =>

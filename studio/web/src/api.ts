@@ -382,14 +382,27 @@ export interface ShootEvent {
   [key: string]: unknown
 }
 
+/** Of the project that this tab shows, as the server names it. */
+let shownProject = ''
+const kProjectHeader = 'X-Keypose-Project'
+
+/** A tab whose project was left for another, by another tab, shows that one. */
+function noteProject(answer: Response): void {
+  const open = answer.headers.get(kProjectHeader) ?? ''
+  if (shownProject && open && open !== shownProject) location.reload()
+  else if (open) shownProject = open
+}
+
 /** Sends the session's cookie by itself; throws ApiError with the server's words. */
 export async function ask(path: string, init?: RequestInit): Promise<Response> {
   let answer: Response
   try {
-    answer = await fetch(path, { ...init, headers: { 'X-Keypose': '1', ...init?.headers } })
+    const own = { 'X-Keypose': '1', ...(shownProject && { [kProjectHeader]: shownProject }) }
+    answer = await fetch(path, { ...init, headers: { ...own, ...init?.headers } })
   } catch {
     throw new ApiError(0, 'The studio does not answer. Is `keypose studio` still running?')
   }
+  noteProject(answer)
   if (answer.ok) return answer
   let words = `${answer.status} ${answer.statusText}`
   try {

@@ -4,9 +4,13 @@ import { useEffect, useState } from 'preact/hooks'
 import { api } from './api'
 import { Bar } from './bar'
 import { kPages, pageAt, pagesOf } from './page_table'
+import { DoorPage } from './pages/door'
+import { doorApi } from './pages/door/door_api'
+import type { DoorState } from './pages/door/door_api'
 import { NewProjectPage } from './pages/new_project'
 import { useUpload } from './pages/new_project/upload'
-import { StudioState, useStudio } from './state'
+import { StudioState, useStudio, Waiting } from './state'
+import { ThemeButton } from './theme_button'
 import { percent } from './words'
 
 function useRoute(): string {
@@ -18,28 +22,6 @@ function useRoute(): string {
     return () => removeEventListener('hashchange', changed)
   }, [])
   return route
-}
-
-/** Light, dark, or as the system is; kept in the browser. */
-function ThemeButton() {
-  const [theme, setTheme] = useState(localStorage.getItem('theme') ?? 'system')
-  useEffect(() => {
-    localStorage.setItem('theme', theme)
-    if (theme === 'system') delete document.documentElement.dataset.theme
-    else document.documentElement.dataset.theme = theme
-  }, [theme])
-  const next = { system: 'dark', dark: 'light', light: 'system' }[theme] ?? 'system'
-  const signs: Record<string, string> = { system: '◐', dark: '●', light: '○' }
-  return (
-    <button
-      class="quiet"
-      title={`Colours: ${theme}`}
-      aria-label={`Colours: ${theme}. Change to ${next}`}
-      onClick={() => setTheme(next)}
-    >
-      {signs[theme]}
-    </button>
-  )
 }
 
 function RunState() {
@@ -97,7 +79,10 @@ function Shell() {
     <>
       <header class="top">
         <div class="brand">
-          Keypose <span title={project.folder}>{project.name}</span>
+          <a href="#/projects" title="All projects">
+            Keypose
+          </a>{' '}
+          <span title={project.folder}>{project.name}</span>
         </div>
         {!sending && (
           <nav class="pages" aria-label="Pages">
@@ -135,7 +120,24 @@ function Shell() {
   )
 }
 
+const kDoorPages = ['projects', 'guide']
+
+/** The open project; without one, or when it is asked for, the page before all projects. */
 export function App() {
+  const route = useRoute()
+  const asked = kDoorPages.includes(route)
+  const [door, setDoor] = useState<DoorState | null>(null)
+  const [answered, setAnswered] = useState(false)
+  useEffect(() => {
+    // Where it cannot be told, the project's page says what is wrong.
+    doorApi
+      .state()
+      .then(setDoor, () => setDoor(null))
+      .finally(() => setAnswered(true))
+  }, [asked])
+  if (!answered) return <Waiting />
+  if (door && (asked || door.open === ''))
+    return <DoorPage first={door} guide={route === 'guide'} />
   return (
     <StudioState>
       <Shell />

@@ -43,7 +43,7 @@ export function useStudio(): Studio {
 }
 
 /** As in index.html, which shows before this program runs. */
-function Waiting() {
+export function Waiting() {
   return (
     <header class="top">
       <div class="brand">Keypose</div>

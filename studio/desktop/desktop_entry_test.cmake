@@ -1,0 +1,20 @@
+# cmake -DBUILD=folder -DVALIDATE=program -P desktop_entry_test.cmake: installs entry and icon below a folder with a space in
+# its name, and looks at them.
+set(prefix ${BUILD}/desktop\ entry)
+file(REMOVE_RECURSE "${prefix}")
+execute_process(COMMAND ${CMAKE_COMMAND} -DCMAKE_INSTALL_PREFIX=${prefix} -P ${BUILD}/studio/desktop/cmake_install.cmake
+                OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+set(entry "${prefix}/share/applications/keypose.desktop")
+file(STRINGS "${entry}" lines)
+foreach(line IN ITEMS "Exec=\"${prefix}/bin/keypose\" studio" "TryExec=${prefix}/bin/keypose" "Icon=keypose" "Terminal=false")
+  if(NOT line IN_LIST lines)
+    message(FATAL_ERROR "${entry} lacks the line ${line}")
+  endif()
+endforeach()
+file(READ "${prefix}/share/icons/hicolor/scalable/apps/keypose.svg" icon)
+if(NOT icon MATCHES "<svg [^>]*viewBox=\"0 0 64 64\"")
+  message(FATAL_ERROR "the icon is no SVG of 64 x 64")
+endif()
+if(VALIDATE)
+  execute_process(COMMAND ${VALIDATE} --warn-kde "${entry}" COMMAND_ERROR_IS_FATAL ANY)
+endif()
