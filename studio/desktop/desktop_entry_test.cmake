@@ -1,5 +1,6 @@
 # cmake -DBUILD=folder -DVALIDATE=program -P desktop_entry_test.cmake: installs entry and icon below a folder with a space in
 # its name, and looks at them.
+cmake_minimum_required(VERSION 3.25)
 set(prefix ${BUILD}/desktop\ entry)
 file(REMOVE_RECURSE "${prefix}")
 execute_process(COMMAND ${CMAKE_COMMAND} -DCMAKE_INSTALL_PREFIX=${prefix} -P ${BUILD}/studio/desktop/cmake_install.cmake

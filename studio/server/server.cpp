@@ -409,7 +409,9 @@ struct StudioServer::Impl {
     response.set_chunked_content_provider(
         "text/event-stream", [open, tab](std::size_t, httplib::DataSink& sink) {
           const std::string text = tab->Next();
-          return !text.empty() && sink.write(text.data(), text.size());
+          if (!text.empty()) return sink.write(text.data(), text.size());
+          sink.done();  // the browser comes again, to the project that is open by then
+          return true;
         });
   }
 

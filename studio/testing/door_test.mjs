@@ -120,7 +120,7 @@ async function anExample() {
   await button('Use the example').waitFor(patience);
   await page.locator('.brand').getByText('puppet').waitFor(patience);
   await toProjects();
-  await card('puppet').getByText('puppet of wire', { exact: true }).waitFor(patience);
+  await card('puppet').getByText('puppet of wire · open now').waitFor(patience);
 }
 
 async function anotherBrowser() {
@@ -129,13 +129,13 @@ async function anotherBrowser() {
   const other = await browser.browser.newContext();
   const second = await other.newPage();
   await second.goto(address);
-  await second.getByRole('heading', { name: 'Projects', exact: true }).waitFor();
+  await second.locator('.brand').getByText('puppet').waitFor(patience);
   const late = await (await browser.browser.newContext()).newPage();
   await late.goto(address);
   await late.getByRole('heading', { name: 'This browser is not let in yet' }).waitFor();
   // Its own goes on, also by an address that was used.
   await page.goto(address);
-  await heading('Projects').waitFor({ timeout: 5000 }).catch(() => toProjects());
+  await page.locator('.brand').getByText('puppet').waitFor(patience);
   await other.close();
 }
 

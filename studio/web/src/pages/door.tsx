@@ -15,9 +15,17 @@ export function enter(page = ''): void {
   location.reload()
 }
 
-function Picture({ folder }: { folder: string }) {
+function NoPicture({ name }: { name: string }) {
+  return (
+    <div class="door-picture none" aria-hidden="true">
+      {name.slice(0, 1)}
+    </div>
+  )
+}
+
+function Picture({ folder, name }: { folder: string; name: string }) {
   const [gone, setGone] = useState(false)
-  if (gone) return <div class="door-picture none" aria-hidden="true" />
+  if (gone) return <NoPicture name={name} />
   return (
     <img
       class="door-picture"
@@ -49,9 +57,9 @@ function Known({ project, isOpen, acts }: { project: KnownProject; isOpen: boole
   const bad = card?.state === 'failed' || card?.state === 'broken'
   return (
     <li class={project.there ? 'door-card' : 'door-card gone'}>
-      {project.there ? <Picture folder={folder} /> : <div class="door-picture none" />}
+      {project.there ? <Picture folder={folder} name={name} /> : <NoPicture name={name} />}
       <div class="door-facts">
-        <h3 title={name}>{name}</h3>
+        <h2 title={name}>{name}</h2>
         {project.there ? (
           <p class={bad ? 'bad' : 'soft'} title={card?.problem || undefined}>
             {card ? stateWords(card) : ' '}
@@ -183,6 +191,8 @@ function Ended() {
 
 function useDoor(first: DoorState) {
   const [door, setDoor] = useState(first)
+  // It was asked for again: a project was left for this page.
+  useEffect(() => setDoor(first), [first])
   const [fault, setFault] = useState('')
   const complain = (error: unknown) =>
     setFault(error instanceof Error ? error.message : String(error))
