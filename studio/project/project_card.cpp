@@ -1,12 +1,12 @@
 #include "studio/project/project_card.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/values/errors.h"
-#include "core/values/file_names.h"
 #include "pipeline/cache/project_lock.h"
 #include "pipeline/disk/real_disk.h"
+#include "studio/project/films.h"
+#include "studio/project/not_found.h"
 #include "studio/project/originals.h"
 #include "studio/project/pose_photographs.h"
 #include "studio/project/snapshot.h"
@@ -50,32 +50,20 @@ json PlainCard(const char* state, const std::string& problem) {
           {"poses", 0},     {"kind", "poses"}, {"problem", problem}};
 }
 
-/// The first picture in a folder, by name; empty if there is none.
-fs::path FirstPictureIn(const fs::path& folder) {
-  std::error_code none;
-  std::vector<fs::path> found;
-  for (fs::directory_iterator at(folder, none), end; !none && at != end; at.increment(none)) {
-    const std::string kind = LowerExtension(at->path());
-    if ((kind == ".jpg" || kind == ".png") && at->is_regular_file(none)) found.push_back(*at);
-  }
-  return found.empty() ? fs::path() : *std::min_element(found.begin(), found.end());
-}
-
-/// The first photograph of the template, or of a performance the first frame that is a picture.
-fs::path SourcePicture(const fs::path& folder) {
-  Snapshot now(folder);
+/// The first photograph of the template; of a performance the first frame of a film.
+fs::path PictureOf(Snapshot& now, const fs::path& kept) {
   if (now.graph().kind == pipeline::ProjectKind::kPerformance) {
     for (const std::string& shot : now.graph().poses) {
-      std::error_code none;
-      for (fs::directory_iterator at(now.PhotoFolder(shot), none), end; !none && at != end;
-           at.increment(none))
-        if (const fs::path found = FirstPictureIn(*at); !found.empty()) return found;
+      const auto cameras = FilmsIn(FilmFolder(now.project(), now.file(), shot));
+      if (!cameras.empty())
+        return FramePicture(kept, FilmOf(now, shot, cameras.front().name), 0, kCardWidth);
     }
     return {};
   }
   const fs::path photos = now.PhotoFolder(now.graph().template_pose);
   const auto names = OriginalPhotographs(photos);
-  return names.empty() ? fs::path() : photos / names.front();
+  if (names.empty() || pipeline::RealDisk().LeadsOutside(photos / names.front(), photos)) return {};
+  return PictureFile(kept, photos / names.front(), kCardWidth);
 }
 
 }  // namespace
@@ -93,15 +81,15 @@ json ProjectCardJson(const fs::path& folder) {
 }
 
 fs::path ProjectPicture(const fs::path& folder) {
-  fs::path source;
+  fs::path picture;
   try {
-    source = SourcePicture(folder);
+    Snapshot now(folder);
+    picture = PictureOf(now, folder / ".keypose/studio/pictures");
   } catch (const Error&) {
     // the card says what is wrong
   }
-  if (source.empty() || pipeline::RealDisk().LeadsOutside(source, source.parent_path()))
-    throw NotFound("there is no picture yet");
-  return PictureFile(folder / ".keypose/studio/pictures", source, kCardWidth);
+  if (picture.empty()) throw NotFound("there is no picture yet");
+  return picture;
 }
 
 }  // namespace keypose::studio
