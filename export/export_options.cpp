@@ -72,6 +72,25 @@ void ExportOptions::DescribeFilm(OptionVisitor& visit) {
        -1,
        360,
        {}});
+  visit("video_elevation", format.film.elevation_deg,
+        {"height of the film's camera above the horizon", "deg", 0, 80, {}});
+  visit("video_fov", format.film.fov_deg,
+        {"vertical field of view of the film's camera: 28 is a 48 mm lens, 53 one of 24 mm, 14 one "
+         "of 98 mm; the figure stays as large",
+         "deg",
+         2,
+         90,
+         {}});
+  visit("video_light", format.film.light,
+        {"how much two lamps beside the film's camera model the figure, over the light of the "
+         "photographs; 0: not at all",
+         "",
+         0,
+         1,
+         {}});
+  visit("video_shadow", format.film.shadow, {"whether the figure casts a shadow on its table", ""});
+  visit("video_background", format.background,
+        {"behind the film's figure: paper, white, grey, black, green or #RRGGBB", ""});
   visit("sound_at", sound_at,
         {"when the sound begins in the film; below 0: so much of its beginning is left out",
          "s",
@@ -95,6 +114,9 @@ std::vector<std::string> ExportOptions::Problems() const {
       problems.push_back("formats names '" + name + "', but the formats are " + Joined(known));
   if (wanted.empty()) problems.push_back("formats is empty; the formats are " + Joined(known));
   if (fps > 0 && fps < kLeastRate) problems.push_back("fps must be 0 or at least 0.1");
+  if (!FilmColor(format.background))
+    problems.push_back("video_background is '" + format.background +
+                       "', but must be paper, white, grey, black, green or #RRGGBB");
   if (format.film.width % 2 != 0 || format.film.height % 2 != 0)
     problems.push_back("video_width and video_height are " + std::to_string(format.film.width) +
                        " and " + std::to_string(format.film.height) +

@@ -150,6 +150,7 @@ std::string PictureName(int number) {
 FilmOptions OptionsOfFilm(const Job& job) {
   FilmOptions options = job.options.film;
   options.z_up = job.scene.z_up;
+  options.background = FilmColor(job.options.background).value_or(kFilmBackground);
   return options;
 }
 
@@ -172,13 +173,14 @@ void WriteFilm(const Job& job, WrittenFormat& written, Progress* progress) {
   }
   int number = 0;
   const auto take = [&](const Image8& picture) {
-    if (mp4) mp4->Add(picture);
-    gif.Add(picture);
+    const Image8 flat = LaidOver(picture, options.background);
+    if (mp4) mp4->Add(flat);
+    gif.Add(flat);
     if (job.options.pictures)
       WriteFile(job.folder / "video" / "png" / PictureName(number), EncodePng(picture));
     ++number;
   };
-  RenderFilm(SceneOfFilm(job.scene), order, options, take, progress);
+  RenderFilm(SceneOfFilm(job.scene, options), order, options, take, progress);
   if (mp4) mp4->Finish();
   gif.Finish();
   if (gif.Shortened())
@@ -192,8 +194,8 @@ void WriteTurntable(const Job& job, WrittenFormat& written, Progress* progress) 
   const int frame = FindFrame(job.scene, job.options.turntable);
   Mp4Writer mp4(job.folder / "character_turntable.mp4", options.width, options.height, fps);
   RenderTurntable(
-      SceneOfFilm(job.scene), frame, fps, options, [&](const Image8& picture) { mp4.Add(picture); },
-      progress);
+      SceneOfFilm(job.scene, options), frame, fps, options,
+      [&](const Image8& picture) { mp4.Add(LaidOver(picture, options.background)); }, progress);
   mp4.Finish();
   written.files.push_back("character_turntable.mp4");
 }

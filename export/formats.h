@@ -33,9 +33,10 @@ struct FormatOptions {
   LightGlbOptions light;
   FewTargetsOptions few;
   FilmOptions film = {.azimuth_deg = 0};
-  Sound sound;            ///< of the film and the sheet, from the first picture on
-  bool pictures = false;  ///< also the film's pictures, as PNG with alpha
-  std::string turntable;  ///< frame number or name of a key; empty: the first key
+  std::string background = "paper";  ///< of the film: FilmColor
+  Sound sound;                       ///< of the film and the sheet, from the first picture on
+  bool pictures = false;             ///< also the film's pictures, as PNG with alpha
+  std::string turntable;             ///< frame number or name of a key; empty: the first key
 };
 
 /// What was written for a format.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <future>
 #include <iterator>
+#include <map>
 
 #include "core/numbers/parallel.h"
 #include "core/pictures/render.h"
@@ -14,8 +15,6 @@
 
 namespace keypose::exporting {
 namespace {
-
-constexpr double kElevationDeg = 14;
 
 Eigen::Vector3d Up(const FilmOptions& options) {
   return options.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
@@ -79,7 +78,8 @@ void Place(View& view, const FieldOffsets& offsets) {
 
 /// A camera that looks from this side; its position is not the final one.
 View ViewFrom(const PointsX3& points, double azimuth_deg, const FilmOptions& options) {
-  return FitView(points, azimuth_deg, kElevationDeg, options.width, options.height, Up(options));
+  return FitView(points, azimuth_deg, options.elevation_deg, options.width, options.height,
+                 Up(options), options.fov_deg);
 }
 
 /// Sum of the motion across the picture from frame to frame, over vertices that face the camera,
@@ -121,8 +121,26 @@ class Taking {
 
 }  // namespace
 
-FilmScene SceneOfFilm(const Scene& scene) {
-  return {scene.frames, scene.texture_pixels, scene.texture_weights, scene.texture_of_frame};
+std::optional<Eigen::Matrix<std::uint8_t, 3, 1>> FilmColor(const std::string& text) {
+  using Color = Eigen::Matrix<std::uint8_t, 3, 1>;
+  static const std::map<std::string, Color> kNamed = {{"paper", kFilmBackground},
+                                                      {"white", {255, 255, 255}},
+                                                      {"grey", {128, 128, 128}},
+                                                      {"black", {0, 0, 0}},
+                                                      {"green", {0, 177, 64}}};
+  if (const auto named = kNamed.find(text); named != kNamed.end()) return named->second;
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  std::uint32_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + 1, end, value, 16);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return Color(static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+               static_cast<std::uint8_t>(value));
+}
+
+FilmScene SceneOfFilm(const Scene& scene, const FilmOptions& options) {
+  return {scene.frames, scene.texture_pixels, scene.texture_weights, scene.texture_of_frame,
+          options.light};
 }
 
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
@@ -136,8 +154,7 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
   double best = 20, most = 0;
   for (int turn = -kWidest; turn <= kWidest; turn += kStep) {
     const int azimuth = (turn + 360) % 360;
-    const View view = FitView(frames[0].points, azimuth, kElevationDeg, options.width,
-                              options.height, Up(options));
+    const View view = ViewFrom(frames[0].points, azimuth, options);
     const double seen =
         MotionSeen(frames, normals, view.camera_from_world.rotation.toRotationMatrix());
     if (seen > most * (1 + 1e-9)) {

@@ -1,7 +1,9 @@
 // The animation as pictures, one per frame of the film, and one frame from all round.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,17 +21,24 @@ struct FilmOptions {
   /// of the camera, counter-clockwise seen from above, 0: from -y; below 0: see AzimuthOfMotion
   double azimuth_deg = -1;
   bool z_up = true;
-  bool shadow = true;  ///< on a table at the lowest point of all frames
+  bool shadow = true;         ///< on a table at the lowest point of all frames
+  double elevation_deg = 14;  ///< of the camera above the figure's middle
+  double fov_deg = 28;        ///< vertical field of view: 28 is that of a 48 mm lens
+  double light = 0.35;        ///< FilmScene::shading
+  Eigen::Matrix<std::uint8_t, 3, 1> background = kFilmBackground;  ///< of films, not of pictures
 };
 
+/// A colour by its name (paper, white, grey, black, green) or as #RRGGBB; nothing if it is neither.
+std::optional<Eigen::Matrix<std::uint8_t, 3, 1>> FilmColor(const std::string& text);
+
 /// What a film shows of a scene. Refers to the scene, which must outlive it.
-FilmScene SceneOfFilm(const Scene& scene);
+FilmScene SceneOfFilm(const Scene& scene, const FilmOptions& options);
 
 /// The azimuth [degrees] that shows most motion: the image motion of vertices that face the camera,
 /// over all frames. One of 11 azimuths within 75 degrees of -y; 20 if nothing moves.
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options);
 
-/// A camera a little above the figure whose picture contains all frames and the dark part of their
+/// A camera at options.elevation_deg whose picture contains all frames and the dark part of their
 /// shadow.
 View FilmView(const std::vector<Mesh>& frames, const FilmOptions& options);
 

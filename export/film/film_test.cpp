@@ -232,6 +232,37 @@ TEST(FilmView, ShowsAllFramesWithAMarginFromAbove) {
     }
 }
 
+TEST(FilmView, StandsAsHighAndSeesAsMuchAsIsAsked) {
+  const std::vector<Mesh> frames = SwayingBox(6);
+  for (const double elevation : {0.0, 14.0, 60.0})
+    for (const double fov : {8.0, 28.0, 70.0}) {
+      const FilmOptions options{.width = 640,
+                                .height = 480,
+                                .azimuth_deg = 30,
+                                .shadow = false,
+                                .elevation_deg = elevation,
+                                .fov_deg = fov};
+      const View view = FilmView(frames, options);
+      const Eigen::Vector3d forward =
+          view.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+      EXPECT_NEAR(std::asin(-forward.z()) * 180 / M_PI, elevation, 1e-9);
+      EXPECT_NEAR(2 * std::atan(240 / view.camera.fy) * 180 / M_PI, fov, 1e-9);
+      const Eigen::AlignedBox2d seen = BoundsSeen(frames, {view});
+      EXPECT_GT(seen.min().minCoeff(), 0.049) << elevation << " " << fov;
+      EXPECT_NEAR(seen.sizes().maxCoeff(), 0.9, 1e-3) << "as large by any lens";
+    }
+}
+
+TEST(FilmColor, IsANameOrSixDigits) {
+  using Color = Eigen::Matrix<std::uint8_t, 3, 1>;
+  EXPECT_EQ(*FilmColor("paper"), kFilmBackground);
+  EXPECT_EQ(*FilmColor("black"), Color(0, 0, 0));
+  EXPECT_EQ(*FilmColor("#1E90ff"), Color(30, 144, 255));
+  for (const char* wrong :
+       {"", "Paper", "#12345", "#1234567", "#12345g", "#-12345", "# 12345", "1E90ff"})
+    EXPECT_FALSE(FilmColor(wrong)) << wrong;
+}
+
 TEST(TurntableViews, AllAreAtOneHeightAndDistanceAndEvenlySpaced) {
   Mesh box = MakeBox(1, 3, 2);
   box.points.col(0).array() += 7;  // far from the origin

@@ -7,6 +7,7 @@ import { useStudio } from '../../state'
 import { bytes, percent } from '../../words'
 import { useSetOption } from '../run/option_form'
 import { OptionRow } from '../run/option_row'
+import { FilmButton } from './film_dialog'
 import { askedBy, formatsOf, noteWords, otherOptions } from './formats'
 import type { Format, Note, Result } from './formats'
 import { useNotes } from './notes'
@@ -144,6 +145,7 @@ export function Formats(props: { step: Step; stage: Stage; results: Result[] }) 
           />
         ))}
       </ul>
+      <FilmButton step={step} />
       <MoreOptions step={step} stage={stage} />
       <div class="go">
         <button class={nothing ? '' : 'main'} disabled={blocked || nothing} onClick={start}>
