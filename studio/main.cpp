@@ -46,9 +46,13 @@ fs::path FolderOf(const std::string& given) {
   return is_for_it && !none ? clean : fs::path();
 }
 
-/// Where the page makes new projects: here, but not among the files of a home folder.
+/// Where the page makes new projects: here, but neither among the files of a home folder nor within
+/// a project, which they stand beside.
 fs::path NewProjects() {
-  const fs::path here = fs::current_path(), home = pipeline::WithHome("~");
+  const fs::path home = pipeline::WithHome("~");
+  fs::path here = fs::current_path();
+  for (fs::path folder = here; folder != folder.root_path(); folder = folder.parent_path())
+    if (fs::exists(folder / "pipeline.yaml")) here = folder.parent_path();
   return here == home || here == "/" ? home / "Keypose" : here;
 }
 

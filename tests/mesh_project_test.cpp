@@ -327,6 +327,8 @@ TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
   refuse(Init({}, "rest pose.obj", "wave.fbx"), kInput, "export it as OBJ");
   WriteFile(folder_ / "wave.laz", "LASF");
   refuse(Init({}, "rest pose.obj", "wave.laz"), kInput, "it holds points and no faces");
+  WriteFile(folder_ / "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
+  refuse(Init({}, "rest pose.obj", "points.obj"), kInput, "has 4 vertices and no faces");
   refuse(Init({}, "rest pose.obj", "none.ply"), kInput, "there is no file");
   refuse(Init({"--texture", "none.png"}), kInput, "there is no file");
   refuse(Init({"--few", "wave"}), kUsage, "these are meshes");

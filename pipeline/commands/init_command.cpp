@@ -322,6 +322,18 @@ void CopyPhotographs(RealDisk& disk, const NewPose& pose, const fs::path& to) {
     fmt::print("  {}\n", kHowToNameMeshes);
 }
 
+/// What `capture` will refuse is said at once; more photographs may follow.
+void WarnOfTooFew(const NewPose& pose) {
+  constexpr int kLeast = 8;  // capture's min_images
+  const int count = pose.PhotographCount();
+  if (count < kLeast)
+    fmt::print(
+        stderr,
+        "warning: --pose {}: {} photograph{}; the pose that gives the others their net needs "
+        "{}, and 24 or more all round are better\n",
+        pose.name, count, count == 1 ? "" : "s", kLeast);
+}
+
 void TellThatItIsFitted(const NewPose& pose, const std::string& template_pose) {
   const int count = pose.PhotographCount();
   fmt::print(
@@ -367,7 +379,10 @@ ExitCode InitCommand(const InitOptions& options) {
   std::vector<std::string> names;
   for (const NewPose& pose : poses) {
     CopyPhotographs(disk, pose, folder / "photos" / pose.name);
-    if (few.contains(pose.name)) TellThatItIsFitted(pose, template_pose);
+    if (few.contains(pose.name))
+      TellThatItIsFitted(pose, template_pose);
+    else
+      WarnOfTooFew(pose);
     names.push_back(pose.name);
   }
   // Written last, so that a folder with a pipeline.yaml is a complete project.

@@ -144,6 +144,12 @@ void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
   mesh->texture = mesh->scan.texture_file;
   mesh->colored = mesh->textured() || mesh->scan.mesh.colors.rows() > 0;
   mesh->told = Told(mesh->scan, mesh->textured(), look_given);
+  if (mesh->scan.mesh.faces.rows() == 0 && mesh->scan.polygons.sizes.empty())
+    throw InputError(fmt::format(
+        "--pose {}: {} has {} vertices and no faces; a pose needs a surface: export one, or make "
+        "it "
+        "of the points (MeshLab: Filters > Remeshing > Surface Reconstruction: Screened Poisson)",
+        mesh->name, mesh->file.string(), mesh->scan.mesh.points.rows()));
   if (!mesh->texture.empty()) mesh->scan.texture.clear();  // it is read when it is copied
   if (!mesh->scan.changed) mesh->scan.mesh = {};
 }

@@ -23,6 +23,9 @@ TEST_F(InitTest, InitCopiesPhotographsAndLeavesOriginals) {
   const Ended ended = Keypose(
       {"init", (root_ / "new").string(), "--pose", rest, "--pose", bent, "--template", "bent"});
   ASSERT_EQ(ended.code, 0) << ended.text;
+  EXPECT_THAT(ended.text, HasSubstr("warning: --pose bent: 4 photographs; the pose that gives the "
+                                    "others their net needs 8, and 24 or more"));
+  EXPECT_THAT(ended.text, Not(HasSubstr("--pose rest: 4"))) << "that is bent into its four";
   EXPECT_EQ(Snapshot(root_ / "new/photos"), before);
   EXPECT_EQ(Snapshot(root_ / "hero/photos"), before);
   EXPECT_EQ(Keypose({"run", "-C", (root_ / "new").string()}).code, 0);

@@ -129,9 +129,11 @@ async function lassoAndFill() {
     await page.mouse.up();
   };
   const saved = async (name) => {
+    const unsaved = page.getByText('Strokes not saved yet.');
+    await unsaved.waitFor();
     await page.keyboard.press('Control+s');
     const file = join(folder, `masks/bent/${name}.png`);
-    await page.getByText('Paint over what belongs to the figure.').waitFor();
+    await unsaved.waitFor({ state: 'detached' });
     const { rgb } = readPng(readFileSync(file));
     return rgb.reduce((sum, [value]) => sum + (value > 127 ? 1 : 0), 0);
   };

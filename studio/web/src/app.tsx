@@ -25,7 +25,7 @@ function useRoute(): string {
 }
 
 function RunState() {
-  const { steps, running, connected, tabs, complain, reload } = useStudio()
+  const { project, steps, running, connected, tabs, complain, reload } = useStudio()
   if (!connected) return <span class="bad">The studio does not answer</span>
   if (running) {
     const left = running.left === null ? '' : `, ${running.left} left`
@@ -48,7 +48,7 @@ function RunState() {
         <span class="warn" title={steps.locked_by}>
           Another program runs this project
         </span>
-      ) : (
+      ) : project.problem ? null : (
         <button
           class={waiting.length > 0 ? 'main' : ''}
           disabled={waiting.length === 0}

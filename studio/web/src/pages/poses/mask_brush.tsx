@@ -165,7 +165,7 @@ function Brush(props: Sheet & { one: Judged; tool: Tool; setTool: (tool: Tool) =
           </output>
         </div>
         <BrushKeys />
-        <SaveButtons saving={saving} changed={model?.changed ?? false} />
+        <SaveButtons saving={saving} changed={model?.changed ?? false} shape={tool.shape} />
       </aside>
       <div class="easel">
         {painting.error && <p class="empty">{painting.error}</p>}
@@ -244,11 +244,18 @@ function useSaving(
   return { busy, held, save }
 }
 
-function SaveButtons({ saving, changed }: { saving: Saving; changed: boolean }) {
+const kHints: Record<Tool['shape'], string> = {
+  brush: 'Paint over what belongs to the figure.',
+  lasso: 'Draw a line round it with the button held.',
+  fill: 'Click into a hole; or, with Remove, on a speck.',
+}
+
+function SaveButtons(props: { saving: Saving; changed: boolean; shape: Tool['shape'] }) {
+  const { saving, changed } = props
   return (
     <div class="stack save">
       <p class="small soft" role="status">
-        {changed ? 'Strokes not saved yet.' : 'Paint over what belongs to the figure.'}
+        {changed ? 'Strokes not saved yet.' : kHints[props.shape]}
       </p>
       <div class="choice wide">
         <button
