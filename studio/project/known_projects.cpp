@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/io/text/files.h"
@@ -106,9 +107,15 @@ void ForgetProject(const fs::path& state, const fs::path& folder) {
 }
 
 fs::path NewProjectFolder(const fs::path& base, const std::string& name) {
-  const bool odd = name.empty() || name.size() > 100 || name.front() == '.' ||
-                   name.find_first_of("/\\\n\t") != std::string::npos ||
-                   name.find('\0') != std::string::npos;
+  constexpr std::size_t kLongest = 100;  // bytes
+  if (name.size() > kLongest)
+    throw UsageError(
+        fmt::format("the name of a project has at most {} letters, this one more", kLongest));
+  // What no other system takes in a folder's name is left out here too: projects travel.
+  const bool odd =
+      name.empty() || name.front() == '.' || std::any_of(name.begin(), name.end(), [](char one) {
+        return static_cast<unsigned char>(one) < ' ' || std::strchr("/\\:*?\"<>|", one);
+      });
   if (odd)
     throw UsageError(
         fmt::format("'{}' is no name for a project: letters, digits, spaces and dashes", name));

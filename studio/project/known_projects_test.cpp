@@ -63,6 +63,9 @@ TEST_F(KnownProjectsTest, ANewProjectGetsAFolderOfItsOwn) {
   EXPECT_THROW(NewProjectFolder(folder_ / "Keypose", "clay fox"), UsageError);
   for (const char* name : {"", ".hidden", "..", "a/b", "a\nb"})
     EXPECT_THROW(NewProjectFolder(folder_, name), UsageError) << name;
+  for (const char one : std::string(":*?\"<>|\n"))
+    EXPECT_THROW(NewProjectFolder(folder_, std::string("a") + one), UsageError) << one;
+  EXPECT_THROW(NewProjectFolder(folder_, std::string(300, 'x')), UsageError);
 }
 
 }  // namespace keypose::studio::known_projects_test

@@ -23,13 +23,9 @@ void Routes::Tell(Changes changes) {
   if (changes == Changes::kProject) project_.TellOfOwnChange();
 }
 
-Answer Routes::Handle(const Question& question) {
+Answer Answered(const std::function<Answer()>& make) {
   try {
-    const RouteTable::Route* route = table_.Find(question.method, question.path);
-    if (!route) return ErrorAnswer(404, "there is nothing at this address");
-    Answer answer = route->handler(question);
-    Tell(route->changes);
-    return answer;
+    return make();
   } catch (const ChangedMeanwhile& error) {
     return ErrorAnswer(409, error.what());
   } catch (const NotFound& error) {
@@ -42,9 +38,21 @@ Answer Routes::Handle(const Question& question) {
     return ErrorAnswer(400, error.what());
   } catch (const nlohmann::json::exception& error) {
     return ErrorAnswer(400, "the request is incomplete: " + JsonFault(error));
+  } catch (const std::filesystem::filesystem_error& error) {
+    return ErrorAnswer(500, error.path1().string() + ": " + error.code().message());
   } catch (const std::exception& error) {
     return ErrorAnswer(500, fmt::format("a bug in the studio: {}", error.what()));
   }
+}
+
+Answer Routes::Handle(const Question& question) {
+  return Answered([&] {
+    const RouteTable::Route* route = table_.Find(question.method, question.path);
+    if (!route) return ErrorAnswer(404, "there is nothing at this address");
+    Answer answer = route->handler(question);
+    Tell(route->changes);
+    return answer;
+  });
 }
 
 }  // namespace keypose::studio

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "studio/routes/page_routes.h"
 
 namespace keypose::studio {
+
+/// The answer that is made; what is thrown meanwhile becomes one with {"error": words}.
+Answer Answered(const std::function<Answer()>& make);
 
 class Routes {
  public:

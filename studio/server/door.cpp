@@ -100,21 +100,7 @@ void Door::RememberIt() {
 }
 
 Answer Door::Handle(const Question& question) {
-  try {
-    return HandleOrThrow(question);
-  } catch (const NotFound& error) {
-    return ErrorAnswer(404, error.what());
-  } catch (const LockedError& error) {
-    return ErrorAnswer(409, error.what());
-  } catch (const Error& error) {
-    return ErrorAnswer(error.code() == ExitCode::kDisk ? 500 : 400, error.what());
-  } catch (const json::exception& error) {
-    return ErrorAnswer(400, "the request is incomplete: " + JsonFault(error));
-  } catch (const fs::filesystem_error& error) {
-    return ErrorAnswer(500, error.code().message());
-  } catch (const std::exception& error) {
-    return ErrorAnswer(500, fmt::format("a bug in the studio: {}", error.what()));
-  }
+  return Answered([&] { return HandleOrThrow(question); });
 }
 
 Answer Door::HandleOrThrow(const Question& question) {

@@ -88,6 +88,7 @@ async function twoTabs() {
   await card('clay fox').getByRole('button', { name: 'Open clay fox' }).click();
   await page.locator('.brand').getByText('clay fox').waitFor(patience);
   await first.locator('.brand').getByText('clay fox').waitFor(patience);
+  await first.getByText('Another tab has opened another project').waitFor(patience);
   const refused = await page.evaluate(async () => {
     const headers = { 'X-Keypose': '1', 'X-Keypose-Project': '0123456789abcdef' };
     const answer = await fetch('/api/timeline', { method: 'PUT', headers, body: '{}' });

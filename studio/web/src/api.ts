@@ -385,12 +385,22 @@ export interface ShootEvent {
 /** Of the project that this tab shows, as the server names it. */
 let shownProject = ''
 const kProjectHeader = 'X-Keypose-Project'
+const kMoved = 'another-project'
+
+/** Whether another tab has opened another project, which this one therefore shows; told once. */
+export function wasMoved(): boolean {
+  const moved = sessionStorage.getItem(kMoved) !== null
+  sessionStorage.removeItem(kMoved)
+  return moved
+}
 
 /** A tab whose project was left for another, by another tab, shows that one. */
 function noteProject(answer: Response): void {
   const open = answer.headers.get(kProjectHeader) ?? ''
-  if (shownProject && open && open !== shownProject) location.reload()
-  else if (open) shownProject = open
+  if (shownProject && open && open !== shownProject) {
+    sessionStorage.setItem(kMoved, 'yes')
+    location.reload()
+  } else if (open) shownProject = open
 }
 
 /** Sends the session's cookie by itself; throws ApiError with the server's words. */

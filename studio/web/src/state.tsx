@@ -3,7 +3,7 @@ import { createContext } from 'preact'
 import type { ComponentChildren } from 'preact'
 import { useCallback, useContext, useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
-import { api, ApiError, events } from './api'
+import { api, ApiError, events, wasMoved } from './api'
 import type { Project, Steps, StudioEvent } from './api'
 import { afterLine, kNoRun } from './run_lines'
 import type { Running } from './run_lines'
@@ -99,6 +99,8 @@ export function StudioState({ children }: { children: ComponentChildren }) {
 
   useEffect(() => {
     void reload()
+    if (wasMoved())
+      complain(new Error('Another tab has opened another project: this tab shows that one now.'))
     return events((event) => {
       for (const listen of followers.current) listen(event)
       if (event.type === 'run') {
