@@ -11,6 +11,7 @@
 
 #include "core/io/meshes/clip_kind.h"
 #include "core/io/text/files.h"
+#include "core/io/text/text_file.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -32,10 +33,7 @@ bool SameLetters(std::string_view a, std::string_view b) {
 /// Words of a text with the lines they stand in. A brace is a word of its own.
 class Words {
  public:
-  Words(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // editors on Windows write it
-    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
-  }
+  Words(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
 
   /// Empty at the end.
   std::string_view Next() {
@@ -390,9 +388,9 @@ MotionClip ParseBvh(const std::string& text, const std::string& name,
                     std::vector<std::string>* notes) {
   if (const std::string other = OtherClip(text); !other.empty())
     throw InputError(name + " " + other);
-  const std::string decoded = FromUtf16(text);
   BvhFile file;
-  Words words(decoded.empty() ? text : decoded, name);
+  const std::string plain = PlainText(text);
+  Words words(plain, name);
   HierarchyReader(words, &file).Read();
   ReadMotion(words, name, &file, notes);
   MotionClip clip = ValuesWriter(file, words).Clip();

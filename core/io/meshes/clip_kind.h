@@ -9,8 +9,4 @@ namespace keypose {
 /// What a clip is that is no BVH file, with the cure, as "is FBX; ..."; empty: it may be one.
 std::string OtherClip(std::string_view bytes);
 
-/// UTF-16, by its byte order mark or by the zero beside its first letter, as UTF-8; "" for a text
-/// that is not UTF-16.
-std::string FromUtf16(std::string_view bytes);
-
 }  // namespace keypose

@@ -15,6 +15,7 @@
 #include "core/io/project/colmap_lens.h"
 #include "core/io/project/lens_use.h"
 #include "core/io/text/files.h"
+#include "core/io/text/text_file.h"
 #include "core/values/coordinate_limit.h"
 #include "core/values/errors.h"
 #include "core/values/size_of.h"
@@ -187,9 +188,7 @@ bool IsData(const std::string& line) { return !line.empty() && line[0] != '#'; }
 
 /// All lines, without spaces at their ends.
 std::vector<std::string> TrimmedLines(const fs::path& path) {
-  std::string text = ReadFile(path);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  std::istringstream in(std::move(text));
+  std::istringstream in(ReadTextFile(path));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(Trimmed(line));
   return lines;

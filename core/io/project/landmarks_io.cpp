@@ -14,6 +14,7 @@
 #include "core/io/project/binding_io.h"
 #include "core/io/text/files.h"
 #include "core/io/text/json_pick.h"
+#include "core/io/text/text_file.h"
 #include "core/io/text/xml_depth.h"
 #include "core/surfaces/geometry.h"
 #include "core/surfaces/ray_scene.h"
@@ -85,7 +86,7 @@ class VertexLandmarks {
 std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& source,
                                           const Mesh& target) {
   const VertexLandmarks on_source(source), on_target(target);
-  std::istringstream in(ReadFile(path));
+  std::istringstream in(ReadTextFile(path));
   std::vector<LandmarkPair> pairs;
   std::map<long, int> line_of_source;
   int number = 0;
@@ -222,7 +223,7 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
 std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log,
                                        const std::string& side) {
   boost::property_tree::ptree tree;
-  std::string text = ReadFile(path);
+  std::string text = ReadTextFile(path);
   RequireShallowXml(text, path.string() + " is not a MeshLab picked-points file");
   std::istringstream in(std::move(text));
   try {
@@ -327,7 +328,7 @@ std::vector<Landmark> ReadWrapPoints(const std::string& text, const fs::path& pa
 
 std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog* log,
                                 const std::string& side) {
-  const std::string text = ReadFile(path);
+  const std::string text = ReadTextFile(path);
   if (FirstLetterOf(text) == '<') return ReadPickedPoints(path, mesh, log, side);
   if (HoldsWrapPoints(text)) return ReadWrapPoints(text, path, mesh, log, side);
   return ReadLandmarks(path, mesh, log, side);
@@ -336,7 +337,7 @@ std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog
 std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, CarryLog* log,
                                     const std::string& side) {
   std::vector<Landmark> landmarks;
-  const std::string text = ReadFile(path);
+  const std::string text = ReadTextFile(path);
   RequireShallowJson(text, path.string());
   try {
     const json root = json::parse(text);
@@ -379,7 +380,7 @@ std::string WrapPointsText(const std::vector<Landmark>& landmarks) {
 }
 
 bool HoldsPhotoPicksOnly(const fs::path& path) {
-  const std::string text = ReadFile(path);
+  const std::string text = ReadTextFile(path);
   return IsShallowJson(text) && HasPhotoPicksOnly(json::parse(text, nullptr, false));
 }
 
@@ -420,7 +421,7 @@ std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, 
                                             const Mesh& target, CarryLog* log) {
   if (paths.empty()) return {};
   if (paths.size() == 1) {
-    const std::string text = ReadFile(paths[0]);
+    const std::string text = ReadTextFile(paths[0]);
     if (HoldsWrapPoints(text))
       throw InputError(
           paths[0].string() +

@@ -7,7 +7,7 @@
 #include "core/io/project/lens_use.h"
 #include "core/io/project/metashape_io.h"
 #include "core/io/project/transforms_io.h"
-#include "core/io/text/files.h"
+#include "core/io/text/text_file.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -20,7 +20,7 @@ fs::path FileIn(const fs::path& folder) {
   if (fs::exists(folder / "transforms.json")) return folder / "transforms.json";
   fs::path found;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() != ".xml" || !IsMetashape(ReadFile(entry.path()))) continue;
+    if (entry.path().extension() != ".xml" || !IsMetashape(ReadTextFile(entry.path()))) continue;
     if (!found.empty())
       throw InputError(folder.string() + " has several files of Metashape; pass one of them");
     found = entry.path();
@@ -31,7 +31,7 @@ fs::path FileIn(const fs::path& folder) {
 std::vector<LensView> ReadPosesFile(const fs::path& path) {
   if (path.extension() == ".json") return ReadTransforms(path);
   if (path.extension() == ".xml") {
-    const std::string text = ReadFile(path);
+    const std::string text = ReadTextFile(path);
     if (IsMetashape(text)) return ParseMetashape(text, path.string());
   }
   throw InputError(

@@ -24,6 +24,7 @@
 #include "core/io/project/rig_programs.h"
 #include "core/io/project/yaml_numbers.inc"
 #include "core/io/text/files.h"
+#include "core/io/text/text_file.h"
 #include "core/values/errors.h"
 
 namespace keypose {
@@ -134,7 +135,7 @@ void AddOpenCvNodes(const YAML::Node& root, const fs::path& path, bool lens_only
 
 /// OpenCV's, or what other programs make of it.
 void AddYamlFile(const fs::path& path, bool lens_only, RigCalibration* rig) {
-  const std::string file = PrintableName(path.filename()), text = ReadFile(path);
+  const std::string file = PrintableName(path.filename()), text = ReadTextFile(path);
   if (path.extension() == ".json") RequireShallowJson(text, file);
   if (IsKalibr(text)) return AddKalibr(text, file, rig);
   if (IsMcCalib(text)) return AddMcCalib(text, file, rig);
@@ -229,7 +230,7 @@ void ReadAsPoses(const fs::path& path, RigCalibration* rig) {
 
 /// transforms.json has `frames`; OpenCV's JSON has not.
 bool IsTransforms(const fs::path& path) {
-  return path.extension() == ".json" && ReadFile(path).find("\"frames\"") != std::string::npos;
+  return path.extension() == ".json" && ReadTextFile(path).find("\"frames\"") != std::string::npos;
 }
 
 bool IsYaml(const fs::path& path) {
@@ -238,7 +239,7 @@ bool IsYaml(const fs::path& path) {
 
 void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
   if (fs::exists(path / "intri.yml") && fs::exists(path / "extri.yml"))
-    return AddEasyMocap(ReadFile(path / "intri.yml"), ReadFile(path / "extri.yml"),
+    return AddEasyMocap(ReadTextFile(path / "intri.yml"), ReadTextFile(path / "extri.yml"),
                         PrintableName(path.filename()), rig);
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(path))
@@ -249,7 +250,7 @@ void ReadFolder(const fs::path& path, bool lens_only, RigCalibration* rig) {
   for (const fs::path& file : files) AddYamlFile(file, lens_only, rig);
   if (!files.empty()) return;
   if (fs::exists(path / "calibration.toml"))
-    return AddAnipose(ReadFile(path / "calibration.toml"), "calibration.toml", rig);
+    return AddAnipose(ReadTextFile(path / "calibration.toml"), "calibration.toml", rig);
   ReadAsPoses(path, rig);
 }
 
@@ -269,7 +270,7 @@ std::string CameraName(const std::string& view_name) {
 
 /// One file, by its content.
 void ReadText(const fs::path& path, bool lens_only, RigCalibration* rig) {
-  const std::string text = ReadFile(path);
+  const std::string text = ReadTextFile(path);
   const std::string file = PrintableName(path.filename());
   const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (path.extension() == ".toml")

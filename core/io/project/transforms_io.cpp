@@ -1,14 +1,19 @@
 #include "core/io/project/transforms_io.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "core/io/project/lens_use.h"
 #include "core/io/text/files.h"
+#include "core/io/text/text_file.h"
 #include "core/values/angles.h"
 #include "core/values/coordinate_limit.h"
 #include "core/values/errors.h"
@@ -34,6 +39,21 @@ class FrameWords {
   double Number(const char* name, double none = 0) const {
     const json* found = Find(name);
     return found ? found->get<double>() : none;
+  }
+  /// A coefficient by its name, or by its place in nerfstudio's `distortion_params`.
+  double Coefficient(const char* name) const {
+    static constexpr std::array kOrder{"k1", "k2", "k3", "k4", "p1", "p2"};
+    const auto place = static_cast<std::size_t>(
+        std::find(kOrder.begin(), kOrder.end(), std::string_view(name)) - kOrder.begin());
+    for (const json* scope : {&frame_, &root_}) {
+      if (scope->contains(name) && !scope->at(name).is_null()) return scope->at(name).get<double>();
+      if (!scope->contains("distortion_params")) continue;
+      const json& list = scope->at("distortion_params");
+      if (!list.is_array() || list.size() > kOrder.size())
+        throw InputError(where_ + ": `distortion_params` is not a list of k1 k2 k3 k4 p1 p2");
+      if (place < list.size()) return list[place].get<double>();
+    }
+    return 0;
   }
   /// Some programs write 0 and 1.
   bool Flag(const char* name) const {
@@ -63,7 +83,7 @@ class FrameWords {
 
 /// One length of a scope, in pixels; of an angle alone, -1 over the size of the side that it spans;
 /// 0: the scope does not tell.
-double FocalOf(const json& scope, const std::string& axis, double side) {
+double FocalOf(const json& scope, const std::string& axis, double side, const std::string& where) {
   const auto number = [&](const std::string& name) {
     return scope.contains(name) && !scope.at(name).is_null() ? scope.at(name).get<double>() : 0.0;
   };
@@ -71,12 +91,18 @@ double FocalOf(const json& scope, const std::string& axis, double side) {
   double angle = number("camera_angle_" + axis);
   if (angle <= 0) angle = number(axis + "_fov") * kDegree;
   if (angle <= 0) return 0;
+  if (angle >= M_PI)
+    throw InputError(fmt::format(
+        "{}: an angle of view along {} of {:.5g} degrees is none of a picture; camera_angle_{} is "
+        "in radians, {}_fov in degrees",
+        where, axis, angle / kDegree, axis, axis));
   return (side > 0 ? side : -1) / (2 * std::tan(angle / 2));
 }
 
 void PutFocal(const FrameWords& words, Lens* lens) {
   for (const json* scope : {&words.frame(), &words.root()}) {
-    const double fx = FocalOf(*scope, "x", lens->width), fy = FocalOf(*scope, "y", lens->height);
+    const double fx = FocalOf(*scope, "x", lens->width, words.where()),
+                 fy = FocalOf(*scope, "y", lens->height, words.where());
     if (fx == 0 && fy == 0) continue;
     // an angle of y without a height has no length in widths
     if (fx == 0 && fy < 0) continue;
@@ -93,8 +119,8 @@ bool IsOneOf(const std::string& word, const std::vector<const char*>& words) {
 
 /// Conventions of instant-ngp that change what the other numbers mean.
 void RequireKnownConventions(const FrameWords& words) {
-  for (const char* name :
-       {"from_na", "from_mitsuba", "fix_premult_camera", "latlong", "equirectangular"})
+  for (const char* name : {"from_na", "from_mitsuba", "fix_premult_camera", "latlong",
+                           "equirectangular", "orthographic"})
     if (words.Flag(name)) RefuseModel(name, words.where());
   for (const char* name : {"ftheta_p0", "ftheta_p1", "omega"})
     if (words.Find(name)) RefuseModel(name, words.where());
@@ -116,11 +142,11 @@ void PutDistortion(const FrameWords& words, Lens* lens) {
   lens->model = words.Model();
   if (lens->model.empty()) lens->model = fisheye ? "is_fisheye" : "OPENCV";
   if (!fisheye && !plain && model != "full_opencv") RefuseModel(lens->model, words.where());
-  const double k3 = words.Number("k3"), k4 = words.Number("k4"), k5 = words.Number("k5"),
+  const double k3 = words.Coefficient("k3"), k4 = words.Coefficient("k4"), k5 = words.Number("k5"),
                k6 = words.Number("k6");
-  lens->radial = {words.Number("k1"), words.Number("k2"), k3, k4, 0, 0};
-  lens->p1 = words.Number("p1");
-  lens->p2 = words.Number("p2");
+  lens->radial = {words.Coefficient("k1"), words.Coefficient("k2"), k3, k4, 0, 0};
+  lens->p1 = words.Coefficient("p1");
+  lens->p2 = words.Coefficient("p2");
   if (model == "full_opencv") {
     lens->radial[3] = 0;
     lens->divisor = {k4, k5, k6};
@@ -160,8 +186,12 @@ Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
   Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
   const double off =
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (off < 1e-3 && rotation.determinant() < 0)
+    throw InputError(where +
+                     ": transform_matrix mirrors (its determinant is -1); the axes of a camera are "
+                     "x right, y up, z backwards");
   if (!world_from_gl.allFinite() || world_from_gl.cwiseAbs().maxCoeff() > kMostCoordinate ||
-      !(off < 1e-3) || rotation.determinant() < 0)
+      !(off < 1e-3))
     throw InputError(where + ": transform_matrix is not a rotation and translation (off by " +
                      std::to_string(off) + "); write the camera-to-world matrix without scale");
   rotation.col(1) = -rotation.col(1).eval();  // y down and z forward
@@ -191,8 +221,7 @@ void ShortenNames(std::vector<LensView>* views) {
 
 std::vector<LensView> ReadTransforms(const fs::path& path) {
   std::vector<LensView> views;
-  std::string text = ReadFile(path);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  const std::string text = ReadTextFile(path);
   RequireShallowJson(text, path.string());
   try {
     const json root = json::parse(text);
@@ -202,6 +231,10 @@ std::vector<LensView> ReadTransforms(const fs::path& path) {
       const std::string where =
           path.string() + ", frame " + fs::path(view.name).filename().string();
       view.lens = LensOfFrame(root, frame, where);
+      if (!frame.contains("transform_matrix"))
+        throw InputError(
+            where +
+            " has no transform_matrix; leave the frame out, or write its camera-to-world matrix");
       view.camera_from_world = CameraFromWorld(frame.at("transform_matrix"), where);
       views.push_back(std::move(view));
     }

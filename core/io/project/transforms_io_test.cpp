@@ -62,6 +62,45 @@ TEST_F(Transforms, AFramesOwnNumbersCount) {
               200 / std::tan(0.4), 1e-9);
 }
 
+// nerfstudio's list stands for the six names; a name counts before it.
+TEST_F(Transforms, ListedCoefficientsAreRead) {
+  const std::string root =
+      kSize + R"(, "fl_x": 500, "distortion_params": [0.1, 0.02, 0, 0, 0.003, 0.004])";
+  const Lens lens = LensOf(root);
+  EXPECT_EQ(lens.radial[0], 0.1);
+  EXPECT_EQ(lens.radial[1], 0.02);
+  EXPECT_EQ(lens.p1, 0.003);
+  EXPECT_EQ(lens.p2, 0.004);
+  EXPECT_EQ(LensOf(root, R"("distortion_params": [0.3])").radial[0], 0.3);
+  EXPECT_EQ(LensOf(root, R"("distortion_params": [0.3])").radial[1], 0.02);
+  EXPECT_EQ(LensOf(root + R"(, "k1": 0.5)").radial[0], 0.5);
+  EXPECT_NE(Fault(kSize + R"(, "fl_x": 500, "distortion_params": [0,0,0,0,0,0,1])")
+                .find("k1 k2 k3 k4 p1 p2"),
+            std::string::npos);
+}
+
+TEST_F(Transforms, AnglesOfNoPictureAreRefused) {
+  EXPECT_NE(Fault(kSize + R"(, "camera_angle_x": 39.6)").find("in radians"), std::string::npos);
+  EXPECT_NE(Fault(kSize + R"(, "x_fov": 180)").find("in degrees"), std::string::npos);
+  EXPECT_NE(Fault(kSize + R"(, "fl_x": 500, "orthographic": true)").find("orthographic"),
+            std::string::npos);
+}
+
+TEST_F(Transforms, AFrameWithoutAPlaceIsNamed) {
+  const std::string root = R"("w": 400, "h": 300, "fl_x": 500, "frames": [{"file_path": "a.jpg")";
+  const auto fault = [&](const std::string& matrix) -> std::string {
+    try {
+      ReadTransforms(Put("transforms.json", "{" + root + matrix + "}]}"));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_NE(fault("").find("frame a.jpg has no transform_matrix"), std::string::npos);
+  EXPECT_NE(fault(R"(, "transform_matrix": [[-1,0,0,0],[0,1,0,0],[0,0,1,0]])").find("mirrors"),
+            std::string::npos);
+}
+
 // Every value of `camera_model` of nerfstudio 1.1 and the flags of instant-ngp.
 TEST_F(Transforms, EveryModelIsReadOrRefusedByName) {
   const std::string four = kSize + R"(, "fl_x": 300, "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4)";
