@@ -14,6 +14,7 @@
 #include "core/io/pictures/png_io.h"
 #include "core/io/text/files.h"
 #include "core/numbers/sha256.h"
+#include "core/pictures/undistorted.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
 #include "core/values/size_of.h"

@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/io/meshes/mesh_io.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
+#include "core/io/pictures/reduced_image.h"
 #include "core/io/project/colmap_io.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
@@ -32,12 +35,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kTileWidth = 150;  ///< of a photograph with its mask [px]
 constexpr int kPairSide = 1024;  ///< longer side of a photograph before its figure is cut out [px]
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "16";
+  spec.version = "17";
   spec.summary =
       "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
   spec.title = "Report";
@@ -78,104 +82,141 @@ class Gatherer {
   Contents Gather(RunRecord run) {
     Contents contents;
     contents.run = std::move(run);
-    const double parts = 2.0 * static_cast<double>(contents.run.poses.size()) + 1;
-    double done = 0;
-    if (contents.run.performance) {
-      for (const std::string& shot : contents.run.poses) {
-        ReportProgress(progress_, done++ / parts, "shot " + shot);
-        contents.poses.push_back(GatherShot(contents, shot));
+    const RunRecord& record = contents.run;
+    contents.poses.resize(record.poses.size());
+    std::vector<Part> parts, compared;
+    for (std::size_t i = 0; i < record.poses.size(); ++i) {
+      const std::string& name = record.poses[i];
+      PosePart& pose = contents.poses[i];
+      pose.name = name;
+      if (record.performance) {
+        parts.push_back({"shot " + name, [&](Troubles* t) { GatherShot(record, pose, t); }});
+        continue;
       }
-      return contents;
+      parts.push_back({"pose " + name, [&](Troubles* t) { GatherPose(record, pose, t); }});
+      compared.push_back(
+          {"photographs of " + name, [&](Troubles* t) { ComparePose(record, pose, t); }});
     }
-    for (const std::string& pose : contents.run.poses) {
-      ReportProgress(progress_, done++ / parts, "pose " + pose);
-      contents.poses.push_back(GatherPose(contents, pose));
+    if (!record.performance) {
+      const std::vector<const StepRecord*> steps = record.All("register");
+      contents.pairs.resize(steps.size());
+      for (std::size_t i = 0; i < steps.size(); ++i)
+        parts.push_back({"registration " + steps[i]->pose, [&, step = steps[i], i](Troubles* t) {
+                           GatherPair(*step, contents.pairs[i], t);
+                         }});
+      parts.push_back({"animation", [&](Troubles* t) {
+                         Try(t, "interpolate", [&] { GatherAnimation(contents); });
+                       }});
     }
-    for (const StepRecord* step : contents.run.All("register")) {
-      ReportProgress(progress_, done++ / parts, "registration " + step->pose);
-      contents.pairs.push_back(GatherPair(contents, *step));
-    }
-    ReportProgress(progress_, (parts - 1) / parts, "animation");
-    Try(contents, "interpolate", [&] { GatherAnimation(contents); });
+    GatherAll(&parts, &compared);
+    for (const std::vector<Part>* done : {&parts, &compared})
+      for (const Part& part : *done)
+        contents.troubles.insert(contents.troubles.end(), part.troubles.begin(),
+                                 part.troubles.end());
+    if (record.performance) return contents;
     ReportProgress(progress_, 0.95, "player");
-    Try(contents, "player", [&] { contents.player = GatherPlayer(contents, encode_, sides_); });
+    Try(&contents.troubles, "player",
+        [&] { contents.player = GatherPlayer(contents, encode_, sides_); });
     return contents;
   }
 
  private:
+  using Troubles = std::vector<std::string>;
+
+  /// What is gathered into a place of its own.
+  struct Part {
+    std::string what;
+    std::function<void(Troubles*)> gather;
+    Troubles troubles = {};
+  };
+
+  /// @param single    each is done on one core
+  /// @param parallel  each has all cores
+  void GatherAll(std::vector<Part>* single, std::vector<Part>* parallel) const {
+    const double all = static_cast<double>(single->size() + 2 * parallel->size());
+    std::atomic<int> done = 0;
+    const auto gather = [&](Part& part, int share) {
+      ReportProgress(progress_, 0.95 * done / all, part.what);
+      part.gather(&part.troubles);
+      done += share;
+    };
+    ParallelFor(std::ssize(*single),
+                [&](std::int64_t i) { gather((*single)[static_cast<std::size_t>(i)], 1); });
+    for (Part& part : *parallel) gather(part, 2);
+  }
+
   template <class Function>
-  static void Try(Contents& contents, const std::string& what, const Function& function) {
+  static void Try(Troubles* troubles, const std::string& what, const Function& function) {
     try {
       function();
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
-      contents.troubles.push_back(what + ": not shown: " + error.what());
+      troubles->push_back(what + ": not shown: " + error.what());
     }
   }
 
-  PosePart GatherPose(Contents& contents, const std::string& name) {
-    PosePart pose;
-    pose.name = name;
-    const RunRecord& run = contents.run;
+  void GatherPose(const RunRecord& run, PosePart& pose, Troubles* troubles) const {
+    const std::string& name = pose.name;
     const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name),
                      *cleanup = run.Find("cleanup", name), *bake = run.Find("bake", name),
                      *sfm = run.Find("sfm", name), *masks = run.Find("masks", name),
                      *fit = run.Find("fit", name);
     if (fit && !fit->Output("fitted").empty())
-      Try(contents, fit->id, [&] { ShowShape(fit->Output("fitted"), pose); });
+      Try(troubles, fit->id, [&] { ShowShape(fit->Output("fitted"), pose); });
     if (cleanup && !cleanup->Output("clean").empty())
-      Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
+      Try(troubles, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
     if (bake && !bake->Output("texture").empty())
-      Try(contents, bake->id, [&] { ShowTextured(*bake, run.TextureOf(name), pose); });
-    if (bake && capture && !bake->Output("texture").empty())
-      Try(contents, bake->id, [&] { Compare(*bake, *capture, masks, pose); });
+      Try(troubles, bake->id, [&] { ShowTextured(*bake, run.TextureOf(name), pose); });
     if (dense && !dense->Output("cloud").empty())
-      Try(contents, dense->id,
+      Try(troubles, dense->id,
           [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
     if (masks && !masks->Output("masked").empty())
-      Try(contents, masks->id,
+      Try(troubles, masks->id,
           [&] { pose.masks = MaskSheet(ReadImageSet(masks->Output("masked"))); });
     else if (capture && !capture->Output("images").empty())
-      Try(contents, capture->id,
+      Try(troubles, capture->id,
           [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
     if (fit && !fit->Output("picture").empty())
-      Try(contents, fit->id, [&] {
+      Try(troubles, fit->id, [&] {
         pose.cameras =
             Picture{"The bent template over its photographs", ReadImage(fit->Output("picture"), 3)};
       });
     if (sfm && !sfm->Output("picture").empty())
-      Try(contents, sfm->id, [&] {
+      Try(troubles, sfm->id, [&] {
         pose.cameras = Picture{
             "Cameras from above and from the side: by ring (upper row), by reprojection error from "
             "blue to yellow at 1 px (lower row)",
             ReadImage(sfm->Output("picture"), 3)};
       });
-    return pose;
   }
 
-  PosePart GatherShot(Contents& contents, const std::string& name) {
-    PosePart shot;
-    shot.name = name;
-    const StepRecord *track = contents.run.Find("track", name),
-                     *transfer = contents.run.Find("transfer", name),
-                     *follow = contents.run.Find("follow", name);
+  void ComparePose(const RunRecord& run, PosePart& pose, Troubles* troubles) const {
+    const StepRecord *capture = run.Find("capture", pose.name), *bake = run.Find("bake", pose.name),
+                     *masks = run.Find("masks", pose.name);
+    if (bake && capture && !bake->Output("texture").empty())
+      Try(troubles, bake->id, [&] { Compare(*bake, *capture, masks, pose); });
+  }
+
+  void GatherShot(const RunRecord& run, PosePart& shot, Troubles* troubles) const {
+    const std::string& name = shot.name;
+    const StepRecord *track = run.Find("track", name), *transfer = run.Find("transfer", name),
+                     *follow = run.Find("follow", name);
     for (const auto& [step, port] :
          {std::pair{follow, "followed"}, {transfer, "frames"}, {track, "frames"}})
       if (step && !step->Output(port).empty() && shot.sides.empty())
-        Try(contents, step->id, [&, at = step->Output(port)] { ShowFrames(at, shot); });
+        Try(troubles, step->id, [&, at = step->Output(port)] { ShowFrames(at, shot); });
     if (track && !track->Output("picture").empty())
-      Try(contents, track->id, [&] {
+      Try(troubles, track->id, [&] {
         shot.cameras =
             Picture{"The tracked body over the films", ReadImage(track->Output("picture"), 3)};
       });
-    const StepRecord* video3d = contents.run.Find("video3d", name);
+    const StepRecord* video3d = run.Find("video3d", name);
     if (video3d && !video3d->Output("picture").empty())
-      Try(contents, video3d->id, [&] {
+      Try(troubles, video3d->id, [&] {
         shot.painted = Picture{"Films, and beside them what moves, painted from all of them",
                                ReadImage(video3d->Output("picture"), 3)};
       });
-    return shot;
   }
 
   /// Some frames, evenly picked.
@@ -241,10 +282,7 @@ class Gatherer {
         placed.emplace_back(&view, i);
     const auto shot = [&](std::size_t k, int longer_side) {
       const auto& [view, i] = placed[k];
-      Shot whole{*view, ReadImage(set.ImagePath(i), 3), ReadImage(set.MaskPath(i), 1)};
-      const double factor = longer_side / static_cast<double>(std::max(whole.photograph.width,
-                                                                       whole.photograph.height));
-      return Cropped(Shrunk(whole, factor), mesh.points);
+      return Cropped(ReadShot(*view, set.ImagePath(i), set.MaskPath(i), longer_side), mesh.points);
     };
     std::vector<ViewEvidence> views(placed.size());
     ParallelFor(std::ssize(placed), [&](std::int64_t i) {
@@ -298,12 +336,16 @@ class Gatherer {
     std::vector<Image8> tiles(shown);
     ParallelFor(shown, [&](std::int64_t i) {
       const int index = static_cast<int>(i * total / shown);
-      const Image8 photograph = ReadImage(set.ImagePath(index), 3);
-      const int width = 150, height = std::max(1, 150 * photograph.height / photograph.width);
+      const Image8 photograph = ReadReducedTo(set.ImagePath(index), 3, 2 * kTileWidth);
+      const int width = kTileWidth,
+                height = std::max(1, width * photograph.height / photograph.width);
       const Image8 small = Resized(photograph, width, height);
-      tiles[i] = set.images[index].mask.empty()
-                     ? small
-                     : MaskTile(small, Resized(ReadImage(set.MaskPath(index), 1), width, height));
+      if (set.images[index].mask.empty()) {
+        tiles[i] = small;
+        return;
+      }
+      const Image8 mask = ReadReducedTo(set.MaskPath(index), 1, 2 * kTileWidth);
+      tiles[i] = MaskTile(small, Resized(mask, width, height));
     });
     const std::string some = shown < total
                                  ? fmt::format("{} of {} photographs, evenly picked", shown, total)
@@ -312,10 +354,9 @@ class Gatherer {
             TileImages(tiles, 7, 4)};
   }
 
-  PairPart GatherPair(Contents& contents, const StepRecord& step) const {
-    PairPart pair;
+  void GatherPair(const StepRecord& step, PairPart& pair, Troubles* troubles) const {
     pair.step = &step;
-    Try(contents, step.id, [&] {
+    Try(troubles, step.id, [&] {
       if (step.Output("registered").empty() || step.Input("target").empty())
         throw InputError("the registered mesh or its target is not there");
       const Mesh registered = ReadMesh(step.Output("registered")),
@@ -338,7 +379,6 @@ class Gatherer {
       if (!step.Output("picture").empty())
         pair.carried.push_back({"", ReadImage(step.Output("picture"), 3)});
     });
-    return pair;
   }
 
   void GatherAnimation(Contents& contents) const {

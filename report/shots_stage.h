@@ -1,6 +1,7 @@
-// Shots and masks resampled by the image library to the size at which they are compared with the
-// mesh.
+// Photographs and masks, reduced to the size at which they are compared with the mesh.
 #pragma once
+
+#include <filesystem>
 
 #include "report/evidence/view_evidence.h"
 
@@ -10,8 +11,10 @@ struct ImageSet;
 
 namespace keypose::report {
 
-/// The shot scaled by `factor`; unchanged if the factor is 1 or more.
-Shot Shrunk(const Shot& shot, double factor);
+/// The longer side has at most `longer_px`.
+/// @throws DiskError, InputError
+Shot ReadShot(const View& view, const std::filesystem::path& photograph,
+              const std::filesystem::path& mask, int longer_px);
 
 /// Where both the first and the last mask of a photograph show the figure, and what the mesh covers
 /// there; up to 400 pixels wide, so that a limb is ten thick. Photographs without a camera or

@@ -4,37 +4,47 @@
 
 #include <algorithm>
 
+#include "core/io/pictures/image_io.h"
 #include "core/pictures/fit_view.h"
 #include "core/pictures/render.h"
 #include "core/surfaces/ray_scene.h"
 #include "core/surfaces/shapes.h"
+#include "core/testing/folder.h"
 
 namespace keypose::report::shots_stage_test {
 
 Image8 MaskOf(const Mesh& mesh, const View& view) {
-  const Raster raster = Rasterize(mesh, RayScene(mesh.points, mesh.faces), view);
-  Image8 mask(view.camera.width, view.camera.height, 1);
-  std::transform(raster.face.data.begin(), raster.face.data.end(), mask.data.begin(),
-                 [](int face) { return static_cast<std::uint8_t>(face >= 0 ? 255 : 0); });
-  return mask;
+  return Covered(mesh, RayScene(mesh.points, mesh.faces), view);
 }
 
-TEST(Shrunk, ProjectsToTheSamePlace) {
+/// How many pixels of the mask, read at that size, differ from what the mesh covers there.
+int Differing(const View& view, int longer_px) {
   const Mesh mesh = MakeIcosphere(3);
-  Shot shot;
-  shot.view = FitView(mesh.points, 0, 15, 320, 280);
-  shot.photograph = Image8(320, 280, 3, 90);
-  shot.mask = MaskOf(mesh, shot.view);
-  const Shot half = Shrunk(shot, 0.5);
-  EXPECT_EQ(half.photograph.width, 160);
-  EXPECT_EQ(half.mask.height, 140);
-  const Eigen::Vector3d x(0.2, 0.3, 0.4);
-  EXPECT_LT((half.view.Project(x) - 0.5 * shot.view.Project(x)).norm(), 1e-9);
-  const Image8 mask = MaskOf(mesh, half.view);
+  const TestingFolder folder;
+  const Image8 mask = MaskOf(mesh, view);
+  WriteImage(folder.path() / "mask.png", mask);
+  WriteImage(folder.path() / "photograph.png", Image8(mask.width, mask.height, 3, 90));
+  const Shot whole =
+      ReadShot(view, folder.path() / "photograph.png", folder.path() / "mask.png", longer_px);
+  EXPECT_EQ(whole.photograph.width, longer_px);
+  EXPECT_EQ(whole.mask.height, longer_px * 280 / 320);
+  const Shot shot = Cropped(whole, mesh.points);
+  EXPECT_FALSE(shot.view.camera.distorted());
+  const Image8 want = MaskOf(mesh, shot.view);
   int differing = 0;
-  for (std::size_t p = 0; p < mask.data.size(); ++p) differing += half.mask.data[p] != mask.data[p];
-  EXPECT_LT(differing, 160 + 140) << "the outline alone";
-  EXPECT_EQ(Shrunk(shot, 1).photograph.data, shot.photograph.data);
+  for (std::size_t p = 0; p < want.data.size(); ++p)
+    differing += (shot.mask.data[p] >= 128) != (want.data[p] >= 128);
+  return differing;
+}
+
+TEST(ReadShot, ShowsTheMeshWhereItsCameraDoes) {
+  View view = FitView(MakeIcosphere(3).points, 0, 15, 320, 280);
+  EXPECT_EQ(Differing(view, 320), 0) << "as it is";
+  EXPECT_LT(Differing(view, 160), 60) << "an outline of some 400 pixels";
+  view.camera.k1 = -0.3;
+  view.camera.p1 = 0.004;
+  EXPECT_LT(Differing(view, 320), 250) << "an outline of some 800 pixels";
+  EXPECT_LT(Differing(view, 160), 60);
 }
 
 }  // namespace keypose::report::shots_stage_test

@@ -23,10 +23,6 @@ struct BlenderCamera {
 };
 BlenderCamera BlenderCameraOf(const View& view);
 
-/// The picture as the pinhole camera with the same focal length and centre would show it, bilinear.
-/// What the lens did not see repeats the border.
-Image8 Undistorted(const Image8& picture, const Camera& camera);
-
 /// The light of a shot, as `composite` has learnt it or was told.
 struct BlenderLight {
   /// Of the character over its texture, by the normal n in world: rows 1, x, y, z, xy, yz, xz,

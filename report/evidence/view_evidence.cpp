@@ -8,6 +8,8 @@
 #include "core/numbers/statistics.h"
 #include "core/pictures/image_quality.h"
 #include "core/pictures/render.h"
+#include "core/pictures/scan_conversion.h"
+#include "core/pictures/undistorted.h"
 #include "report/evidence/verdict_limits.h"
 
 namespace keypose::report {
@@ -21,45 +23,72 @@ bool InMask(const Image8& mask, int x, int y) {
   return x >= 0 && y >= 0 && x < mask.width && y < mask.height && *mask.at(x, y) >= 128;
 }
 
-/// Separable Gaussian of `values`, normalised by `weight`. Pixels of weight 0 have no effect.
-Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int height,
-                     double sigma) {
-  const int radius = static_cast<int>(std::ceil(3 * sigma));
-  std::vector<float> kernel;
-  for (int i = -radius; i <= radius; ++i)
-    kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
-  Plane sum(values.size()), mass(values.size()), smooth(values.size(), 0.0F);
-  const auto at = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(x);
-  };
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int i = std::max(-radius, -x); i <= std::min(radius, width - 1 - x); ++i) {
-        const float w = kernel[i + radius] * weight[at(x + i, y)];
-        sum[at(x, y)] += w * values[at(x + i, y)];
-        mass[at(x, y)] += w;
+/// Separable Gaussian of planes, normalised by one weight. Pixels of weight 0 have no effect, and
+/// get 0.
+class Smoother {
+ public:
+  Smoother(const Plane& weight, int width, int height, double sigma)
+      : weight_(weight), width_(width), height_(height), mass_(Columns(Rows(weight, sigma))) {}
+
+  Plane Smoothed(const Plane& values) const {
+    Plane weighted(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) weighted[i] = weight_[i] * values[i];
+    Plane smooth = Columns(Rows(weighted));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      smooth[i] = weight_[i] > 0 ? smooth[i] / mass_[i] : 0;
+    return smooth;
+  }
+
+ private:
+  Plane Rows(const Plane& values, double sigma) {
+    radius_ = static_cast<int>(std::ceil(3 * sigma));
+    for (int i = -radius_; i <= radius_; ++i)
+      kernel_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
+    return Rows(values);
+  }
+  float* Row(Plane& plane, int y) const {
+    return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  }
+  const float* Row(const Plane& plane, int y) const {
+    return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  }
+  Plane Rows(const Plane& values) const {
+    Plane sum(values.size(), 0.0F);
+    for (int y = 0; y < height_; ++y)
+      for (int i = -radius_; i <= radius_; ++i) {
+        const float k = kernel_[i + radius_];
+        const float* from = Row(values, y) + i;
+        float* to = Row(sum, y);
+        for (int x = std::max(0, -i); x < std::min(width_, width_ - i); ++x) to[x] += k * from[x];
       }
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      float s = 0, m = 0;
-      for (int i = std::max(-radius, -y); i <= std::min(radius, height - 1 - y); ++i) {
-        s += kernel[i + radius] * sum[at(x, y + i)];
-        m += kernel[i + radius] * mass[at(x, y + i)];
+    return sum;
+  }
+  Plane Columns(const Plane& values) const {
+    Plane sum(values.size(), 0.0F);
+    for (int y = 0; y < height_; ++y)
+      for (int i = std::max(-radius_, -y); i <= std::min(radius_, height_ - 1 - y); ++i) {
+        const float k = kernel_[i + radius_];
+        const float* from = Row(values, y + i);
+        float* to = Row(sum, y);
+        for (int x = 0; x < width_; ++x) to[x] += k * from[x];
       }
-      if (m > 0) smooth[at(x, y)] = s / m;
-    }
-  return smooth;
-}
+    return sum;
+  }
+
+  const Plane& weight_;
+  int width_, height_, radius_ = 0;
+  std::vector<float> kernel_;
+  Plane mass_;
+};
 
 /// Details of one to a few pixels: a band-pass removes noise, light and exposure.
-Plane Details(const Image8& rgb, const Plane& weight) {
-  Plane luma(weight.size());
+Plane Details(const Image8& rgb, const Smoother& fine, const Smoother& coarse) {
+  Plane luma(rgb.data.size() / 3);
   for (std::size_t i = 0; i < luma.size(); ++i)
     luma[i] = static_cast<float>(Luma(&rgb.data[3 * i]));
-  const Plane fine = SmoothedWithin(luma, weight, rgb.width, rgb.height, 1.0),
-              coarse = SmoothedWithin(luma, weight, rgb.width, rgb.height, 5.0);
-  for (std::size_t i = 0; i < luma.size(); ++i) luma[i] = fine[i] - coarse[i];
+  const Plane blurred = coarse.Smoothed(luma);
+  luma = fine.Smoothed(luma);
+  for (std::size_t i = 0; i < luma.size(); ++i) luma[i] -= blurred[i];
   return luma;
 }
 
@@ -78,7 +107,9 @@ double Structure(const Image8& photograph, const Image8& render, const Image8& m
         weight[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
                static_cast<std::size_t>(x)] = 1;
     }
-  const Plane a = Details(photograph, weight), b = Details(render, weight);
+  const Smoother fine(weight, mask.width, mask.height, 1),
+      coarse(weight, mask.width, mask.height, 5);
+  const Plane a = Details(photograph, fine, coarse), b = Details(render, fine, coarse);
   double aa = 0, bb = 0, ab = 0;
   for (std::size_t i = 0; i < weight.size(); ++i) {
     if (weight[i] == 0) continue;
@@ -181,13 +212,40 @@ double MiddleOf(const std::vector<ViewEvidence>& views, double ViewEvidence::*me
   return UpperMedian(std::move(values));
 }
 
+/// The box with the places at which a pinhole camera shows what is on its border, within the
+/// picture.
+PixelBox WithItsPinhole(PixelBox box, const Camera& camera) {
+  if (!camera.distorted()) return box;
+  const PixelBox bent = box;
+  for (const double x : {0.0, 0.5, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d at(bent.x0 + x * (bent.x1 - bent.x0),
+                               bent.y0 + y * (bent.y1 - bent.y0));
+      const Eigen::Vector2d straight = Pinhole(camera).Project(camera.Unproject(at));
+      box.x0 = std::min(box.x0, static_cast<int>(std::floor(straight.x())));
+      box.y0 = std::min(box.y0, static_cast<int>(std::floor(straight.y())));
+      box.x1 = std::max(box.x1, static_cast<int>(std::ceil(straight.x())));
+      box.y1 = std::max(box.y1, static_cast<int>(std::ceil(straight.y())));
+    }
+  return {std::max(0, box.x0), std::max(0, box.y0), std::min(camera.width, box.x1),
+          std::min(camera.height, box.y1)};
+}
+
 }  // namespace
 
 Image8 Covered(const Mesh& mesh, const RayScene& scene, const View& view) {
-  const Raster raster = Rasterize(mesh, scene, view);
   Image8 covered(view.camera.width, view.camera.height, 1);
+  const auto scan = ScanConversion::Of(mesh.points, mesh.faces, view, {{0.5, 0.5}});
+  if (!scan) {
+    const Raster raster = Rasterize(mesh, scene, view);
+    for (std::size_t i = 0; i < covered.data.size(); ++i)
+      covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+    return covered;
+  }
+  std::vector<RayScene::Hit> hits;
+  scan->Fill({0, 0, covered.width, covered.height}, {}, hits);
   for (std::size_t i = 0; i < covered.data.size(); ++i)
-    covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+    covered.data[i] = hits[i].face >= 0 ? 255 : 0;
   return covered;
 }
 
@@ -207,8 +265,9 @@ Shot Cropped(const Shot& shot, const PointsX3& points) {
   box = {std::max(0, box.x0 - kMargin), std::max(0, box.y0 - kMargin),
          std::min(shot.photograph.width, box.x1 + kMargin),
          std::min(shot.photograph.height, box.y1 + kMargin)};
-  if (box.empty()) return shot;
-  Shot part = shot;
+  if (box.empty()) box = {0, 0, shot.photograph.width, shot.photograph.height};
+  box = WithItsPinhole(box, shot.view.camera);
+  Shot part{shot.view, {}, {}};
   Camera& camera = part.view.camera;
   camera.width = box.x1 - box.x0;
   camera.height = box.y1 - box.y0;
@@ -220,6 +279,10 @@ Shot Cropped(const Shot& shot, const PointsX3& points) {
     std::copy_n(shot.photograph.at(box.x0, box.y0 + y), 3 * camera.width, part.photograph.at(0, y));
     std::copy_n(shot.mask.at(box.x0, box.y0 + y), camera.width, part.mask.at(0, y));
   }
+  if (!camera.distorted()) return part;
+  part.photograph = Undistorted(part.photograph, camera);
+  part.mask = Undistorted(part.mask, camera);
+  camera = Pinhole(camera);
   return part;
 }
 

@@ -35,7 +35,8 @@ struct ViewEvidence {
   double Misfit() const;
 };
 
-/// The part of the shot with the mesh or the mask, and a margin.
+/// The part of the shot with the mesh or the mask, and a margin, without the bend of its lens: then
+/// the mesh is drawn by scan conversion.
 Shot Cropped(const Shot& shot, const PointsX3& points);
 
 /// 255 where the ray through the pixel's centre meets the mesh.
