@@ -15,6 +15,7 @@
 
 #include "core/values/errors.h"
 #include "pipeline/disk/project_paths.h"
+#include "studio/project/known_projects.h"
 #include "studio/runs/children.h"
 #include "studio/server/server.h"
 
@@ -37,7 +38,7 @@ fs::path FolderOf(const std::string& given) {
   if (!fs::is_directory(start))
     throw UsageError(fmt::format("-C {}: it is not a folder; make it first", start.string()));
   const fs::path clean = start.has_filename() ? start : start.parent_path();
-  if (!given.empty()) return clean;
+  if (!given.empty()) return FolderToOpen(clean.string());
   for (fs::path folder = clean; folder != folder.root_path(); folder = folder.parent_path())
     if (fs::is_regular_file(folder / "pipeline.yaml")) return folder;
   std::error_code none;

@@ -335,6 +335,16 @@ TEST_F(MeshProject, WhatCannotBeAProjectIsRefusedAndLeavesNothing) {
   refuse(Init({"--texture", "skin.png"}, "photos", "photos"), kUsage, "poses from meshes");
 }
 
+TEST_F(MeshProject, AFileWithoutItsLastFacesIsDoubted) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\n";
+  WriteFile(folder_ / "cut.obj", text);
+  EXPECT_THAT(Init({}, "rest pose.obj", "cut.obj").output,
+              HasSubstr("1 of 4 vertices are in no face"));
+  fs::remove_all(folder_ / "fox");
+  WriteFile(folder_ / "cut.obj", text + "f 2 4 3\n");
+  EXPECT_THAT(Init({}, "rest pose.obj", "cut.obj").output, Not(HasSubstr("in no face")));
+}
+
 TEST_F(MeshProject, InitSaysWhatItReadInOneLine) {
   const std::string corners = "0 0 0 255 0 0\n100 0 0 255 0 0\n0 50 2 255 0 0\n";
   WriteFile(folder_ / "a.off", "COFF\n3 1 0\n" + corners + "3 0 1 2\n");

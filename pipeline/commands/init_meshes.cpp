@@ -135,6 +135,20 @@ std::string Told(const Scan& scan, bool textured, bool look_given) {
   return fmt::format("{} vertices, {} faces, {}, {}", mesh.points.rows(), faces, size, look);
 }
 
+/// A file that was cut off has its vertices before its faces.
+void WarnOfLooseVertices(const GivenMesh& mesh) {
+  const Mesh& read = mesh.scan.mesh;
+  std::vector<char> used(static_cast<std::size_t>(read.points.rows()), 0);
+  for (Eigen::Index f = 0; f < read.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) used[static_cast<std::size_t>(read.faces(f, k))] = 1;
+  const auto loose = std::count(used.begin(), used.end(), 0);
+  if (read.faces.rows() == 0 || loose * 20 <= std::ssize(used)) return;
+  Warn(fmt::format(
+      "{}: {} of {} vertices are in no face: if the mesh has a hole where they lie, the file was "
+      "not written to its end; export it again",
+      mesh.file.string(), loose, used.size()));
+}
+
 /// @param look_given  its texture comes from elsewhere: it keeps its coordinates
 /// @throws InputError  the mesh cannot be read
 void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
@@ -150,6 +164,7 @@ void FindColors(GivenMesh* mesh, bool same_faces, bool look_given) {
         "it "
         "of the points (MeshLab: Filters > Remeshing > Surface Reconstruction: Screened Poisson)",
         mesh->name, mesh->file.string(), mesh->scan.mesh.points.rows()));
+  WarnOfLooseVertices(*mesh);
   if (!mesh->texture.empty()) mesh->scan.texture.clear();  // it is read when it is copied
   if (!mesh->scan.changed) mesh->scan.mesh = {};
 }

@@ -1,5 +1,6 @@
 #include "studio/project/project_card.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/values/errors.h"
@@ -25,6 +26,16 @@ bool HasFailed(const pipeline::StepPlan& step) {
          step.last->failed_fingerprint == step.fingerprint;
 }
 
+/// Whether PictureOf finds one; draws none.
+bool HasPicture(Snapshot& now) {
+  const bool performance = now.graph().kind == pipeline::ProjectKind::kPerformance;
+  if (!performance) return !OriginalPhotographs(now.PhotoFolder(now.graph().template_pose)).empty();
+  return std::any_of(now.graph().poses.begin(), now.graph().poses.end(),
+                     [&](const std::string& shot) {
+                       return !FilmsIn(FilmFolder(now.project(), now.file(), shot)).empty();
+                     });
+}
+
 /// Counts what is done; steps without their programs are not to be done.
 json CardOf(Snapshot& now) {
   int done = 0, steps = 0, failed = 0;
@@ -42,12 +53,13 @@ json CardOf(Snapshot& now) {
           {"steps", steps},
           {"poses", now.file().poses.size()},
           {"kind", performance ? "performance" : "poses"},
+          {"picture", HasPicture(now)},
           {"problem", ""}};
 }
 
 json PlainCard(const char* state, const std::string& problem) {
-  return {{"state", state}, {"done", 0},       {"steps", 0},
-          {"poses", 0},     {"kind", "poses"}, {"problem", problem}};
+  return {{"state", state},  {"done", 0},        {"steps", 0},        {"poses", 0},
+          {"kind", "poses"}, {"picture", false}, {"problem", problem}};
 }
 
 /// The first photograph of the template; of a performance the first frame of a film.

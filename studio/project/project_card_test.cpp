@@ -42,6 +42,7 @@ TEST_F(ProjectCardTest, TellsOfAProjectThatHasNotRun) {
   EXPECT_EQ(card["steps"], 1);
   EXPECT_EQ(card["poses"], 2);
   EXPECT_EQ(card["kind"], "poses");
+  EXPECT_FALSE(card["picture"]);
   EXPECT_THROW(ProjectPicture(folder_), NotFound) << "it has no photograph yet";
 }
 
@@ -61,6 +62,7 @@ TEST_F(ProjectCardTest, ThePictureIsTheTemplatesFirstPhotographMadeSmall) {
   WriteImage(folder_ / "photos/rest/b.png", photograph);
   photograph.data.assign(640 * 320 * 3, 200);
   WriteImage(folder_ / "photos/rest/a.png", photograph);
+  EXPECT_TRUE(ProjectCardJson(folder_)["picture"]);
   const Image8 picture = ReadImage(ProjectPicture(folder_), 3);
   EXPECT_EQ(picture.width, 480);
   EXPECT_EQ(picture.height, 240);

@@ -11,6 +11,7 @@
 #include "pipeline/disk/project_paths.h"
 #include "studio/project/known_projects.h"
 #include "studio/project/not_found.h"
+#include "studio/project/pasted_path.h"
 #include "studio/project/project_card.h"
 #include "studio/runs/children.h"
 #include "studio/runs/run_control.h"
@@ -112,14 +113,14 @@ Answer Door::HandleOrThrow(const Question& question) {
   if (question.method != "POST") return ErrorAnswer(404, "there is nothing at this address");
   if (what == "/address") return JsonAnswer({{"address", options_.new_address()}});
   if (what == "/open") {
-    Open(FolderToOpen(pipeline::WithHome(text("folder"))));
+    Open(FolderToOpen(pipeline::WithHome(PastedPath(text("folder")))));
   } else if (what == "/new") {
     Open(fs::canonical(NewProjectFolder(options_.home, text("name"))));
   } else if (what == "/forget") {
     const std::lock_guard<std::mutex> lock(list_mutex_);
     ForgetProject(options_.state, text("folder"));
   } else if (what == "/example") {
-    const fs::path base = fs::path(pipeline::WithHome(text("base"))).lexically_normal();
+    const fs::path base = fs::path(pipeline::WithHome(PastedPath(text("base")))).lexically_normal();
     if (!base.is_absolute())
       throw UsageError(fmt::format("'{}' is no whole path: it begins with / or ~/", text("base")));
     examples_.Start(text("kind"), base.has_filename() ? base : base.parent_path());

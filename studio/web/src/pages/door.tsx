@@ -15,6 +15,8 @@ export function enter(page = ''): void {
   location.reload()
 }
 
+const wordsOf = (error: unknown) => (error instanceof Error ? error.message : String(error))
+
 function NoPicture({ name }: { name: string }) {
   return (
     <div class="door-picture none" aria-hidden="true">
@@ -57,7 +59,7 @@ function Known({ project, isOpen, acts }: { project: KnownProject; isOpen: boole
   const bad = card?.state === 'failed' || card?.state === 'broken'
   return (
     <li class={project.there ? 'door-card' : 'door-card gone'}>
-      {project.there ? <Picture folder={folder} name={name} /> : <NoPicture name={name} />}
+      {card?.picture ? <Picture folder={folder} name={name} /> : <NoPicture name={name} />}
       <div class="door-facts">
         <h2 title={name}>{name}</h2>
         {project.there ? (
@@ -121,14 +123,16 @@ function NewOne({ home, act }: { home: string; act: (name: string) => void }) {
   )
 }
 
-function OpenOne({ act }: { act: (folder: string) => void }) {
+/** Says beside the form why a folder cannot be opened. */
+function OpenOne({ act }: { act: (folder: string) => Promise<unknown> }) {
   const [folder, setFolder] = useState('')
+  const [fault, setFault] = useState('')
   return (
     <form
       class="card stack"
       onSubmit={(event) => {
         event.preventDefault()
-        if (folder.trim()) act(folder.trim())
+        if (folder.trim()) act(folder.trim()).catch((error) => setFault(wordsOf(error)))
       }}
     >
       <h2>Open a folder</h2>
@@ -139,8 +143,16 @@ function OpenOne({ act }: { act: (folder: string) => void }) {
         autocomplete="off"
         spellcheck={false}
         placeholder="/home/me/fox"
-        onInput={(event) => setFolder(event.currentTarget.value)}
+        aria-invalid={fault !== ''}
+        aria-describedby="door-folder-fault"
+        onInput={(event) => {
+          setFolder(event.currentTarget.value)
+          setFault('')
+        }}
       />
+      <p id="door-folder-fault" class="bad small" role="alert" hidden={fault === ''}>
+        {fault}
+      </p>
       <p class="soft small">
         A project’s, or an empty one. In a file manager: Ctrl L shows a folder’s path, Ctrl C takes
         it.
@@ -194,8 +206,7 @@ function useDoor(first: DoorState) {
   // It was asked for again: a project was left for this page.
   useEffect(() => setDoor(first), [first])
   const [fault, setFault] = useState('')
-  const complain = (error: unknown) =>
-    setFault(error instanceof Error ? error.message : String(error))
+  const complain = (error: unknown) => setFault(wordsOf(error))
   const ask = (question: Promise<DoorState>) =>
     question.then((next) => {
       setFault('')
@@ -278,7 +289,7 @@ export function DoorPage({ first, guide }: { first: DoorState; guide: boolean })
                 home={door.home}
                 act={(name) => void ask(doorApi.make(name)).then(() => enter(), complain)}
               />
-              <OpenOne act={open} />
+              <OpenOne act={(folder) => ask(doorApi.open(folder)).then(() => enter())} />
             </div>
             <Examples door={door} ask={ask} complain={complain} open={open} />
             <footer class="door-foot">

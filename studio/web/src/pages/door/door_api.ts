@@ -36,6 +36,8 @@ export interface ProjectCard {
   steps: number
   poses: number
   kind: 'poses' | 'performance'
+  /** whether there is one to show */
+  picture: boolean
   problem: string
 }
 
