@@ -8,6 +8,7 @@
 #include "capture/find_photographs.h"
 #include "capture/shoot/develop/photograph.h"
 #include "core/io/pictures/image_io.h"
+#include "core/io/pictures/image_kind.h"
 #include "core/io/pictures/photograph_files.h"
 #include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
@@ -225,6 +226,26 @@ fs::path FindBackground(const fs::path& folder) {
   return {};
 }
 
+namespace {
+
+/// Where some photographs cannot be read, those too that only decoding would find: all are mended
+/// in one go. Without a fault no file is read twice.
+void AddCutOff(const std::vector<std::pair<const PhotographGroup*, fs::path>>& files,
+               std::vector<std::string>* faults, std::vector<std::string>* reasons) {
+  if (std::all_of(faults->begin(), faults->end(), [](const auto& fault) { return fault.empty(); }))
+    return;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const fs::path& file = files[i].second;
+    if (!(*faults)[i].empty() || !IsPhotographName(file)) continue;
+    const std::string fault = PhotographFault(ReadFile(file));
+    if (fault.empty()) continue;
+    (*faults)[i] = file.filename().string();
+    (*reasons)[i] = file.string() + " " + fault;
+  }
+}
+
+}  // namespace
+
 std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups) {
   std::vector<std::pair<const PhotographGroup*, fs::path>> files;
   for (const PhotographGroup& group : groups)
@@ -245,6 +266,7 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
       reasons[i] = error.what();
     }
   });
+  AddCutOff(files, &faults, &reasons);
   std::erase(faults, "");
   std::erase(reasons, "");
   if (faults.size() == 1) throw InputError("capture: " + reasons[0]);

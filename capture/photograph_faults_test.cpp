@@ -77,6 +77,16 @@ TEST_F(CaptureProgram, TruncatedJpegsAreAllNamed) {
   EXPECT_FALSE(fs::exists(images));
 }
 
+TEST_F(CaptureProgram, DamageOfTwoKindsIsToldInOneRun) {
+  WritePhotos(9);
+  WriteFile(photos / "p12.jpg", "no picture");
+  const std::string bytes = ReadFile(photos / "p15.jpg");
+  WriteFile(photos / "p15.jpg", bytes.substr(0, bytes.size() / 2));
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("2 of 9 photographs cannot be read: p12.jpg, p15.jpg"));
+}
+
 TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
   WritePhotos(8);
   int count = 0;
