@@ -52,6 +52,28 @@ TEST(SilhouettesProgram, MasksGoWithTheRateOfTheFilms) {
   }
 }
 
+TEST(SilhouettesProgram, APlateThatTheFilmDiffersFromEverywhereIsDoubted) {
+  const TestingFolder folder;
+  const fs::path root = folder.path();
+  fs::create_directories(root / "shot/background");
+  fs::create_directories(root / "shot/cam1");
+  WriteImage(root / "shot/background/cam1.png", Image8(kWidth, kHeight, 3, 150));
+  for (int f = 0; f < kFrames; ++f) {  // two colours by turns, as dithering mixes them
+    Image8 picture(kWidth, kHeight, 3, 60);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = (y + f) % 2; x < kWidth; x += 2)
+        std::fill_n(picture.at(x, y), 3, std::uint8_t{240});
+    WriteImage(root / "shot/cam1" / (std::to_string(f) + ".png"), picture);
+  }
+  const std::string command = BinFolder() + "/keypose-silhouettes --video " +
+                              (root / "shot").string() + " --masked " + (root / "masked").string() +
+                              " > " + (root / "log.txt").string() + " 2>&1";
+  ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << ReadFile(root / "log.txt");
+  EXPECT_NE(ReadFile(root / "log.txt").find("camera cam1: 3 of its 3 masks are nearly the whole"),
+            std::string::npos)
+      << ReadFile(root / "log.txt");
+}
+
 /// A film of a ball with a stripe that rolls before a wall with pictures, as numbered pictures.
 cv::Mat PictureInARoom(int frame, cv::Mat* truth) {
   cv::Mat picture(kHeight, kWidth, CV_8UC3, cv::Scalar(150, 160, 170));

@@ -1,5 +1,7 @@
 // keypose-silhouettes: masks of an actor in the films of fixed cameras, against pictures of the
 // empty set, or by what moves where there are none.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -13,6 +15,7 @@
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/png_io.h"
 #include "core/io/project/rig_calibration.h"
+#include "core/io/text/files.h"
 #include "core/numbers/parallel.h"
 #include "core/stage/stage.h"
 #include "core/values/errors.h"
@@ -29,7 +32,7 @@ constexpr int kTogether = 24;  // frames that are segmented as one set
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "silhouettes";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Masks of an actor in films of fixed cameras, with or without the empty set.";
   spec.title = "Masks of the films";
   spec.inputs = {
@@ -70,25 +73,41 @@ class CameraMasks {
                          " have pictures of different shape");
     }
     const std::vector<Image8> masks = SegmentSet(small, plate_, {}, masking_);
-    std::vector<int> empty(masks.size());
+    std::vector<int> empty(masks.size()), full(masks.size());
     ParallelFor(count, [&](std::int64_t i) {
       const Image8 mask = RefinedMask(pictures[i], masks[i]);
       empty[i] = MaskFraction(mask) == 0;
+      full[i] = MaskFraction(mask) > kNearlyAll;
       char name[32];
       std::snprintf(name, sizeof name, "%03d.png", first + static_cast<int>(i));
       WriteMaskPng(folder_ / name, mask);
     });
     int sum = 0;
     for (const int e : empty) sum += e;
+    for (const int f : full) full_ += f;
     return sum;
   }
 
+  /// What is wrong with the plate, if most masks are nearly the whole picture; else empty.
+  std::string Warning() const {
+    if (2 * full_ <= camera_.frames()) return "";
+    return fmt::format(
+        "camera {}: {} of its {} masks are nearly the whole picture, since the film differs from "
+        "its plate {} everywhere (other light or exposure, or a film with few colours, such as a "
+        "GIF); make the plate with the film and in its format, or leave it out: then the actor is "
+        "found by what moves",
+        camera_.name, full_, camera_.frames(), PrintableName(camera_.plate.filename()));
+  }
+
  private:
+  static constexpr double kNearlyAll = 0.9;
+
   const ShotCamera& camera_;
   FrameReader reader_;
   std::filesystem::path folder_;
   MaskOptions masking_;
   Image8 plate_;
+  int full_ = 0;  ///< masks of nearly the whole picture
 };
 
 /// The cameras with a picture of the empty set, or those without.
@@ -115,6 +134,7 @@ int WriteByPlates(StageContext& stage, const std::vector<ShotCamera>& cameras,
       ReportProgress(progress, (done + static_cast<double>(f) / camera.frames()) / SizeOf(cameras),
                      camera.name);
     }
+    if (const std::string warning = masks.Warning(); !warning.empty()) stage.Warn(warning);
     ++done;
   }
   return empty;
