@@ -171,6 +171,14 @@ def by_colmap(camera, form):
     return write
 
 
+def utf16_colmap(b, folder, cameras):
+    """As an editor of Windows may write it."""
+    colmap_text(folder, cameras, PLAIN)
+    for file in folder.iterdir():
+        file.write_bytes(file.read_text().encode('utf-16'))
+    return folder
+
+
 PLAIN = f'PINHOLE {WIDTH} {HEIGHT} {FOCAL} {FOCAL} {WIDTH / 2} {HEIGHT / 2}'
 SIZE = f'{WIDTH} {HEIGHT} {FOCAL} {FOCAL} {WIDTH / 2} {HEIGHT / 2} '
 TANGENT = f'{1 / 3} {2 / 15} {17 / 315} {62 / 2835}'  # a fisheye with these is a pinhole, to 0.02 px
@@ -185,6 +193,7 @@ cases('COLMAP', SFM, [
     ('wide THIN_PRISM_FISHEYE', 'THIN_PRISM_FISHEYE', 'named', by_colmap('THIN_PRISM_FISHEYE ' + SIZE + '0.2 0.1 0 0 0.3 0.2 0.01 0.01', 'TXT')),
     ('FOV', 'FOV', 'named', by_colmap('FOV ' + SIZE + '1.2', 'BIN')),
     ('empty lines', '', 'right', lambda b, folder, cameras: colmap_text(folder, cameras, PLAIN, '\n  \n')),
+    ('UTF-16', '', 'right', utf16_colmap),
     ('EQUIRECTANGULAR', 'EQUIRECTANGULAR', 'named', lambda b, folder, cameras: colmap_text(folder, cameras, f'EQUIRECTANGULAR {WIDTH} {HEIGHT}'))], own_sfm)
 
 
@@ -218,6 +227,12 @@ cases('transforms.json', SFM, [
     ('instant-ngp, camera_angle_x', '', 'right', transforms(lambda root: (root.update(camera_angle_x=2 * math.atan(WIDTH / 2 / FOCAL), aabb_scale=4), root.pop('fl_x'), root.pop('fl_y')))),
     ('OPENCV_FISHEYE', '', 'right', transforms(lambda root: root.update(camera_model='OPENCV_FISHEYE', **dict(zip(('k1', 'k2', 'k3', 'k4'), map(float, TANGENT.split())))))),
     ('EQUIRECTANGULAR', 'EQUIRECTANGULAR', 'named', transforms(lambda root: root.update(camera_model='EQUIRECTANGULAR'))),
+    ('distortion_params', '', 'right', transforms(lambda root: root.update(camera_model='OPENCV_FISHEYE', distortion_params=[*map(float, TANGENT.split()), 0, 0]))),
+    ('x_fov', '', 'right', transforms(lambda root: (root.update(x_fov=math.degrees(2 * math.atan(WIDTH / 2 / FOCAL))), root.pop('fl_x'), root.pop('fl_y')))),
+    ('three rows', '', 'right', transforms(lambda root: [frame.update(transform_matrix=frame['transform_matrix'][:3]) for frame in root['frames']])),
+    ('an angle in degrees', 'in radians', 'named', transforms(lambda root: (root.update(camera_angle_x=40.), root.pop('fl_x'), root.pop('fl_y')))),
+    ('mirrored', 'mirrors', 'named', transforms(lambda root: [row.__setitem__(0, -row[0]) for frame in root['frames'] for row in frame['transform_matrix'][:3]])),
+    ('rolling_shutter', 'rolling_shutter', 'named', transforms(lambda root: root.update(rolling_shutter=[0, 0, 0.03, 0]))),
     ('from_na', 'from_na', 'named', transforms(lambda root: root.update(from_na=True)))], own_sfm)
 
 
