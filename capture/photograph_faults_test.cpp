@@ -162,6 +162,16 @@ TEST_F(CaptureProgram, BlurredSetIsAnInputErrorThatNamesThemUnlessTheLimitsAllow
   EXPECT_EQ(Run("--overwrite --min_sharpness 0").code, 0);
 }
 
+TEST_F(CaptureProgram, APhotographFarLessCrispThanTheOthersIsNamed) {
+  for (int i = 0; i < 8; ++i) {
+    const TestPhoto photo = MakeTestPhoto(i, 270, 180, TestWall::kDark);
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"),
+               i != 5 ? photo.image : Blurred(photo.image, 2));
+  }
+  ASSERT_EQ(Run("--min_sharpness 0.01").code, 0);
+  EXPECT_THAT(Report(), HasSubstr("\"blurred\": [\n   \"p5.jpg\"\n  ]"));
+}
+
 // As many as are asked for are enough: LargePhotographsHaveMasksOfTheirSizeInAGibibyte.
 TEST_F(CaptureProgram, SmallSetIsAnInputErrorWhereMoreAreAskedFor) {
   WritePhotos(8);

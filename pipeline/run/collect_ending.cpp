@@ -66,6 +66,11 @@ void SortByPose(const std::vector<std::string>& poses, std::vector<RunVerdict>* 
 
 }  // namespace
 
+void AddWarnings(const Artifact& artifact, const Step& step, const Disk& disk,
+                 std::vector<RunWarning>* warnings) {
+  AddWarnings(ReportOf(artifact, disk), step, warnings);
+}
+
 Ending EndingOf(const Plan& plan, const Disk& disk, const fs::path& out) {
   Ending ending;
   for (int i = 0; i < plan.size(); ++i) {

@@ -15,4 +15,8 @@ namespace keypose::pipeline {
 /// @param out  the project's out/
 Ending EndingOf(const Plan& plan, const Disk& disk, const std::filesystem::path& out);
 
+/// What a step said when it made the artifact; the same words of several steps become one warning.
+void AddWarnings(const Artifact& artifact, const Step& step, const Disk& disk,
+                 std::vector<RunWarning>* warnings);
+
 }  // namespace keypose::pipeline

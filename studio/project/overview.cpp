@@ -172,19 +172,43 @@ json ProjectJson(Snapshot& snapshot) {
 json NoStepsJson(bool running, const std::string& locked_by) {
   return {{"steps", json::array()},
           {"warnings", json::array()},
+          {"earlier_warnings", json::array()},
           {"verdicts", json::array()},
           {"running", running},
           {"locked_by", locked_by}};
 }
+
+namespace {
+
+json WarningsJson(const std::vector<pipeline::RunWarning>& warnings) {
+  json list = json::array();
+  for (const pipeline::RunWarning& warning : warnings)
+    list.push_back({{"steps", warning.steps}, {"poses", warning.poses}, {"text", warning.text}});
+  return list;
+}
+
+/// What steps said that will run again: of several photographs that are to be left out, one after
+/// the other is.
+std::vector<pipeline::RunWarning> EarlierWarnings(Snapshot& snapshot) {
+  std::vector<pipeline::RunWarning> warnings;
+  for (int i = 0; i < snapshot.plan().size(); ++i) {
+    if (snapshot.plan()[i].state == pipeline::StepPlan::State::kDone) continue;
+    const pipeline::Step& step = snapshot.graph().steps[static_cast<std::size_t>(i)];
+    if (const auto artifact = snapshot.Result(step.rule, step.pose))
+      pipeline::AddWarnings(*artifact, step, snapshot.opened_project().disk(), &warnings);
+  }
+  return warnings;
+}
+
+}  // namespace
 
 json StepsJson(Snapshot& snapshot, bool running, const std::string& locked_by) {
   json all = NoStepsJson(running, locked_by);
   for (int i = 0; i < snapshot.plan().size(); ++i) all["steps"].push_back(StepJson(snapshot, i));
   const pipeline::Ending ending = pipeline::EndingOf(
       snapshot.plan(), snapshot.opened_project().disk(), snapshot.opened_project().out());
-  for (const auto& warning : ending.warnings)
-    all["warnings"].push_back(
-        {{"steps", warning.steps}, {"poses", warning.poses}, {"text", warning.text}});
+  all["warnings"] = WarningsJson(ending.warnings);
+  all["earlier_warnings"] = WarningsJson(EarlierWarnings(snapshot));
   for (const auto& verdict : ending.verdicts)
     all["verdicts"].push_back({{"about", verdict.about},
                                {"grade", verdict.grade},

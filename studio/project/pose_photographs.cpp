@@ -45,7 +45,7 @@ json PhotographJson(const CapturedImage& image) {
   return {{"name", image.name},
           {"width", image.width},
           {"height", image.height},
-          {"sharpness", image.sharpness},
+          {"sharpness", image.crispness > 0 ? image.crispness : image.sharpness},
           {"exposure", image.exposure},
           {"mask_fraction", image.mask_fraction},
           {"mask_given", image.mask_given},

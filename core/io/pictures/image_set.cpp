@@ -148,6 +148,7 @@ CapturedImage ImageFrom(const json& entry, const std::optional<BoardLayout>& boa
   image.trusted = entry.value("trusted", true);
   image.why = entry.value("why", "");
   image.sharpness = entry.value("sharpness", 0.0);
+  image.crispness = entry.value("crispness", 0.0);
   image.exposure = entry.value("exposure", 0.0);
   image.mask_fraction = entry.value("mask_fraction", 0.0);
   image.group = entry.value("group", "");
@@ -229,6 +230,7 @@ void WriteImageSet(const ImageSet& set) {
                   {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
     if (image.photograph_width > 0)
       entry["photograph"] = {image.photograph_width, image.photograph_height};
+    if (image.crispness > 0) entry["crispness"] = image.crispness;
     if (image.mask_given) entry["mask_given"] = true;
     if (!image.trusted) {
       entry["trusted"] = false;

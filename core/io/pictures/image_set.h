@@ -31,6 +31,9 @@ struct CapturedImage {
   bool trusted = true;   ///< false: it contradicts the others, and is not used for shape and colour
   std::string why;       ///< why it is not trusted; for the user
   double sharpness = 0;  ///< variance of the Laplacian inside the mask, grey levels^2
+  /// in [0, 1], 1 sharp; hardly depends on the texture (capture/pictures/photograph_quality.h); 0:
+  /// not known
+  double crispness = 0;
   double exposure = 0;   ///< mean luma inside the mask, 0..255
   double mask_fraction = 0;  ///< share of the image that the mask covers
   /// the figure's placement, such as "upright" or "lying"; "" when there is only one

@@ -112,6 +112,8 @@ export interface Verdict {
 export interface Steps {
   steps: Step[]
   warnings: Warning[]
+  /** of steps that will run again, when they ran last */
+  earlier_warnings: Warning[]
   verdicts: Verdict[]
   /** a run that the studio started */
   running: boolean

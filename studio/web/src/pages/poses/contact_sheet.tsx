@@ -70,7 +70,7 @@ export function ContactSheet(props: {
             .map((one) => one.photograph.name)}
         />
         <Warnings
-          said={saidOf(steps, props.pose.name)}
+          said={saidOf(steps, props.pose.name, used)}
           judged={props.judged}
           acts={acts}
           show={(name) => show({ name })}

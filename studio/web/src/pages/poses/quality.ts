@@ -19,7 +19,7 @@ export interface Judged {
   badness: number
 }
 
-const kBlurred = 0.5
+const kBlurred = 0.75 // as capture warns
 const kNoFigure = 0.002 // as min_mask of capture
 const kExposureOff = 0.15
 

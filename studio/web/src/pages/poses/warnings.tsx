@@ -10,17 +10,27 @@ interface Said {
   steps: string[]
   text: string
   failed: boolean
+  /** the step will run again: its words are of before */
+  earlier: boolean
 }
 
-/** Warnings, and the words of steps that failed. */
-export function saidOf(steps: Steps, pose: string): Said[] {
+/**
+ * Warnings, and the words of steps that failed. Of steps that will run again those warnings too that
+ * name a photograph which is not left out yet.
+ * @param used  names of the photographs that are not left out
+ */
+export function saidOf(steps: Steps, pose: string, used: string[]): Said[] {
   const failed = steps.steps
     .filter((step) => step.pose === pose && step.state === 'failed' && step.error)
-    .map((step) => ({ steps: [step.id], text: step.error, failed: true }))
-  const warnings = steps.warnings
-    .filter((one: Warning) => one.poses.includes(pose))
-    .map(({ steps: of, text }) => ({ steps: of, text, failed: false }))
-  return [...failed, ...warnings]
+    .map((step) => ({ steps: [step.id], text: step.error, failed: true, earlier: false }))
+  const warnings = (list: Warning[], earlier: boolean) =>
+    list
+      .filter((one) => one.poses.includes(pose))
+      .map(({ steps: of, text }) => ({ steps: of, text, failed: false, earlier }))
+  const earlier = warnings(steps.earlier_warnings, true).filter(
+    ({ text }) => saysLeaveOut(text) && namedIn(text, used).length > 0,
+  )
+  return [...failed, ...warnings(steps.warnings, false), ...earlier]
 }
 
 /** So many have a button each; more are left out together. */
@@ -64,6 +74,7 @@ export function Warnings(props: {
                 {one.steps.map((id) => stepTitle(id, steps)).join(', ')}
               </span>
               <span>
+                {one.earlier && <span class="soft">Before your change: </span>}
                 <span class={one.failed ? 'bad' : ''}>{one.text}</span>
                 {named.length > 0 && (
                   <span class="row acts">
