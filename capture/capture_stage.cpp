@@ -433,7 +433,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "15",
+    .version = "16",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .title = "Photographs",
     .measurements = {{"images_total", "photographs"},

@@ -42,6 +42,9 @@ export function ContactSheet(props: {
   const { order, setOrder } = props
   const [veiled, setVeiled] = useState(true)
   const shown = useMemo(() => ordered(props.judged, order), [props.judged, order])
+  const used = props.judged
+    .filter((one) => !one.photograph.left_out)
+    .map((one) => one.photograph.name)
   return (
     <>
       <div class="tools row">
