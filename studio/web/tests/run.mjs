@@ -1,6 +1,7 @@
-// Bundles the tests of the page's models, and runs them in one process: node run.mjs
+// Checks the page's types, bundles the tests of its models, and runs them in one process: node run.mjs
 import { spawnSync } from 'node:child_process'
 import { mkdtempSync, readdirSync, rmSync } from 'node:fs'
+import { createRequire } from 'node:module'
 import { tmpdir } from 'node:os'
 import { dirname, join } from 'node:path'
 import { fileURLToPath } from 'node:url'
@@ -19,8 +20,11 @@ try {
     format: 'esm',
     outfile: all,
   })
-  const done = spawnSync(process.execPath, [all], { stdio: 'inherit' })
-  process.exitCode = done.status ?? 1
+  const compiler = createRequire(import.meta.url).resolve('typescript/bin/tsc')
+  for (const words of [[all], [compiler, '--noEmit', '-p', join(here, '..')]]) {
+    const done = spawnSync(process.execPath, words, { stdio: 'inherit' })
+    process.exitCode ||= done.status ?? 1
+  }
 } finally {
   rmSync(folder, { recursive: true })
 }

@@ -265,5 +265,5 @@ function Sighted(props: {
     )
   if (sight.key === '3d') return <FigurePair key="3d" pose={subject.pose} {...rest} />
   const Shown = sight.film ? FilmPair : PicturePair
-  return <Shown key={sight.key} pose={subject.pose} path={sight.key} {...rest} />
+  return <Shown key={sight.key} path={sight.key} {...rest} />
 }
