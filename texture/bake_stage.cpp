@@ -213,7 +213,7 @@ void RunScan(StageContext& stage, const Mesh& mesh, const BakeOptions& options) 
   const Mesh scan = ReadMesh(stage.Input("scan"));
   RequireUsable(scan, stage.Input("scan").string());
   Image8 texture;
-  if (const auto file = stage.Input("scan_texture"); !file.empty()) texture = ReadImage(file, 3);
+  if (const auto file = stage.Input("scan_texture"); !file.empty()) texture = ReadTexture(file);
   const ScanBake result =
       BakeScan(mesh, scan, texture, {options.texture_size, options.gutter, options.scan_reach},
                stage.progress());

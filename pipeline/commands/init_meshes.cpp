@@ -9,6 +9,7 @@
 #include "core/io/meshes/polygon_mesh.h"
 #include "core/io/meshes/scan_file.h"
 #include "core/io/pictures/photograph_files.h"
+#include "core/io/pictures/plain_texture.h"
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
 #include "core/values/file_names.h"
@@ -67,7 +68,12 @@ struct GivenMesh {
   std::string told = {};  ///< what was read, in words
 
   bool textured() const { return !texture.empty() || !scan.texture.empty(); }
-  std::string TextureBytes() const { return texture.empty() ? scan.texture : ReadFile(texture); }
+  /// Of glTF, whose textures are inside, profiles do not count.
+  std::string TextureBytes() const {
+    const bool own = !texture.empty();
+    return PlainTexture(own ? ReadFile(texture) : scan.texture, PrintableName(own ? texture : file),
+                        own);
+  }
   std::string TextureEnding() const {
     return texture.empty() ? scan.texture_ending : LowerExtension(texture);
   }

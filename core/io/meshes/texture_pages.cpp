@@ -155,7 +155,7 @@ class PageJoiner {
     return shift != Eigen::Vector2d::Zero();
   }
 
-  /// The single picture as it is, or a WebP as PNG.
+  /// The single picture without what must not count in it, or a WebP as PNG.
   OneTexture WithPicture(OneTexture result) {
     PageFile& file = paged_.pictures[paged_.pages[0].picture];
     result.ending = EndingOf(file.bytes);

@@ -316,9 +316,19 @@ Image8 ReadImage(const fs::path& path, int channels) try {
     RequireModestHeif(path);
     return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
   }
-  const auto input = Open(path);
+  // Colours are those of the file; marks painted on glass are what shows of them.
+  const auto input = Open(path, channels != 1);
   const int wanted = channels > 0 ? channels : (input->header().channels >= 3 ? 3 : 1);
   return ReadSrgb<std::uint8_t>(path, *input, wanted);
+} catch (const std::bad_alloc&) {
+  ThrowNoMemory(path);
+}
+
+Image8 ReadTexture(const fs::path& path) try {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") return ReadImage(path, 3);
+  const auto input = Open(path, true);
+  return InSrgb(WithChannels(ReadRaw(path, *input), 3), ProfileIn(*input));
 } catch (const std::bad_alloc&) {
   ThrowNoMemory(path);
 }
@@ -326,7 +336,7 @@ Image8 ReadImage(const fs::path& path, int channels) try {
 StoredPicture ReadAsStored(const fs::path& path) try {
   RequireReadable(path);
   if (RequireKnownKind(path) == "heif") return {ReadImage(path, 3), {}};
-  const auto input = Open(path);
+  const auto input = Open(path, true);
   if (input->header().bytes == 1) return {ReadSrgb<std::uint8_t>(path, *input, 3), {}};
   return {{}, ReadSrgb<std::uint16_t>(path, *input, 3)};
 } catch (const std::bad_alloc&) {

@@ -30,12 +30,16 @@ struct ImageInfo {
 ImageInfo ReadImageInfo(const std::filesystem::path& path);
 
 /// The pixels as 8 bit, with the EXIF orientation applied. `channels` is 1 (luma), 3 (RGB) or 0,
-/// which keeps 1 or 3. Alpha is dropped. Colours with an ICC profile become sRGB; luma is that of the
+/// which keeps 1 or 3. Alpha is dropped; luma is multiplied by it. Colours with an ICC profile become sRGB; luma is that of the
 /// colours as they are stored.
 /// @throws DiskError   cannot be opened; not enough memory
 /// @throws InputError  not an image of a known kind, larger than kMostPixels, or truncated; names
 /// the file
 Image8 ReadImage(const std::filesystem::path& path, int channels = 0);
+
+/// The RGB pixels as they lie in the file, which the coordinates of a mesh address: EXIF does not
+/// turn them. For the rest as ReadImage.
+Image8 ReadTexture(const std::filesystem::path& path);
 
 /// The alpha channel alone, as 8 bit, or an empty image where there is none. For the rest as
 /// ReadImage. HEIF pictures count as without.
