@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "armature/armature_commands.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct CalibrateFlags {
   PuppetFlags puppet;
-  bool verify = false, wiggle = false, asks = true, keeps_counters = false;
+  bool verify = false, wiggle = false, asks = true, keeps_counters = false, page = false;
   std::string known, written;
   double tolerance_deg = 0.5;
 };
@@ -50,9 +51,10 @@ class Calibrator {
             fmt::format("{} stands at {} counts after the reset; it moved, or its card "
                         "does not obey: begin again",
                         Name(j), Counts(j)));
-    fmt::print("{} joints are at zero\n", Values().size());
+    Say(fmt::format("{} joints are at zero", Values().size()));
     if (!puppet_.KeepCalibration())
-      fmt::print("{} stays as it is: it may be that of a real puppet\n", flags_.puppet.calibration);
+      Say(fmt::format("{} stays as it is: it may be that of a real puppet",
+                      flags_.puppet.calibration));
   }
 
   /// @throws QualityError  a joint has drifted
@@ -67,12 +69,12 @@ class Calibrator {
       const double error = Values()[j] / unit.size;
       if (Counts(j) == 0) continue;
       ++off;
-      fmt::print("  {:20} {:+d} counts, {:+.3f} {}\n", Name(j), Counts(j), error, unit.name);
+      Say(fmt::format("  {:20} {:+d} counts, {:+.3f} {}", Name(j), Counts(j), error, unit.name));
       // A slide's tolerance is that many counts which a joint's tolerance is.
       if (turns ? std::abs(error) > flags_.tolerance_deg : std::abs(Counts(j)) > kWiggleCounts)
         drifted += (drifted.empty() ? "" : ", ") + Name(j);
     }
-    fmt::print("{} of {} joints are not at zero\n", off, Values().size());
+    Say(fmt::format("{} of {} joints are not at zero", off, Values().size()));
     if (!drifted.empty())
       throw QualityError(
           fmt::format("drifted by more than {} degrees: {}; look after these "
@@ -82,9 +84,13 @@ class Calibrator {
 
   /// @throws QualityError  a joint has not moved
   void Wiggle() {
-    fmt::print("move every joint to and fro; it ends by itself when all sensors have moved\n");
-    if (flags_.asks) fmt::print("press Enter to end it before\n");
-    std::fflush(stdout);
+    const std::string words =
+        "move every joint to and fro; it ends by itself when all sensors have moved";
+    if (flags_.page)
+      Tell("ask", words);
+    else
+      Say(words);
+    if (flags_.asks && !flags_.page) Say("press Enter to end it before");
     const std::vector<std::int64_t> begin = AllCounts();
     std::vector<bool> moved(begin.size());
     std::size_t left = begin.size();
@@ -93,8 +99,7 @@ class Calibrator {
       for (std::size_t j = 0; j < begin.size(); ++j)
         if (!moved[j] && std::abs(Counts(j) - begin[j]) >= kWiggleCounts) {
           moved[j] = true;
-          fmt::print("  {} moves, {} to go\n", Name(j), --left);
-          std::fflush(stdout);
+          Say(fmt::format("  {} moves, {} to go", Name(j), --left));
         }
     }
     if (left == 0) return;
@@ -122,8 +127,8 @@ class Calibrator {
         throw InputError(fmt::format("{}: {}", Name(joint), error.what()));
       }
       puppet_.reader().SetGear(joint, fit.gear);
-      fmt::print("  {:20} gear {:.5f} of the description's, {:.3g} {} left\n", Name(joint),
-                 fit.gear, fit.residual / Unit(joint).size, Unit(joint).name);
+      Say(fmt::format("  {:20} gear {:.5f} of the description's, {:.3g} {} left", Name(joint),
+                      fit.gear, fit.residual / Unit(joint).size, Unit(joint).name));
     }
     if (!flags_.written.empty()) WriteDescription();
   }
@@ -149,14 +154,13 @@ class Calibrator {
     std::string names;
     for (const std::string& name : puppet_.fresh_joints())
       names += (names.empty() ? "" : ", ") + name;
-    if (!names.empty())
-      fmt::print("new in the description, or on another sensor than before: {}\n", names);
+    if (!names.empty()) Say("new in the description, or on another sensor than before: " + names);
   }
 
   void Poll() {
     if (WasInterrupted()) throw Cancelled();
     puppet_.Poll();
-    Teller teller(false);
+    Teller teller(flags_.page);
     for (const ReaderEvent& event : puppet_.reader().TakeEvents()) teller.Tell(event, puppet_);
   }
 
@@ -167,10 +171,25 @@ class Calibrator {
     }
   }
 
+  /// A line for a person, or an event for a page.
+  void Say(const std::string& words) {
+    if (flags_.page) return Tell("said", words);
+    fmt::print("{}\n", words);
+    std::fflush(stdout);
+  }
+  static void Tell(const char* event, const std::string& words) {
+    const auto first = words.find_first_not_of(' ');
+    const nlohmann::json line = {{"event", event}, {"words", words.substr(first)}};
+    fmt::print("{}\n", line.dump());
+    std::fflush(stdout);
+  }
+
   /// Says what to do, and waits for Enter.
   void Ask(const std::string& words) {
-    fmt::print("{}{}\n", words, flags_.asks ? ", then press Enter" : "");
-    std::fflush(stdout);
+    if (flags_.page)
+      Tell("ask", words);
+    else
+      Say(words + (flags_.asks ? ", then press Enter" : ""));
     if (!flags_.asks) return Pass(0.05);
     while (!input_.Next(0.01)) {
       if (input_.over()) throw UsageError("the input ended before Enter was pressed");
@@ -228,7 +247,7 @@ class Calibrator {
       puppet_.reader().SetGear(j, 1);  // it is in the description now
     }
     WriteFileAtomically(flags_.written, file.Text());
-    fmt::print("written: {}; use it with this calibration from now on\n", flags_.written);
+    Say(fmt::format("written: {}; use it with this calibration from now on", flags_.written));
   }
 
   const CalibrateFlags& flags_;
@@ -279,6 +298,7 @@ int CalibrateCommand(int argc, char** argv) {
   app.add_flag("--keep-counters", flags.keeps_counters,
                "leave the controller's own counters as they are");
   app.add_flag("!--yes", flags.asks, "do not wait for Enter: the puppet stands as it should");
+  app.add_flag("--page", flags.page, "tell all in lines of JSON, for the studio's page");
   verify->excludes(wiggle);
   return RunCommandLine(app, argc, argv, [&] { return Calibrate(flags); });
 }

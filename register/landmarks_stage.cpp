@@ -1,5 +1,7 @@
 // keypose-landmarks: `keypose landmarks suggest` suggests pairs of landmarks for a person to
 // confirm; `keypose landmarks bind` binds picks to their mesh.
+#include <fmt/format.h>
+
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -24,7 +26,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "landmarks suggest";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary =
       "Suggests pairs of landmarks between two poses; a person confirms them. (To bind picks to "
       "their mesh: keypose landmarks bind --help.)";
@@ -155,6 +157,23 @@ void WritePicture(StageContext& stage, const LandmarksOptions& options, const Me
   WriteImage(path, DrawLandmarks(source, target, drawn, suggestion.dense, picture));
 }
 
+/// Why nothing is suggested, and what a person can do; empty where something is.
+std::string WhyNone(const CheckedLandmarks& known, const Suggestion& suggestion,
+                    const LandmarksOptions& options) {
+  if (!suggestion.pairs.empty() || options.suggest.count == 0) return "";
+  const double best = suggestion.confidence.size() > 0 ? suggestion.confidence.maxCoeff() : 0.0;
+  const bool few = known.goals.size() < 3;
+  return fmt::format(
+      "no pair is suggested: the surest has the confidence {:.2f}, and {:.2f} is asked for "
+      "(min_confidence). Distances along the surface differ by {:.0f} % between the two meshes, "
+      "and "
+      "3 to 8 % are usual: they have other limbs or proportions, or one of them is incomplete. {}",
+      best, options.suggest.min_confidence, 100 * suggestion.distortion,
+      few ? "Pick three pairs yourself (the head, a hand, a foot), and suggest again with them; if "
+            "that finds none either, pick all pairs, 20 or more for `transfer`"
+          : "Pick the other pairs yourself, 20 or more for `transfer`");
+}
+
 void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion& suggestion,
             const LandmarksOptions& options) {
   stage.Report("known", std::ssize(known.goals));
@@ -167,10 +186,9 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   stage.Report("explanation", suggestion.explanation);
   stage.Note(suggestion.explanation);
   for (const std::string& warning : known.warnings) stage.Warn(warning);
-  if (suggestion.pairs.empty() && options.suggest.count > 0)
-    stage.Warn(
-        "no pair is certain enough to be suggested: the meshes' limbs are too different; pick the "
-        "pairs on both meshes yourself, in the studio");
+  const std::string none = WhyNone(known, suggestion, options);
+  stage.Report("none_because", none);
+  if (!none.empty()) stage.Warn(none);
 }
 
 /// Reads a mesh. If its texture is given, the vertices get the texture's colours.

@@ -30,10 +30,10 @@ void CheckOption(Snapshot& snapshot, const OptionChange& change) {
   if (!change.to_default) pipeline::CanonicalOption(option, change.value);
 }
 
-void RequirePoseName(const std::string& name) {
+void RequirePoseName(const std::string& name, const char* of = "pose") {
   if (!pipeline::IsName(name))
     throw UsageError(
-        fmt::format("a pose's name may have {}; '{}' has not", pipeline::kNameRule, name));
+        fmt::format("a {}'s name may have {}; '{}' has not", of, pipeline::kNameRule, name));
 }
 
 }  // namespace
@@ -104,6 +104,41 @@ void CreateProject(const fs::path& folder, const std::vector<std::string>& poses
   for (const std::string& name : names) fs::create_directories(folder / "photos" / name);
   WriteFileAtomically(folder / "pipeline.yaml",
                       pipeline::NewPipelineText(folder, names, chosen, fitted));
+}
+
+void CreatePerformance(const fs::path& folder, const FilmedProject& project) {
+  if (project.shots.empty()) throw UsageError("name at least one shot");
+  if (fs::exists(folder / "pipeline.yaml"))
+    throw UsageError("there is a project in this folder already");
+  pipeline::NewPerformance performance;
+  performance.video3d = project.video3d;
+  performance.surface = project.surface;
+  std::set<std::string> names;
+  for (const std::string& name : project.shots) {
+    RequirePoseName(name, "shot");
+    const std::string shot = pipeline::Composed(name);
+    if (!names.insert(shot).second)
+      throw UsageError(fmt::format("two shots are called '{}'", name));
+    performance.shots.emplace_back(shot, "shots/" + shot);
+  }
+  for (const std::string& name : names) fs::create_directories(folder / "shots" / name);
+  WriteFileAtomically(folder / "pipeline.yaml", pipeline::NewPerformanceText(folder, performance));
+}
+
+void AddShot(const fs::path& project, const std::string& shot) {
+  RequirePoseName(shot, "shot");
+  const std::string name = pipeline::Composed(shot);
+  const fs::path plan = project / "pipeline.yaml";
+  const std::string text = ReadFile(plan), revision = RevisionOf(plan);
+  const auto file = pipeline::ParsePipelineFile(text, "pipeline.yaml");
+  if (file.kind != pipeline::ProjectKind::kPerformance)
+    throw UsageError("only a performance has shots");
+  if (file.FindPose(name)) throw UsageError(fmt::format("there is a shot '{}' already", name));
+  const std::string edited = Edited([&] {
+    return WithValue(text, {"shots", name, "video"}, YamlScalar("shots/" + name));
+  });
+  fs::create_directories(project / "shots" / name);
+  WritePipelineFile(project, edited, revision);
 }
 
 }  // namespace keypose::studio

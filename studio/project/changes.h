@@ -44,4 +44,16 @@ std::string SetOption(Snapshot& snapshot, const OptionChange& change, const std:
 void CreateProject(const std::filesystem::path& folder, const std::vector<std::string>& poses,
                    const std::string& template_pose, const std::vector<std::string>& few);
 
+/// What a new performance is made with, beside its shots.
+struct FilmedProject {
+  std::vector<std::string> shots;
+  bool video3d = false;  ///< what moves is painted from the films
+  bool surface = false;  ///< what moves is bent into the films
+};
+/// Makes pipeline.yaml and a folder shots/SHOT for each shot's films.
+/// @throws UsageError  as CreateProject
+void CreatePerformance(const std::filesystem::path& folder, const FilmedProject& project);
+/// One more shot. @throws UsageError  no name, or there is one of it; no performance
+void AddShot(const std::filesystem::path& project, const std::string& shot);
+
 }  // namespace keypose::studio

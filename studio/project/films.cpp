@@ -18,6 +18,7 @@
 #include "pipeline/graph/sources.h"
 #include "studio/project/kept_picture.h"
 #include "studio/project/pose_photographs.h"
+#include "views/decode/film_index.h"
 #include "views/shot/shot.h"
 
 namespace keypose::studio {
@@ -214,6 +215,38 @@ fs::path FrameMask(const fs::path& folder, const FrameSource& masks, int frame) 
   if (masks.video.empty() && LowerExtension(file) == ".png") return file;
   return KeptPicture(folder, file, fmt::format("mask of frame {}", frame), ".png",
                      [&](const fs::path& to) { WriteImage(to, TheShelf().Read(masks, frame, 1)); });
+}
+
+CutFilm CutIntoPictures(const fs::path& project, const std::string& video) {
+  const fs::path file = project / video;
+  if (!StaysBelow(video) || !fs::is_regular_file(file) ||
+      pipeline::RealDisk().LeadsOutside(file, project))
+    throw UsageError(fmt::format("the project has no video {}", video));
+  FrameSource film;
+  film.video = file;
+  film.index = std::make_shared<const FilmIndex>(ReadFilmIndex(file));
+  film.frames = film.index->frames();
+  if (film.frames < 2 || film.frames > kMostCutFrames)
+    throw UsageError(fmt::format(
+        "{} has {} pictures; a shot here has 2 to {}: cut it to the part that is needed first",
+        video, film.frames, kMostCutFrames));
+  const fs::path folder = fs::path(file).replace_extension("");
+  const CutFilm cut = {folder.lexically_relative(project).generic_string(), film.frames,
+                       film.index->rate.per_second};
+  if (fs::exists(folder)) {
+    if (fs::is_directory(folder) && static_cast<int>(FilmPictures(folder).size()) == film.frames)
+      return cut;
+    throw UsageError(fmt::format("{} is there already, and holds something else", cut.folder));
+  }
+  const fs::path writing = project / ".keypose/studio/cut";
+  fs::remove_all(writing);
+  fs::create_directories(writing);
+  FrameReader reader(film);
+  for (int frame = 0; frame < film.frames; ++frame)
+    WriteImage(writing / fmt::format("{}_{:04}.png", folder.filename().string(), frame),
+               reader.Read(frame, 3));
+  fs::rename(writing, folder);
+  return cut;
 }
 
 }  // namespace keypose::studio

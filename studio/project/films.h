@@ -44,4 +44,18 @@ std::filesystem::path FramePicture(const std::filesystem::path& folder, const Fr
 std::filesystem::path FrameMask(const std::filesystem::path& folder, const FrameSource& masks,
                                 int frame);
 
+/// A video of the project as the numbered pictures that a filmed shot takes, in the folder of its
+/// name beside it.
+struct CutFilm {
+  std::string folder;  ///< in the project
+  int pictures = 0;
+  double fps = 0;  ///< 0: not known
+};
+/// Cut already: what there is.
+/// @param video  its path in the project
+/// @throws UsageError  no such video; it is longer than kMostCutFrames; other files are in the way
+/// @throws InputError  it cannot be decoded
+inline constexpr int kMostCutFrames = 3000;
+CutFilm CutIntoPictures(const std::filesystem::path& project, const std::string& video);
+
 }  // namespace keypose::studio

@@ -40,12 +40,6 @@ Mesh PickedMeshOf(Snapshot& snapshot, const std::string& pose) {
   return ReadMesh(*path);
 }
 
-json PickJson(const Landmark& pick) {
-  return {{"name", pick.name},
-          {"face", pick.face},
-          {"barycentric", {pick.barycentric[0], pick.barycentric[1], pick.barycentric[2]}}};
-}
-
 void RequirePick(const Landmark& pick, const Mesh& mesh) {
   const double sum = pick.barycentric.sum();
   if (pick.face < 0 || pick.face >= mesh.face_count())
@@ -63,17 +57,6 @@ int IndexOf(const json& value) {
   const double number = value;
   return number >= 0 && number <= 2e9 && number == std::floor(number) ? static_cast<int>(number)
                                                                       : -1;
-}
-
-Landmark PickFrom(const json& value, const Mesh& mesh) {
-  Landmark pick;
-  pick.name = value.at("name");
-  pick.face = IndexOf(value.at("face"));
-  const json& weights = value.at("barycentric");
-  for (std::size_t k = 0; k < 3; ++k) pick.barycentric[static_cast<int>(k)] = weights.at(k);
-  RequirePick(pick, mesh);
-  if (pick.name.empty() || !IsValidUtf8(pick.name)) throw UsageError("a landmark has no name");
-  return pick;
 }
 
 void RequireNamesOnce(const std::vector<Landmark>& picks) {
@@ -142,6 +125,23 @@ std::vector<TimelineRegion> KnownRegions(Snapshot& snapshot, const fs::path& fil
 }
 
 }  // namespace
+
+json PickJson(const Landmark& pick) {
+  return {{"name", pick.name},
+          {"face", pick.face},
+          {"barycentric", {pick.barycentric[0], pick.barycentric[1], pick.barycentric[2]}}};
+}
+
+Landmark PickFrom(const json& value, const Mesh& mesh) {
+  Landmark pick;
+  pick.name = value.at("name");
+  pick.face = IndexOf(value.at("face"));
+  const json& weights = value.at("barycentric");
+  for (std::size_t k = 0; k < 3; ++k) pick.barycentric[static_cast<int>(k)] = weights.at(k);
+  RequirePick(pick, mesh);
+  if (pick.name.empty() || !IsValidUtf8(pick.name)) throw UsageError("a landmark has no name");
+  return pick;
+}
 
 fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
   const fs::path& project = snapshot.project();

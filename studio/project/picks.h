@@ -11,6 +11,11 @@
 
 namespace keypose::studio {
 
+/// {name, face, barycentric}, as the page has them.
+nlohmann::json PickJson(const Landmark& pick);
+/// @throws UsageError  it has no name, or is not on the mesh
+Landmark PickFrom(const nlohmann::json& value, const Mesh& mesh);
+
 /// Where the pipeline takes a pose's picks from once they are saved: the file that pipeline.yaml
 /// names, else landmarks/POSE.json. @throws UsageError  outside of the project
 std::filesystem::path PicksFile(Snapshot& snapshot, const std::string& pose);

@@ -114,11 +114,42 @@ ArmatureControl::Listener ListenerFor(SharedProject& project) {
 }  // namespace
 
 ArmatureRoutes::ArmatureRoutes(SharedProject& project)
-    : PageRoutes(project), armature_(project.folder(), ListenerFor(project)) {}
+    : PageRoutes(project),
+      armature_(project.folder(), ListenerFor(project)),
+      calibration_(project.folder()) {}
 
 void ArmatureRoutes::AddTo(RouteTable& table) {
   AddSession(table);
   AddViews(table);
+  AddCalibration(table);
+}
+
+void ArmatureRoutes::AddCalibration(RouteTable& table) {
+  table.Get("/api/armature/calibration",
+            [this](const Question&) { return JsonAnswer(StoryJson(calibration_.State())); });
+  table.Post(
+      "/api/armature/calibration/start",
+      [this](const Question& question) {
+        if (armature_.State().running)
+          throw LockedError("a session reads the puppet; end it, then calibrate");
+        calibration_.Start(CalibrateSetupFrom(question.Json(), project_.folder()));
+        return JsonAnswer(StoryJson(calibration_.State()));
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/calibration/go",
+      [this](const Question&) {
+        calibration_.Go();
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
+  table.Post(
+      "/api/armature/calibration/stop",
+      [this](const Question&) {
+        calibration_.Interrupt();
+        return JsonAnswer({{"sent", true}});
+      },
+      Changes::kQuietly);
 }
 
 void ArmatureRoutes::AddSession(RouteTable& table) {

@@ -4,6 +4,7 @@
 
 #include "studio/routes/page_routes.h"
 #include "studio/runs/armature_control.h"
+#include "studio/runs/calibrate_control.h"
 
 namespace keypose::studio {
 
@@ -15,8 +16,10 @@ class ArmatureRoutes : public PageRoutes {
  private:
   void AddSession(RouteTable& table);
   void AddViews(RouteTable& table);
+  void AddCalibration(RouteTable& table);
 
   ArmatureControl armature_;
+  CalibrateControl calibration_;
 };
 
 }  // namespace keypose::studio

@@ -55,8 +55,8 @@ std::string PortFrom(const json& body, const std::string& calibration) {
                     port));
   if (device && !StaysBelow(calibration))
     throw UsageError(
-        "name the file of the puppet's calibration, such as armature/puppet.json; "
-        "`keypose armature calibrate` makes it");
+        "name the file of the puppet's calibration, such as armature/puppet.json; Calibrate makes "
+        "it");
   return port;
 }
 
@@ -114,6 +114,26 @@ ArmatureSetup ArmatureSetupFrom(const json& body, const fs::path& project) {
   const fs::path take = project / "armature" / setup.take;
   if (pipeline::RealDisk().LeadsOutside(take, project))
     throw UsageError(fmt::format("the take {} leads out of the project", setup.take));
+  return setup;
+}
+
+CalibrateSetup CalibrateSetupFrom(const json& body, const fs::path& project) {
+  CalibrateSetup setup;
+  setup.what = body.at("what");
+  setup.description = body.at("description");
+  if (setup.description.empty()) throw UsageError("which file is the description?");
+  FileOfProject(project, setup.description, false);
+  setup.calibration = body.value("calibration", std::string());
+  setup.port = PortFrom(body, setup.calibration);
+  setup.known = body.value("known", std::string());
+  setup.written = body.value("written", std::string());
+  if (setup.what == "gears" && setup.known.empty())
+    throw UsageError("which file has the known angles? Lines such as `leftKneeBend 30 60 90`");
+  if (!setup.known.empty()) FileOfProject(project, setup.known, false);
+  for (const std::string* file : {&setup.calibration, &setup.written})
+    if (!file->empty() &&
+        (!StaysBelow(*file) || pipeline::RealDisk().LeadsOutside(project / *file, project)))
+      throw UsageError(fmt::format("{} leads out of the project", *file));
   return setup;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "studio/runs/armature_control.h"
+#include "studio/runs/calibrate_control.h"
 
 namespace keypose::studio {
 
@@ -22,6 +23,8 @@ double WithinRange(const nlohmann::json& value, double least, double most, const
 /// @throws UsageError, NotFound  a field is wrong, a file is not there, or one leads out of the
 /// project
 ArmatureSetup ArmatureSetupFrom(const nlohmann::json& body, const std::filesystem::path& project);
+/// What the page asks for of a calibration. @throws UsageError, NotFound  as above
+CalibrateSetup CalibrateSetupFrom(const nlohmann::json& body, const std::filesystem::path& project);
 nlohmann::json ArmatureSetupJson(const ArmatureSetup& setup);
 
 /// The set-up of the last session in this project; null without one.

@@ -1,5 +1,6 @@
 #include "studio/routes/films_routes.h"
 
+#include "studio/project/changes.h"
 #include "studio/project/films.h"
 
 namespace keypose::studio {
@@ -11,6 +12,10 @@ constexpr int kMostFilmed = 1'000'000'000, kWidestFilmed = 100'000;
 }  // namespace
 
 void FilmsRoutes::AddTo(RouteTable& table) {
+  table.Post("/api/films/shot", [this](const Question& question) {
+    AddShot(project_.folder(), question.Json().at("shot"));
+    return JsonAnswer({{"added", true}});
+  });
   table.Get("/api/films", [this](const Question& question) {
     return JsonAnswer(
         project_.With([&](Snapshot& now) { return FilmsJson(now, question.Need("shot")); }));

@@ -1,48 +1,18 @@
 #include "studio/routes/landmarks_routes.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <cstdlib>
 
 #include "core/values/errors.h"
-#include "pipeline/run/opened_project.h"
 #include "studio/project/page_timeline.h"
 #include "studio/project/photo_picks.h"
 #include "studio/project/picks.h"
-#include "studio/runs/children.h"
+#include "studio/routes/armature_setup.h"
+#include "studio/runs/suggesting.h"
 
 namespace keypose::studio {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-namespace {
-
-constexpr double kSuggestSeconds = 300;
-
-/// A file of one question, which is gone when that is answered: two tabs may ask at once.
-class OwnFile {
- public:
-  explicit OwnFile(const fs::path& folder) {
-    fs::create_directories(folder);
-    std::string name = (folder / "suggested_XXXXXX.json").string();
-    const int file = mkstemps(name.data(), 5);
-    if (file < 0) throw DiskError("cannot write a file in " + folder.string());
-    close(file);
-    path = name;
-  }
-  ~OwnFile() {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  }
-  OwnFile(const OwnFile&) = delete;
-  OwnFile& operator=(const OwnFile&) = delete;
-
-  fs::path path;
-};
-
-}  // namespace
 
 void LandmarksRoutes::AddTo(RouteTable& table) {
   AddPicks(table);
@@ -127,31 +97,25 @@ void LandmarksRoutes::AddPaint(RouteTable& table) {
 Answer LandmarksRoutes::Suggest(const Question& question) {
   const json body = question.Json();
   const std::string pose = body.at("pose");
-  const double count = body.at("count");
-  if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
-  const OwnFile suggested(project_.folder() / ".keypose/studio");
-  std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose-landmarks").string(),
-                                    "suggest",
-                                    "--suggested",
-                                    suggested.path.string(),
-                                    "--count",
-                                    std::to_string(static_cast<int>(count))};
+  SuggestQuestion asked;
+  asked.count = static_cast<int>(WithinRange(body.at("count"), 1, 100, "a number of landmarks"));
   project_.With([&](Snapshot& now) {
     const std::string whole = now.graph().template_pose;
-    for (const auto& [flag, of] : {std::pair{"--source", whole}, std::pair{"--target", pose}}) {
+    for (const auto& [mesh, of] :
+         {std::pair{&asked.source, whole}, std::pair{&asked.target, pose}}) {
       const auto path = now.PickedMesh(of);
       if (!path) throw UsageError(fmt::format("pose '{}' has no mesh to pick on yet", of));
-      words.insert(words.end(), {flag, path->string()});
+      *mesh = *path;
     }
     const fs::path known = ExistingPicks(now, whole), there = ExistingPicks(now, pose);
-    if (!known.empty() && !there.empty())
-      words.insert(words.end(), {"--landmarks", known.string(), "--landmarks", there.string()});
+    if (!known.empty() && !there.empty()) asked.known = {known, there};
     return 0;
   });
-  const ChildResult result = RunChild(words, project_.folder(), kSuggestSeconds);
-  if (result.exit_code != 0) throw InputError(result.output);
-  return JsonAnswer(
-      project_.With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested.path); }));
+  const Suggested suggested(project_.folder(), asked);
+  return JsonAnswer({{"pairs", project_.With([&](Snapshot& now) {
+                        return SuggestionsJson(now, pose, suggested.file());
+                      })},
+                     {"why_none", suggested.why_none()}});
 }
 
 }  // namespace keypose::studio

@@ -6,6 +6,7 @@
 #include "studio/routes/figure_routes.h"
 #include "studio/routes/films_routes.h"
 #include "studio/routes/landmarks_routes.h"
+#include "studio/routes/marks_routes.h"
 #include "studio/routes/masks_routes.h"
 #include "studio/routes/motion_routes.h"
 #include "studio/routes/new_project_routes.h"
@@ -17,6 +18,8 @@
 #include "studio/routes/state_routes.h"
 #include "studio/routes/take_routes.h"
 #include "studio/routes/timeline_routes.h"
+#include "studio/routes/upkeep_routes.h"
+#include "studio/routes/upload_routes.h"
 
 namespace keypose::studio {
 
@@ -33,9 +36,9 @@ std::vector<std::unique_ptr<PageRoutes>> Make(SharedProject& project) {
 
 std::vector<std::unique_ptr<PageRoutes>> AllPages(SharedProject& project) {
   return Make<ArmatureRoutes, CamerasRoutes, ExportRoutes, FigureRoutes, FilmsRoutes,
-              LandmarksRoutes, MasksRoutes, MotionRoutes, NewProjectRoutes, PosesRoutes,
-              ReviewRoutes, RunRoutes, ShootRoutes, ShotRoutes, StateRoutes, TakeRoutes,
-              TimelineRoutes>(project);
+              LandmarksRoutes, MarksRoutes, MasksRoutes, MotionRoutes, NewProjectRoutes,
+              PosesRoutes, ReviewRoutes, RunRoutes, ShootRoutes, ShotRoutes, StateRoutes,
+              TakeRoutes, TimelineRoutes, UpkeepRoutes, UploadRoutes>(project);
 }
 
 }  // namespace keypose::studio

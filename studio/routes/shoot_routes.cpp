@@ -50,6 +50,29 @@ void RequireDevice(const std::string& text, const std::vector<std::string>& plai
     throw UsageError(fmt::format("'{}' is no {}; choose one, and say where it is", text, what));
 }
 
+/// Flags of `shoot` that few need. @throws UsageError  one that there is not, or out of range
+std::vector<std::pair<std::string, std::string>> MoreFlags(const json& more) {
+  std::vector<std::pair<std::string, std::string>> flags;
+  for (const auto& [name, value] : more.items()) {
+    const std::string text = value;
+    if (name == "axis") {
+      if (text != "X" && text != "Y" && text != "Z")
+        throw UsageError(fmt::format("a table's axis is X, Y or Z, not '{}'", text));
+    } else if (name == "settle" || name == "focus-stack" || name == "degrees-per-unit" ||
+               name == "speed") {
+      char* end = nullptr;
+      const double number = std::strtod(text.c_str(), &end);
+      const double least = name == "settle" ? 0 : 1e-6;
+      if (text.empty() || *end != '\0' || !(number >= least && number <= 1e4))
+        throw UsageError(fmt::format("'{}' is no number for {}", text, name));
+    } else if (name != "white-balance") {
+      throw UsageError(fmt::format("shooting has no setting '{}'", name));
+    }
+    flags.emplace_back(name, text);
+  }
+  return flags;
+}
+
 ShootSetup SetupFrom(const json& body) {
   ShootSetup setup;
   setup.pose = body.at("pose");
@@ -66,12 +89,15 @@ ShootSetup SetupFrom(const json& body) {
     throw UsageError(fmt::format("give 1 to {} rings", kMostRings));
   setup.angles = WholeWithin(body.at("angles"), 3, kMostAngles, "the number of angles");
   setup.flips = WholeWithin(body.at("flips"), 0, kMostFlips, "the number of flips");
+  setup.more = MoreFlags(body.value("more", json::object()));
   return setup;
 }
 
 json SetupJson(const ShootSetup& setup) {
-  return {{"pose", setup.pose},       {"camera", setup.camera}, {"turntable", setup.turntable},
-          {"rings", setup.rings_deg}, {"angles", setup.angles}, {"flips", setup.flips}};
+  json all = {{"pose", setup.pose},       {"camera", setup.camera}, {"turntable", setup.turntable},
+              {"rings", setup.rings_deg}, {"angles", setup.angles}, {"flips", setup.flips}};
+  for (const auto& [name, text] : setup.more) all["more"][name] = text;
+  return all;
 }
 
 /// The plans with which poses were begun, by the pose's name: a session goes on with the same one.

@@ -7,6 +7,7 @@
 
 #include "core/values/errors.h"
 #include "pipeline/run/opened_project.h"
+#include "studio/project/films.h"
 #include "studio/project/page_shot.h"
 #include "studio/project/pose_photographs.h"
 #include "studio/project/shot_clicks.h"
@@ -57,6 +58,11 @@ ShotRoutes::ShotRoutes(SharedProject& project)
 void ShotRoutes::AddTo(RouteTable& table) {
   AddParts(table);
   AddPictures(table);
+  // Other requests need not wait for it.
+  table.Post("/api/shot/cut", [this](const Question& question) {
+    const CutFilm cut = CutIntoPictures(project_.folder(), question.Json().at("video"));
+    return JsonAnswer({{"folder", cut.folder}, {"pictures", cut.pictures}, {"fps", cut.fps}});
+  });
 }
 
 void ShotRoutes::AddParts(RouteTable& table) {

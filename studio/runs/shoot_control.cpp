@@ -26,17 +26,19 @@ std::string EventOf(const std::string& line) {
 std::vector<std::string> WordsFor(const ShootSetup& setup, const fs::path& project,
                                   const fs::path& live) {
   // In one word with its flag, no value can be taken for another flag.
-  return {(pipeline::ProgramFolder() / "keypose-shoot").string(),
-          "-C",
-          project.string(),
-          "--pose=" + setup.pose,
-          "--camera=" + setup.camera,
-          "--turntable=" + setup.turntable,
-          fmt::format("--rings={}", fmt::join(setup.rings_deg, ",")),
-          fmt::format("--angles={}", setup.angles),
-          fmt::format("--flips={}", setup.flips),
-          "--commands",
-          "--live=" + live.string()};
+  std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose-shoot").string(),
+                                    "-C",
+                                    project.string(),
+                                    "--pose=" + setup.pose,
+                                    "--camera=" + setup.camera,
+                                    "--turntable=" + setup.turntable,
+                                    fmt::format("--rings={}", fmt::join(setup.rings_deg, ",")),
+                                    fmt::format("--angles={}", setup.angles),
+                                    fmt::format("--flips={}", setup.flips),
+                                    "--commands",
+                                    "--live=" + live.string()};
+  for (const auto& [flag, value] : setup.more) words.push_back("--" + flag + "=" + value);
+  return words;
 }
 
 }  // namespace

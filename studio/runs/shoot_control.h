@@ -16,6 +16,9 @@ struct ShootSetup {
   std::vector<double> rings_deg;
   int angles = 24;
   int flips = 0;
+  /// Further flags by their names: settle, focus-stack, white-balance, axis, degrees-per-unit,
+  /// speed.
+  std::vector<std::pair<std::string, std::string>> more = {};
 };
 
 class ShootControl {

@@ -361,6 +361,8 @@ export interface ShootSetup {
   angles: number
   /** how often the figure is laid on another side */
   flips: number
+  /** flags that few need, as `keypose shoot` calls them */
+  more?: Record<string, string>
 }
 export interface ShootStory {
   running: boolean
@@ -447,6 +449,10 @@ export const api = {
   /** `few`: poses of few photographs, which the template is bent into. */
   createProject: (poses: string[], template: string, few: string[]) =>
     send<Project>('POST', '/api/project', { poses, template, few }),
+  /** A project of films; `paint`, `bend`: video3d and follow. Its films are sent then. */
+  createPerformance: (shots: string[], video3d: boolean, surface: boolean) =>
+    send<{ made: boolean }>('POST', '/api/project', { shots, video3d, surface }),
+  addShot: (shot: string) => send<{ added: boolean }>('POST', '/api/films/shot', { shot }),
   /** Adds one photograph to a pose's folder (only while no run is at work). */
   /** `replaces`: a photograph that goes to the bin, and whose name the new one gets. */
   addPhotograph: (pose: string, name: string, bytes: Blob, replaces = '') =>
@@ -568,7 +574,10 @@ export const api = {
   exportPicksUrl: (pose: string, format: 'pp' | 'wrap' | 'json') =>
     `/api/landmarks/export?${q({ pose, format })}`,
   suggest: (pose: string, count: number) =>
-    send<Suggestion[]>('POST', '/api/landmarks/suggest', { pose, count }),
+    send<{ pairs: Suggestion[]; why_none: string }>('POST', '/api/landmarks/suggest', {
+      pose,
+      count,
+    }),
   /** Where one more landmark would help most; empty before the pose was registered. */
   advice: (pose: string) => get<Advice[]>(`/api/landmarks/advice?${q({ pose })}`),
 

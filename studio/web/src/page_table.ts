@@ -7,6 +7,7 @@ import { CamerasPage } from './pages/cameras'
 import { ExportPage } from './pages/export'
 import { FilmsPage } from './pages/films'
 import { LandmarksPage } from './pages/landmarks'
+import { MarksPage } from './pages/marks'
 import { MotionPage } from './pages/motion'
 import { NewProjectPage } from './pages/new_project'
 import { PosesPage } from './pages/poses'
@@ -52,6 +53,7 @@ export const kPages: Page[] = [
   },
   { path: 'cameras', name: 'Cameras', page: CamerasPage, of: ['performance'], needsNoPlan: true },
   { path: 'films', name: 'Films', page: FilmsPage, of: ['performance'], first: 'performance' },
+  { path: 'marks', name: 'Marks', page: MarksPage, of: ['performance'] },
   { path: 'motion', name: 'Motion', page: MotionPage, of: ['performance'] },
   {
     path: 'run',

@@ -3,11 +3,13 @@
 import { useEffect, useState } from 'preact/hooks'
 
 import { useStudio } from '../state'
+import { SendFiles } from '../uploads/send_files'
 import { sentence } from '../words'
 import { armatureApi } from './armature/armature_api'
 import type { ArmatureSetup, ArmatureStory } from './armature/armature_api'
 import './shoot/shoot.css'
 import './armature/armature.css'
+import { CalibrateCard } from './armature/calibrate_card'
 import { Desk } from './armature/desk'
 import { kFirstSetup, kSimulated, problemsOf, takeOfAddress } from './armature/setup'
 import { SetupFields } from './armature/setup_form'
@@ -115,8 +117,14 @@ function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Prom
               )}
             </div>
           )}
+          {setup.description && <CalibrateCard setup={setup} files={story.files} />}
           <TakeList recorded={story.takes} edited={story.edited} />
           <Advice />
+          <SendFiles
+            place="armature"
+            words="Drop the puppet’s files; they go into the project’s folder ‘armature’."
+            done={() => void load()}
+          />
           {!setup.description && (
             <div class="shoot-say" role="status">
               <p>
@@ -137,9 +145,9 @@ function Begin(props: { sitting: Sitting; story: ArmatureStory; load: () => Prom
 
 function Advice() {
   const steps = [
-    'Put the puppet’s description and chain file into the project’s folder ‘armature’, with ' +
-      'skeleton, character, plate, its camera and the set, as far as there are any.',
-    '`keypose armature calibrate` once, with the puppet in its zero position.',
+    'Send the puppet’s description and chain file, with skeleton, character, plate, its camera ' +
+      'and the set, as far as there are any; name them at the left.',
+    'Calibrate once, with the puppet in its zero position.',
     'Begin. Pose the puppet: the character follows, over the plate, with the frames before as ' +
       'onion skin.',
     'Space records the frame and goes to the next; F shows what is there as a flipbook.',

@@ -3,6 +3,8 @@
 import { useState } from 'preact/hooks'
 
 import { useKeys } from '../keys'
+import { useStudio } from '../state'
+import { SendFiles } from '../uploads/send_files'
 import { CalibrateCard, CameraErrors } from './cameras/calibrate_card'
 import { CameraView } from './cameras/camera_view'
 import { PointTable } from './cameras/point_table'
@@ -104,12 +106,17 @@ function CamerasDesk({ desk, calibration }: { desk: PointsDesk; calibration: Cal
         />
         <CameraErrors result={result} camera={camera.name} />
         <CalibrateCard desk={desk} calibration={calibration} />
+        <details>
+          <summary>A calibration made elsewhere</summary>
+          <SendFiles place="calibration" words="Drop its file (.yml .json .txt .toml .xml)." />
+        </details>
       </aside>
     </div>
   )
 }
 
 export function CamerasPage() {
+  const { project } = useStudio()
   const desk = usePoints()
   const { calibration } = desk
   if (!calibration) return <main class="empty">Reads the points …</main>
@@ -122,7 +129,13 @@ export function CamerasPage() {
       ) : (
         <div class="empty">
           <h2>No cameras</h2>
-          <p>Put the film of each camera into the shot’s folder, which the project’s file, pipeline.yaml, names.</p>
+          {project.poses.length > 0 || <p>They come with the films.</p>}
+          <SendFiles
+            place="shot"
+            shot={calibration.shots[0]?.name}
+            folder
+            words="Drop the films: a video of each camera, or its folder of numbered pictures."
+          />
         </div>
       )}
     </main>

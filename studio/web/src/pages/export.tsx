@@ -7,6 +7,7 @@ import { useStudio } from '../state'
 import { Formats } from './export/format_list'
 import type { Result } from './export/formats'
 import { Results } from './export/results'
+import { Upkeep } from './export/upkeep'
 import { useStages } from './run/use_stages'
 import './run/run.css'
 import './export/export.css'
@@ -111,6 +112,7 @@ export function ExportPage() {
         {step && stage && <Formats step={step} stage={stage} results={results} />}
         {!step && <NoAnimation poses={project.poses.length} />}
         <Results results={results} />
+        <Upkeep />
       </aside>
       <Report />
     </main>

@@ -7,6 +7,7 @@ import type { Films } from '../api'
 import { useKeys } from '../keys'
 import { ShotPage } from '../shot_choice'
 import { useStudio } from '../state'
+import { SendFiles } from '../uploads/send_files'
 import { FrameSlider } from './films/frame_slider'
 import { noteOf } from './poses/figure_model'
 import { FigureSide } from './poses/figure_side'
@@ -114,6 +115,52 @@ function ShotFilms({ shot, films }: { shot: string; films: Films }) {
   )
 }
 
+function AddFilms({ shot }: { shot: string }) {
+  return (
+    <SendFiles
+      place="shot"
+      shot={shot}
+      folder
+      words={`Drop films of ${shot}: a video of each camera, or its folder of numbered pictures.`}
+    />
+  )
+}
+
+/** Films of one more camera, or of one more shot. */
+function MoreFilms({ shot }: { shot: string }) {
+  const { reload, tell, complain } = useStudio()
+  const [name, setName] = useState('')
+  const add = () =>
+    api.addShot(name).then(async () => {
+      await reload()
+      tell(`The shot ${name} is there; its films are missing yet.`)
+      setName('')
+    }, complain)
+  return (
+    <details class="films-more">
+      <summary>More films</summary>
+      <div class="stack">
+        <AddFilms shot={shot} />
+        <form
+          class="row"
+          onSubmit={(event) => {
+            event.preventDefault()
+            void add()
+          }}
+        >
+          <input
+            aria-label="Name of another shot"
+            placeholder="another shot"
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <button disabled={name.trim() === ''}>Add a shot</button>
+        </form>
+      </div>
+    </details>
+  )
+}
+
 function ShotPanel({ shot }: { shot: string }) {
   const { version } = useStudio()
   const { value: films } = useLoaded(() => api.films(shot), [shot, version])
@@ -123,9 +170,15 @@ function ShotPanel({ shot }: { shot: string }) {
       <div class="empty">
         <h2>No films of {shot}</h2>
         <p>{films.problem}</p>
+        <AddFilms shot={shot} />
       </div>
     )
-  return <ShotFilms shot={shot} films={films} />
+  return (
+    <>
+      <ShotFilms shot={shot} films={films} />
+      <MoreFilms shot={shot} />
+    </>
+  )
 }
 
 export function FilmsPage() {

@@ -6,6 +6,7 @@ import { useStudio } from '../state'
 import { bytes, count } from '../words'
 import { dropped } from './new_project/files'
 import type { Found } from './new_project/files'
+import { PerformanceForm } from './new_project/performance_form'
 import { PoseCard } from './new_project/pose_card'
 import { emptyRow, fewOf, isBlank, missing, spreadOver, withFiles } from './new_project/rows'
 import type { Row } from './new_project/rows'
@@ -65,6 +66,7 @@ export function NewProjectPage() {
   const { project, reload, tell, complain } = useStudio()
   const upload = useUpload()
   const { rows, rename, add, clear, remove, more, spread } = useRows()
+  const [films, setFilms] = useState(false)
   const [chosenTemplate, setTemplate] = useState(rows[0].key)
   const used = rows.filter((row) => !isBlank(row))
   // The first pose in use is the template when the chosen one is gone or empty.
@@ -95,11 +97,24 @@ export function NewProjectPage() {
           <p class="soft">
             In <code>{project.folder}</code>.{' '}
             {!upload &&
+              !films &&
               'One pose for each way the figure stands: drop one folder of photographs on each, ' +
                 'or several folders beside them.'}
           </p>
         </header>
-        {upload ? (
+        {!upload && (
+          <div class="choice" role="group" aria-label="Made of">
+            <button aria-pressed={!films} onClick={() => setFilms(false)}>
+              Photographs of poses
+            </button>
+            <button aria-pressed={films} onClick={() => setFilms(true)}>
+              Films of an actor
+            </button>
+          </div>
+        )}
+        {films ? (
+          <PerformanceForm />
+        ) : upload ? (
           <Sending upload={upload} />
         ) : (
           <>

@@ -76,7 +76,7 @@ export function problemsOf(setup: ArmatureSetup): Partial<Record<keyof ArmatureS
   if (setup.port !== kSimulated && !setup.port.startsWith('/dev/'))
     problems.port = 'On which port is the controller?'
   if (setup.port !== kSimulated && !setup.calibration)
-    problems.calibration = '`keypose armature calibrate` makes it.'
+    problems.calibration = 'Calibrate makes it: name the file.'
   if (!(setup.fps >= 1 && setup.fps <= 1000)) problems.fps = 'A number from 1 to 1000.'
   return problems
 }

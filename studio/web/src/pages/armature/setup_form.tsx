@@ -153,7 +153,7 @@ export function ControllerFields(props: FormProps) {
             {...props}
             name="calibration"
             label="Calibration"
-            hint="`keypose armature calibrate` makes it."
+            hint="Calibrate, at the right, makes it."
             offers={story.files.filter((one) => /\.json$/.test(one))}
           />
         </>

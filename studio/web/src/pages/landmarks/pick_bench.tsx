@@ -2,9 +2,11 @@
 import type { ComponentChildren } from 'preact'
 import { useRef, useState } from 'preact/hooks'
 
+import { api } from '../../api'
 import type { Advice, Pose } from '../../api'
 import { useStudio } from '../../state'
 import type { Hit } from '../../view/viewer'
+import { sentence } from '../../words'
 import { LookChoice } from './bench_pieces'
 import { DropPlace, FilesMenu, useImport } from './files_menu'
 import { FitCard } from './fit_card'
@@ -15,7 +17,7 @@ import type { Surfaces } from './looking'
 import { kAdviceSigns } from './markers'
 import type { Side } from './markers'
 import { PairList, SuggestionList } from './pair_list'
-import { usePicking } from './picking'
+import { usePickFiles, usePicking } from './picking'
 import type { Picking } from './picking'
 import { picksOf } from './pick_history'
 import { useAdvice, useLinkedTurns, useMarkers } from './pick_views'
@@ -209,6 +211,8 @@ function Foot(props: { picking: Picking; surfaces: Surfaces; looks: Looks }) {
   )
 }
 
+const kSuggestions = 12
+
 export function PickBench(props: {
   template: Pose
   pose: Pose
@@ -217,30 +221,18 @@ export function PickBench(props: {
   modes: ComponentChildren
 }) {
   const { steps } = useStudio()
-  const [plain, setPlain] = useState(false)
-  const [together, setTogether] = useState(true)
-  const looks: Looks = { plain, together, setPlain, setTogether }
+  const { template, pose } = props
+  const looks = useLooks()
   const surfaces: Surfaces = {
-    template: useSurface(props.template, steps, plain),
-    pose: useSurface(props.pose, steps, plain),
+    template: useSurface(template, steps, looks.plain),
+    pose: useSurface(pose, steps, looks.plain),
   }
-  const advice = useAdvice(props.pose.name)
-  const picking = usePicking(surfaces, advice)
-  const take = useImport(picking.files)
-  const main = useRef<HTMLElement>(null)
-  // For the test that a pick is fast; nobody reads it on the page.
-  const onHit = (hit: Hit) => (main.current!.dataset.pickMs = hit.ms.toFixed(3))
-  useLinkedTurns(surfaces, together)
-  useMarkers('template', surfaces.template, picking, advice, onHit)
-  useMarkers('pose', surfaces.pose, picking, advice, onHit)
-  usePickKeys(surfaces, picking, looks, (action) =>
-    main.current?.querySelector<HTMLButtonElement>(`[data-action="${action}"]`)?.click(),
-  )
-  const pairs = picking.items.filter(
-    (item) => item.kind === 'pair' && item.pair.template && item.pair.pose,
-  )
+  const advice = useAdvice(pose.name)
+  const files = usePickFiles()
+  const picking = usePicking(files, surfaces, advice, () => api.suggest(pose.name, kSuggestions))
+  const take = useImport(files)
   const stage = (side: Side) => {
-    const name = surfaces[side].pose.name
+    const { name } = surfaces[side]
     const label = `Drop a file of landmarks of ${name}`
     return (
       <DropPlace label={label} take={(file) => void take(name, file)}>
@@ -249,42 +241,88 @@ export function PickBench(props: {
     )
   }
   const menu = (side: Side) => {
-    const name = surfaces[side].pose.name
-    const empty = picksOf(picking.files.history.now, name).length === 0
+    const { name } = surfaces[side]
+    const empty = picksOf(files.history.now, name).length === 0
     return <FilesMenu pose={name} empty={empty} take={(file) => void take(name, file)} />
   }
   return (
+    <PairBench
+      title="Landmarks"
+      {...{ surfaces, picking, advice, looks }}
+      top={props.modes}
+      card={(pairs) => <FitCard pose={pose.name} pairs={pairs} save={() => files.save()} />}
+    >
+      <div class="lm-head">
+        <h2>{template.name}</h2>
+        <span class="small soft">gives the net</span>
+        <span class="lm-gap" />
+        {menu('template')}
+      </div>
+      <div class="lm-head">
+        <PoseChoice pose={pose.name} poses={props.poses} onPose={props.onPose} />
+        <span class="small soft">pose</span>
+        <span class="lm-gap" />
+        {menu('pose')}
+      </div>
+      {stage('template')}
+      {stage('pose')}
+    </PairBench>
+  )
+}
+
+export function useLooks(): Looks {
+  const [plain, setPlain] = useState(false)
+  const [together, setTogether] = useState(true)
+  return { plain, together, setPlain, setTogether }
+}
+
+/** Two views with pairs of places, their lists, and the keys. */
+export function PairBench(props: {
+  title: string
+  surfaces: Surfaces
+  picking: Picking
+  advice: Advice[]
+  looks: Looks
+  /** above the lists */
+  top: ComponentChildren
+  /** below them, told how many pairs are whole */
+  card: (pairs: number) => ComponentChildren
+  /** heads and views of both sides */
+  children: ComponentChildren
+}) {
+  const { surfaces, picking, advice, looks } = props
+  const main = useRef<HTMLElement>(null)
+  // For the test that a pick is fast; nobody reads it on the page.
+  const onHit = (hit: Hit) => (main.current!.dataset.pickMs = hit.ms.toFixed(3))
+  useLinkedTurns(surfaces, looks.together)
+  useMarkers('template', surfaces.template, picking, advice, onHit)
+  useMarkers('pose', surfaces.pose, picking, advice, onHit)
+  usePickKeys(surfaces, picking, looks, (action) =>
+    main.current?.querySelector<HTMLButtonElement>(`[data-action="${action}"]`)?.click(),
+  )
+  const pairs = picking.items.filter(
+    (item) => item.kind === 'pair' && item.pair.template && item.pair.pose,
+  )
+  return (
     <main class="page lm" ref={main} data-pick-ms="">
-      <h1 class="hidden">Landmarks</h1>
+      <h1 class="hidden">{props.title}</h1>
       <div class="side lm-side">
-        {props.modes}
+        {props.top}
         <NextPair picking={picking} surfaces={surfaces} />
+        {picking.whyNone && (
+          <p class="warn small lm-none" role="alert">
+            {sentence(picking.whyNone)}
+          </p>
+        )}
         <div class="lm-lists">
           <SuggestionList picking={picking} />
           <PairList picking={picking} />
         </div>
         <AdviceList advice={advice} picking={picking} />
-        <FitCard
-          pose={props.pose.name}
-          pairs={pairs.length}
-          save={() => picking.files.save()}
-        />
+        {props.card(pairs.length)}
       </div>
       <div class="lm-work">
-        <div class="lm-head">
-          <h2>{props.template.name}</h2>
-          <span class="small soft">gives the net</span>
-          <span class="lm-gap" />
-          {menu('template')}
-        </div>
-        <div class="lm-head">
-          <PoseChoice pose={props.pose.name} poses={props.poses} onPose={props.onPose} />
-          <span class="small soft">pose</span>
-          <span class="lm-gap" />
-          {menu('pose')}
-        </div>
-        {stage('template')}
-        {stage('pose')}
+        {props.children}
         <Foot picking={picking} surfaces={surfaces} looks={looks} />
       </div>
     </main>

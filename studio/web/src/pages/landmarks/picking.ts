@@ -22,6 +22,7 @@ import {
 } from './pick_history'
 import type { Sheet } from './pick_history'
 import { useSuggestions } from './suggesting'
+import type { Found } from './suggesting'
 
 export type Place = Omit<Pick, 'name'>
 
@@ -190,17 +191,22 @@ function useEdits(
 
 export type Picking = ReturnType<typeof usePicking>
 
-export function usePicking(surfaces: Surfaces, advice: Advice[]) {
-  const files = usePickFiles()
-  const template = surfaces.template.pose.name
-  const pose = surfaces.pose.pose.name
+/** @param find  looks for suggestions */
+export function usePicking(
+  files: PickFiles,
+  surfaces: Surfaces,
+  advice: Advice[],
+  find: () => Promise<Found>,
+) {
+  const template = surfaces.template.name
+  const pose = surfaces.pose.name
   const sheet = files.history.now
   const items = itemsOf(sheet.suggestions.get(pose) ?? [], pairsOf(sheet, template, pose))
   const problems = problemsOf(files, [template, pose])
   const choice = useChoice(items, problems, surfaces)
   const pairing = usePairing(files, { template, pose }, choice.item, choice.setChosen)
   const edits = useEdits(files, template, pose, choice)
-  const suggestions = useSuggestions(files, template, pose, choice)
+  const suggestions = useSuggestions(files, template, pose, choice, find)
   const [said, setSaid] = useSaid()
   useEffect(() => setSaid(''), [choice.chosen, pairing.pending])
   useEffect(() => {

@@ -1,14 +1,18 @@
 // Suggestions: asked for, then accepted or refused one by one.
 import { useState } from 'preact/hooks'
 
-import { api } from '../../api'
+import type { Suggestion } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
 import type { Item } from './markers'
 import type { PickFiles } from './pick_files'
 import { withAccepted, withRefused, withSuggestions } from './pick_history'
 
-const kSuggestions = 12
+/** What the server found; `why_none` says why there is nothing, and what to do. */
+export interface Found {
+  pairs: Suggestion[]
+  why_none: string
+}
 
 /** The part of the page's choice that this needs. */
 interface Choice {
@@ -22,22 +26,25 @@ export function useSuggestions(
   template: string,
   pose: string,
   choice: Choice,
+  find: () => Promise<Found>,
 ) {
-  const { tell, complain } = useStudio()
+  const { complain } = useStudio()
   const [searching, setSearching] = useState(false)
+  const [whyNone, setWhyNone] = useState('')
   const sheet = files.history.now
 
   const suggest = async () => {
     setSearching(true)
+    setWhyNone('')
     try {
       await files.save()
-      const found = await api.suggest(pose, kSuggestions)
+      const found = await find()
       // Into the sheet as it is by now: the search takes a while.
-      const next = withSuggestions(files.history.now, pose, found)
-      files.change(count(found.length, 'suggestion'), next)
+      const next = withSuggestions(files.history.now, pose, found.pairs)
+      files.change(count(found.pairs.length, 'suggestion'), next)
       const first = next.suggestions.get(pose)?.[0]
       if (first) choice.setChosen(`suggestion:${first.name}`)
-      else tell('No place was found that looks alike on both.')
+      else setWhyNone(found.why_none || 'No place was found that looks alike on both.')
     } catch (error) {
       complain(error)
     } finally {
@@ -61,5 +68,5 @@ export function useSuggestions(
   }
   const refuseAll = () =>
     files.change('refuse all suggestions', withSuggestions(sheet, pose, []))
-  return { searching, suggest, decide, acceptAbove, refuseAll }
+  return { searching, whyNone, suggest, decide, acceptAbove, refuseAll }
 }

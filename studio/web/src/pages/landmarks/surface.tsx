@@ -16,11 +16,10 @@ export const kWhole: Turn = { direction: [0.35, -0.9, 0.28], distance: 1.62 }
 const kept = new Map<string, Promise<MeshData>>()
 const kKept = 4
 
-function loadMesh(pose: string, what: string, version: string): Promise<MeshData> {
-  const key = JSON.stringify([pose, what, version])
+function loadMesh(key: string, load: () => Promise<ArrayBuffer>): Promise<MeshData> {
   const known = kept.get(key)
   if (known) return known
-  const loading = api.mesh(pose, what).then(parseMesh)
+  const loading = load().then(parseMesh)
   loading.catch(() => kept.delete(key))
   kept.set(key, loading)
   for (const old of [...kept.keys()].slice(0, -kKept)) kept.delete(old)
@@ -34,7 +33,8 @@ export function versionOf(steps: Steps, pose: string): string {
 }
 
 export interface Surface {
-  pose: Pose
+  /** of the pose, or of what else is shown */
+  name: string
   viewer: Viewer | null
   /** null: not there, or not yet */
   data: MeshData | null
@@ -43,50 +43,78 @@ export interface Surface {
   ready: (viewer: Viewer | null) => void
 }
 
+/** A mesh of the server's, and how it is shown. */
+export interface ShownMesh {
+  name: string
+  /** another mesh has another one */
+  key: string
+  there: boolean
+  load: () => Promise<ArrayBuffer>
+  /** the address of its texture, or '' */
+  texture: string
+  /** why it is not there */
+  missing: string
+}
+
 /** The mesh on which picks of a pose are made, and the view that shows it. */
 export function useSurface(pose: Pose, steps: Steps, plain: boolean): Surface {
   const what = pose.template ? 'mesh' : 'clean'
-  const version = versionOf(steps, pose.name)
+  return useMeshSurface(
+    {
+      name: pose.name,
+      key: JSON.stringify([pose.name, what, versionOf(steps, pose.name)]),
+      there: pose.meshes.includes(what),
+      load: () => api.mesh(pose.name, what),
+      texture: pose.has_texture ? api.textureUrl(pose.name) : '',
+      missing: pose.template
+        ? `${pose.name} has no mesh yet: press Run, then mark it here.`
+        : `${pose.name} has no cleaned mesh yet: press Run, then mark it here.`,
+    },
+    plain,
+  )
+}
+
+export function useMeshSurface(mesh: ShownMesh, plain: boolean): Surface {
   const [viewer, setViewer] = useState<Viewer | null>(null)
   const [data, setData] = useState<MeshData | null>(null)
   const [problem, setProblem] = useState('')
-  const there = pose.meshes.includes(what)
   useEffect(() => {
     let wanted = true
     setData(null)
     setProblem('')
-    if (there)
-      loadMesh(pose.name, what, version).then(
-        (mesh) => wanted && setData(mesh),
+    if (mesh.there)
+      loadMesh(mesh.key, mesh.load).then(
+        (loaded) => wanted && setData(loaded),
         (error: Error) => wanted && setProblem(error.message),
       )
     return () => {
       wanted = false
     }
-  }, [pose.name, what, version, there])
+  }, [mesh.key, mesh.there])
 
   const fresh = useRef<Viewer | null>(null)
-  const textured = pose.has_texture && data?.uvs != null
+  const textured = mesh.texture !== '' && data?.uvs != null
   useEffect(() => {
     if (!viewer || !data) return
     viewer.show(data, 'plain')
     // Another pose is then seen from where the last one was.
     if (fresh.current !== viewer) viewer.setTurn(kWhole)
     fresh.current = viewer
-    if (textured) viewer.loadTexture(api.textureUrl(pose.name)).catch(() => undefined)
-  }, [viewer, data, textured, pose.name])
+    if (textured) viewer.loadTexture(mesh.texture).catch(() => undefined)
+  }, [viewer, data, textured, mesh.texture])
   useEffect(() => {
     if (!viewer || !data) return
     const coloured = textured ? 'texture' : data.colors ? 'colors' : 'plain'
     viewer.setLook(plain ? 'plain' : coloured)
   }, [viewer, data, textured, plain])
 
-  const missing = there
-    ? problem
-    : pose.template
-      ? `${pose.name} has no mesh yet: press Run, then mark it here.`
-      : `${pose.name} has no cleaned mesh yet: press Run, then mark it here.`
-  return { pose, viewer, data, missing, ready: setViewer }
+  return {
+    name: mesh.name,
+    viewer,
+    data,
+    missing: mesh.there ? problem : mesh.missing,
+    ready: setViewer,
+  }
 }
 
 export function SurfaceStage(props: {

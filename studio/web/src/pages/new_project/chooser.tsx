@@ -8,6 +8,8 @@ export function Chooser(props: {
   folder: boolean
   words: string
   label?: string
+  /** endings that the dialog offers; photographs' unless said */
+  accept?: string
   add: (found: Found[]) => void
 }) {
   const input = useRef<HTMLInputElement>(null)
@@ -21,7 +23,7 @@ export function Chooser(props: {
         type="file"
         multiple
         hidden
-        accept={props.folder ? undefined : kAccept}
+        accept={props.folder ? undefined : (props.accept ?? kAccept)}
         {...(props.folder ? { webkitdirectory: true } : {})}
         onChange={(event) => {
           props.add(chosen(event.currentTarget.files))

@@ -15,6 +15,30 @@ export interface Draft {
   rings: string
   angles: string
   flips: number
+  /** flags that few need, by name; absent or '' is the usual */
+  more?: Record<string, string>
+}
+
+export interface MoreField {
+  flag: string
+  label: string
+  usual: string
+  /** the turntable that it is of */
+  table?: TableKind
+}
+export const kMore: MoreField[] = [
+  { flag: 'settle', label: 'Rest before a photograph, s', usual: '1' },
+  { flag: 'focus-stack', label: 'Photographs with other focus, merged', usual: '1' },
+  { flag: 'white-balance', label: 'Grey card: its photograph', usual: 'none' },
+  { flag: 'axis', label: 'Axis of the table', usual: 'X', table: 'grbl' },
+  { flag: 'degrees-per-unit', label: 'Degrees for one unit', usual: '1', table: 'grbl' },
+  { flag: 'speed', label: 'Speed, ° a second', usual: '30', table: 'grbl' },
+]
+/** Those that are typed, and belong to this table. */
+function typedMore({ more = {}, table }: Draft): Record<string, string> {
+  const own = kMore.filter((one) => !one.table || one.table === table)
+  const typed = own.map((one) => [one.flag, (more[one.flag] ?? '').trim()] as const)
+  return Object.fromEntries(typed.filter(([, text]) => text !== ''))
 }
 
 export const kFirstDraft: Draft = {
@@ -43,6 +67,7 @@ export function draftOf(setup: ShootSetup): Draft {
     rings: setup.rings.join(', '),
     angles: String(setup.angles),
     flips: setup.flips,
+    ...(setup.more && { more: setup.more }),
   }
 }
 
@@ -130,6 +155,7 @@ export function setupOf(draft: Draft): ShootSetup {
     rings: ringsOf(draft.rings) ?? [],
     angles: Number(draft.angles),
     flips: draft.flips,
+    ...(Object.keys(typedMore(draft)).length > 0 && { more: typedMore(draft) }),
   }
 }
 

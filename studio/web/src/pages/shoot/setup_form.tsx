@@ -8,6 +8,7 @@ import { count } from '../../words'
 import {
   draftOf,
   kFirstDraft,
+  kMore,
   offersSix,
   problemsOf,
   setupOf,
@@ -217,6 +218,31 @@ function PlanFields({ draft, set, problems, fixed }: FieldProps & { fixed: boole
   )
 }
 
+/** What few need: it stays folded away. */
+function MoreFields({ draft, set }: FieldProps) {
+  const fields = kMore.filter((one) => !one.table || one.table === draft.table)
+  return (
+    <details>
+      <summary>More</summary>
+      <div class="stack">
+        {fields.map(({ flag, label, usual }) => (
+          <Field key={flag} id={`shoot-${flag}`} label={label}>
+            <input
+              id={`shoot-${flag}`}
+              value={draft.more?.[flag] ?? ''}
+              placeholder={usual}
+              autocomplete="off"
+              onInput={(event) =>
+                set({ more: { ...draft.more, [flag]: event.currentTarget.value } })
+              }
+            />
+          </Field>
+        ))}
+      </div>
+    </details>
+  )
+}
+
 /** Six photographs or a ring, and when which is better. */
 export function AmountChoice(props: {
   amount: Amount
@@ -331,6 +357,7 @@ export function SetupFields({ form, ports }: { form: SetupForm; ports: ShootStor
         />
       )}
       <PlanFields {...fields} fixed={form.fixed} />
+      <MoreFields {...fields} />
       <p class="small number" aria-live="polite">
         {summaryOf(draft)}
       </p>

@@ -3,9 +3,12 @@
 import { useState } from 'preact/hooks'
 
 import { useStudio } from '../../state'
+import { SendFiles } from '../../uploads/send_files'
+import { isFilm } from '../../uploads/upload_model'
 import { count } from '../../words'
 import { faultOf, kNoParts } from './parts'
 import { PartsFields } from './parts_fields'
+import { shotApi } from './shot_api'
 import type { Shot, Show } from './shot_api'
 import type { ShotDesk } from './use_shot'
 
@@ -14,6 +17,33 @@ export function firstShows(poses: string[], pictures: number): Show[] {
   const shown = poses.length > 1 ? poses.slice(0, Math.max(2, pictures)) : [poses[0], poses[0]]
   const last = Math.max(1, pictures - 1)
   return shown.map((pose, i) => ({ frame: Math.round((i * last) / (shown.length - 1)), pose }))
+}
+
+/** Sends a film; a video is cut into the numbered pictures that a shot is made of. */
+function SendFilm({ cut }: { cut: (fps: number) => void }) {
+  const { reload, complain } = useStudio()
+  const [cuts, setCuts] = useState('')
+  const done = async (paths: string[]) => {
+    try {
+      for (const video of paths.filter(isFilm)) {
+        setCuts(video)
+        cut((await shotApi.cut(video)).fps)
+      }
+    } catch (error) {
+      complain(error)
+    }
+    setCuts('')
+    await reload()
+  }
+  if (cuts) return <p role="status">Cuts {cuts} into its pictures …</p>
+  return (
+    <SendFiles
+      place="film"
+      folder
+      words="Drop the film: a video, or its folder of numbered pictures."
+      done={(paths) => void done(paths)}
+    />
+  )
 }
 
 export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
@@ -34,10 +64,7 @@ export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
         the pictures between.
       </p>
       {!folder ? (
-        <p>
-          Copy the film’s numbered pictures into a folder of this project, such as{' '}
-          <code>films/take1</code>; this page notices.
-        </p>
+        <SendFilm cut={(rate) => rate > 0 && setFps(String(rate))} />
       ) : (
         <form
           class="card shot-form"
@@ -84,6 +111,10 @@ export function SetupForm({ shot, desk }: { shot: Shot; desk: ShotDesk }) {
               ? 'Next you say which frames show which pose.'
               : `The project has ${project.fps} pictures a second, which must be a multiple.`}
           </p>
+          <details>
+            <summary>Another film</summary>
+            <SendFilm cut={(rate) => rate > 0 && setFps(String(rate))} />
+          </details>
           <button class="main" disabled={!fits || desk.saving || faultOf(parts, shot.offers) !== ''}>
             Add the film
           </button>

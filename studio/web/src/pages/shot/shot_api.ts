@@ -154,6 +154,9 @@ const q = (values: Record<string, string | number>): string =>
 export const shotApi = {
   shot: () => get<Shot>('/api/shot'),
   save: (change: ShotChange & { revision: string }) => send<Shot>('PUT', '/api/shot', change),
+  /** A video as numbered pictures beside it. */
+  cut: (video: string) =>
+    send<{ folder: string; pictures: number; fps: number }>('POST', '/api/shot/cut', { video }),
   quick: (frame: number) => send<Quick>('POST', '/api/shot/quick', { frame }),
   saveClicks: (clicks: readonly Click[], revision: string) =>
     send<Shot>('PUT', '/api/shot/clicks', { clicks, revision }),
