@@ -13,7 +13,9 @@
 #include "core/pictures/render.h"
 #include "core/stage/stage.h"
 #include "core/surfaces/mesh_checks.h"
+#include "core/surfaces/ray_scene.h"
 #include "core/values/errors.h"
+#include "register/intrinsic/skin.h"
 #include "register/intrinsic/suggest.h"
 #include "register/landmarks/landmark_picture.h"
 #include "register/landmarks/landmarks.h"
@@ -140,15 +142,60 @@ std::string ShortName(const std::filesystem::path& path) {
   return full.parent_path().filename().string() + "/" + full.filename().string();
 }
 
-void WritePicture(StageContext& stage, const LandmarksOptions& options, const Mesh& source,
-                  const Mesh& target, const std::vector<LandmarkPair>& pairs,
-                  const Suggestion& suggestion) {
-  const std::filesystem::path path = stage.Output("picture");
-  if (path.empty()) return;
+std::vector<DrawnPair> DrawnPairs(const std::vector<LandmarkPair>& pairs, const Mesh& source,
+                                  const Mesh& target) {
   std::vector<DrawnPair> drawn;
   for (const LandmarkPair& pair : pairs)
     drawn.push_back({keypose::PositionOf(pair.source, source),
                      keypose::PositionOf(pair.target, target), pair.confirmed});
+  return drawn;
+}
+
+/// What is compared in place of an input: the input itself, or a skin around its pieces.
+struct Compared {
+  explicit Compared(const Mesh& input) : mesh(input) {
+    if (auto skin = SkinOfPieces(input)) {
+      mesh = std::move(*skin);
+      skinned = true;
+    }
+  }
+  /// The place of `mesh` that is nearest to one of the input, and the other way round.
+  static void Carry(const Mesh& from, const Mesh& to, int* face, Eigen::Vector3d* barycentric) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      place += (*barycentric)[k] * from.points.row(from.faces(*face, k)).transpose();
+    const RayScene::Foot foot = RayScene(to.points, to.faces).ClosestPoint(place);
+    *face = foot.face;
+    *barycentric = foot.barycentric;
+  }
+  void ToInput(const Mesh& input, int* face, Eigen::Vector3d* barycentric) const {
+    if (skinned) Carry(mesh, input, face, barycentric);
+  }
+  void FromInput(const Mesh& input, int* face, Eigen::Vector3d* barycentric) const {
+    if (skinned) Carry(input, mesh, face, barycentric);
+  }
+
+  Mesh mesh;
+  bool skinned = false;
+};
+
+/// The known pairs on what is compared.
+std::vector<LandmarkGoal> OnCompared(const CheckedLandmarks& known, std::vector<PickedPair> picked,
+                                     const Mesh& source, const Mesh& target, const Compared& one,
+                                     const Compared& other) {
+  if (!one.skinned && !other.skinned) return known.goals;
+  for (PickedPair& pair : picked) {
+    one.FromInput(source, &pair.source_face, &pair.source_barycentric);
+    other.FromInput(target, &pair.target_face, &pair.target_barycentric);
+  }
+  return CheckLandmarks(picked, one.mesh, other.mesh).goals;
+}
+
+void WritePicture(StageContext& stage, const LandmarksOptions& options, const Mesh& source,
+                  const Mesh& target, const std::vector<DrawnPair>& drawn,
+                  const Suggestion& suggestion) {
+  const std::filesystem::path path = stage.Output("picture");
+  if (path.empty()) return;
   LandmarkPictureOptions picture;
   picture.panel = options.panel;
   picture.source_name = "source: " + ShortName(stage.Input("source"));
@@ -218,8 +265,16 @@ void Run(StageContext& stage, const LandmarksOptions& options) {
   std::vector<PickedPair> picked;
   for (const LandmarkPair& pair : pairs) picked.push_back(PickOf(pair));
   const CheckedLandmarks known = CheckLandmarks(picked, source, target);
-  const Suggestion suggestion =
-      SuggestLandmarks(source, target, known.goals, options.suggest, stage.progress());
+  const Compared one(source), other(target);
+  if (one.skinned || other.skinned)
+    stage.Note("the mesh is made of several pieces: one surface around them is compared");
+  Suggestion suggestion =
+      SuggestLandmarks(one.mesh, other.mesh, OnCompared(known, picked, source, target, one, other),
+                       options.suggest, stage.progress());
+  for (SuggestedPair& suggested : suggestion.pairs) {
+    one.ToInput(source, &suggested.pick.source_face, &suggested.pick.source_barycentric);
+    other.ToInput(target, &suggested.pick.target_face, &suggested.pick.target_barycentric);
+  }
   std::size_t number = 0;
   for (const SuggestedPair& suggested : suggestion.pairs)
     pairs.push_back(PairOf(suggested, FreeName(pairs, number)));
@@ -228,7 +283,7 @@ void Run(StageContext& stage, const LandmarksOptions& options) {
   WritePicks(stage, "source_picks", source, pairs, &LandmarkPair::source);
   WritePicks(stage, "target_picks", target, pairs, &LandmarkPair::target);
   WriteLandmarkPairs(stage.Output("suggested"), source, target, pairs);
-  WritePicture(stage, options, source, target, pairs, suggestion);
+  WritePicture(stage, options, one.mesh, other.mesh, DrawnPairs(pairs, source, target), suggestion);
 }
 
 }  // namespace

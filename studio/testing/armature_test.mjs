@@ -2,13 +2,12 @@
 // that is killed, the flipbook, a frame again, baked frames.
 //
 //   node armature_test.mjs BIN_DIR [--pictures DIR] [--keep]
-import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { check, record, until as untilWithin, withStudio } from './studio_driver.mjs';
 
-const { bin, options, folder, browser, studio, openPage, walkThrough } =
+const { options, folder, browser, studio, openPage, walkThrough } =
   withStudio('armature', 'theropod');
 const kFrames = 5;
 // Drawn by the processor, on a machine that does other things too.
@@ -44,19 +43,37 @@ async function setUp() {
   await field('Take').fill('walk');
 }
 
+/** As a conversation: it asks, the person says that the puppet stands so. */
+async function calibrate() {
+  const card = page.getByRole('region', { name: 'Calibrate' });
+  await button('Set the zero position').click();
+  await card.getByText(/^Put the puppet into its zero position/).waitFor();
+  await record(page, 'armature_calibrate', options.pictures);
+  await button('It stands so').click();
+  await card.getByText('74 joints are at zero.').waitFor();
+  await card.getByText('Done.').waitFor();
+  check(
+    existsSync(join(folder, 'armature/example/theropod.json')),
+    'the calibration was not written',
+  );
+  await button('Has it drifted?').click();
+  await button('It stands so').click();
+  await card.getByText('0 of 74 joints are not at zero.').waitFor();
+  await button('Which sensors answer?').click();
+  await card.getByText(/^Move every joint to and fro/).waitFor();
+  await button('Stop').click();
+  await button('Stop').waitFor({ state: 'detached' });
+  // A file of the person's own, sent to the puppet's folder.
+  await page
+    .locator('.send-drop input[type=file]')
+    .setInputFiles({ name: 'known.txt', mimeType: 'text/plain', buffer: Buffer.from('x 1\n') });
+  await until('it has arrived', () => existsSync(join(folder, 'armature/known.txt')));
+}
+
 /** A board that is not there: said in words, and the simulated puppet is offered. */
 async function noBoard() {
   await field('Controller').selectOption('board');
   await field('Port').fill('/dev/keypose-no-such-board');
-  execFileSync(
-    join(bin, 'keypose'),
-    [
-      ...['armature', 'calibrate', '--port', 'simulated'],
-      ...['--description', join(folder, 'armature/example/theropod.txt')],
-      ...['--calibration', join(folder, 'armature/example/theropod.json')],
-    ],
-    { input: '\n', stdio: ['pipe', 'ignore', 'ignore'] },
-  );
   await button('Begin').click();
   const fault = page.locator('.shoot-say.fault');
   await fault.getByText(/keypose-no-such-board/).waitFor();
@@ -160,6 +177,7 @@ async function end() {
 await walkThrough({
   enter,
   'set up': setUp,
+  calibrate, calibrate,
   'no board': noBoard,
   'record frames': recordFrames,
   kill,
