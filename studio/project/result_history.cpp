@@ -34,7 +34,7 @@ bool IsPictureName(const fs::path& name) {
   static const std::set<std::string> kPictureEndings = {".png", ".jpg", ".jpeg"};
   return kPictureEndings.contains(LowerExtension(name));
 }
-bool IsFilmName(const fs::path& name) { return LowerExtension(name) == ".mp4"; }
+bool IsMp4Name(const fs::path& name) { return LowerExtension(name) == ".mp4"; }
 
 /// A report tells of all steps; it is no result of its own.
 bool TellsOfOthers(const Step& step) {
@@ -264,13 +264,13 @@ void ResultHistory::AddFiles(const Step& step, const Artifact& artifact, ResultV
     (*contents)[step.id + " " + result.port + "/" + result.inside] = *hash;
     const fs::path base = artifact.folder / output->second.file;
     const auto add = [&](const fs::path& path, const fs::path& file, const std::string& content) {
-      version->files.push_back({path.generic_string(), step.info->title, IsFilmName(file),
+      version->files.push_back({path.generic_string(), step.info->title, IsMp4Name(file),
                                 Address(artifact, file), content});
     };
     if (output->second.folder && result.inside.empty()) {
       for (const auto& [name, content] : output->second.content.files)
-        if (IsFilmName(name)) add(result.path / name, base / name, content);
-    } else if (IsPictureName(result.path) || IsFilmName(result.path)) {
+        if (IsMp4Name(name)) add(result.path / name, base / name, content);
+    } else if (IsPictureName(result.path) || IsMp4Name(result.path)) {
       add(result.path, result.inside.empty() ? base : base / result.inside, *hash);
     }
   }

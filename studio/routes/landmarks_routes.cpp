@@ -112,10 +112,11 @@ Answer LandmarksRoutes::Suggest(const Question& question) {
     return 0;
   });
   const Suggested suggested(project_.folder(), asked);
-  return JsonAnswer({{"pairs", project_.With([&](Snapshot& now) {
-                        return SuggestionsJson(now, pose, suggested.file());
-                      })},
-                     {"why_none", suggested.why_none()}});
+  json pairs = json::array();
+  if (suggested.why_none().empty())
+    pairs =
+        project_.With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested.file()); });
+  return JsonAnswer({{"pairs", pairs}, {"why_none", suggested.why_none()}});
 }
 
 }  // namespace keypose::studio

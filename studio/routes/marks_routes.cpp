@@ -71,10 +71,10 @@ Answer MarksRoutes::Suggest(const Question& question) {
     return 0;
   });
   const Suggested suggested(project_.folder(), asked);
-  return JsonAnswer({{"pairs", project_.With([&](Snapshot& now) {
-                        return SuggestedMarksJson(now, suggested.file());
-                      })},
-                     {"why_none", suggested.why_none()}});
+  json pairs = json::array();
+  if (suggested.why_none().empty())
+    pairs = project_.With([&](Snapshot& now) { return SuggestedMarksJson(now, suggested.file()); });
+  return JsonAnswer({{"pairs", pairs}, {"why_none", suggested.why_none()}});
 }
 
 }  // namespace keypose::studio

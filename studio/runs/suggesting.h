@@ -24,7 +24,7 @@ class Suggested {
   Suggested& operator=(const Suggested&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
-  /// Where it has found none: why, and what to do; else "".
+  /// Where it has found none, and the file may have no pair: why, and what to do; else "".
   const std::string& why_none() const { return why_none_; }
 
  private:
