@@ -7,7 +7,7 @@ import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
+import { check, record, until, withStudio } from './studio_driver.mjs';
 
 const { bin, options, scratch, folder, openPage, walkThrough } = withStudio('performance', 'dance');
 const world = join(scratch, 'world');
@@ -17,10 +17,11 @@ const run = (words) =>
   execFileSync(join(bin, 'keypose'), words, { stdio: ['ignore', 'ignore', 'inherit'] });
 const button = (name) => page.getByRole('button', { name, exact: true });
 const link = (name) => page.getByRole('link', { name, exact: true });
-const marks = () =>
+const pairs = () =>
   existsSync(join(folder, 'marks.json'))
-    ? JSON.parse(readFileSync(join(folder, 'marks.json'), 'utf8')).pairs.length
-    : 0;
+    ? JSON.parse(readFileSync(join(folder, 'marks.json'), 'utf8')).pairs
+    : [];
+const marks = () => pairs().length;
 const yaml = () => readFileSync(join(folder, 'pipeline.yaml'), 'utf8');
 const suggested = () => page.locator('.lm-suggested li').count();
 const files = (scope = page) => scope.locator('.send-drop input[type=file]');
@@ -81,17 +82,20 @@ async function suggest() {
   await until('one less is offered', async () => (await suggested()) === offered - 2);
   await page.locator('[data-action="accept-sure"]').click();
   const all = await until('the sure ones are saved', () => marks() > 5 && marks());
+  // From head to foot, not on one of the pieces that a tracked body is made of.
+  const heights = pairs().map((one) => one.source.position[2]);
+  const span = Math.max(...heights) - Math.min(...heights);
+  check(span > 1.2, `the marks are on ${span.toFixed(2)} m of the body`);
   await record(page, 'marks', options.pictures);
   console.log(`    ${offered} suggested, ${all} saved`);
 }
 
-/** By clicks on both sides; undone and done again. */
+/** In the middle of both views, as by a click; undone and done again. */
 async function pick() {
   const before = marks();
   for (const view of await page.locator('.lm canvas').all()) {
-    const box = await boxOf(view);
-    // Between the discs of other marks.
-    await page.mouse.click(box.x + box.width * 0.497, box.y + box.height * 0.43);
+    await view.focus();
+    await page.keyboard.press('Space');
   }
   await until('the pair is saved', () => marks() === before + 1);
   await page.keyboard.press('Control+z');
