@@ -20,6 +20,7 @@
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
+#include "core/values/kept_memory.h"
 #include "core/values/late_library.h"
 #include "core/values/size_of.h"
 
@@ -425,6 +426,7 @@ int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
 
 int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options,
          const std::function<void(StageContext&)>& run, const std::vector<BoundAction>& actions) {
+  KeepFreedMemory();
   std::vector<std::string> awaited;
   std::vector<char*> words(argv, argv + argc);
   if (argc == 2 && std::string(argv[1]) == "--await") {

@@ -7,6 +7,7 @@
 
 #include "core/io/text/files.h"
 #include "core/values/errors.h"
+#include "core/values/kept_memory.h"
 #include "core/values/size_of.h"
 #include "synth/commands/pair_command.h"
 #include "synth/commands/performance_command.h"
@@ -446,6 +447,7 @@ void AddSurfaceScore(CLI::App& app, SurfaceScoreCommand& c) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keypose::KeepFreedMemory();
   CLI::App app("Synthetic worlds with known truth", "keypose-synth");
   app.require_subcommand(1);
   PhotosCommand photos;
