@@ -84,7 +84,7 @@ function makeProject() {
   const world = join(scratch, 'world');
   const made = join(folder, 'tools/made');
   const words = ['photos', '--output', world, '--poses', 'rest', '--views', `${kViews}`];
-  const size = ['--width', `${kWidth}`, '--seed', '5', '--spacing', '0.005'];
+  const size = ['--width', `${kWidth}`, '--seed', '5', '--spacing', '0.008'];
   execFileSync(join(bin, 'keypose-synth'), [...words, ...size], { stdio: 'ignore' });
   for (const one of [join(folder, 'photos/rest'), join(made, 'masks')])
     mkdirSync(one, { recursive: true });

@@ -143,7 +143,11 @@ async function posesChanged() {
   await page.keyboard.press('Alt+ArrowUp');
   await until('it comes first', () => pipeline().includes('timeline: [hello, rest]'));
   check(/template: rest/.test(pipeline()), `the template stays: ${pipeline()}`);
-  await menu('rest', 'Down').catch(() => undefined); // it is the last: nothing can be chosen
+  // It is the last: nothing can be chosen.
+  await page.getByRole('button', { name: 'What to do with rest', exact: true }).click();
+  const down = page.getByRole('menuitem', { name: 'Down' });
+  await down.waitFor();
+  check(await down.isDisabled(), 'the last pose could be moved down');
   await page.keyboard.press('Escape');
   await poseButton('hello').focus();
   await page.keyboard.press('Delete');

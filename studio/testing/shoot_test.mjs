@@ -295,7 +295,7 @@ function draw() {
       String(kAll),
       '--elevations',
       '12,40',
-      ...(options.pictures ? ['--width', '800'] : ['--width', '240', '--spacing', '0.003']),
+      ...(options.pictures ? ['--width', '800'] : ['--width', '240', '--spacing', '0.008']),
     ],
     { stdio: 'ignore' },
   );

@@ -197,9 +197,23 @@ class Browser {
   }
 }
 
+/** Waits until the page is drawn as it is now, and what fades or slides has come to its end. */
+async function atRest(page) {
+  await page.evaluate(async () => {
+    const drawn = () => new Promise((next) => requestAnimationFrame(next));
+    const ends = (one) =>
+      one.playState === 'running' && Number.isFinite(one.effect?.getComputedTiming().endTime);
+    await drawn();
+    await drawn();
+    const moving = document.getAnimations().filter(ends);
+    await Promise.all(moving.map((one) => one.finished.catch(() => undefined)));
+    await drawn();
+  });
+}
+
 /** @throws Error with each thing that axe-core finds on the page */
 export async function checkAccess(page, name) {
-  await page.evaluate(kAxe);
+  if (!(await page.evaluate(() => 'axe' in globalThis))) await page.evaluate(kAxe);
   const found = await page.evaluate(() =>
     globalThis.axe.run(document, { resultTypes: ['violations'] }),
   );
@@ -224,13 +238,14 @@ export async function record(page, name, pictures) {
   for (const { width, height, colours } of kSizes) {
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: colours });
-    await page.waitForTimeout(pictures ? 900 : 300);
+    await atRest(page);
+    if (pictures) await page.waitForTimeout(900);
     await checkAccess(page, `${name}, ${colours}`);
     if (pictures) await page.screenshot({ path: join(pictures, `${name}_${colours}.png`) });
   }
   await page.setViewportSize({ width: 1280, height: 800 });
   await page.emulateMedia({ colorScheme: 'light' });
-  await page.waitForTimeout(200);
+  await atRest(page);
 }
 
 /** @param parts  pairs of a name and what to do, in order, or an object of them */
