@@ -57,10 +57,17 @@ struct PaintedFaces {
   }
 };
 
-/// A generated shot, and its true animation as frames and texture: made once for all tests.
+/// A generated shot, and its true animation as frames and texture: made once for all tests of a
+/// program, also those of suites that are derived from this one and film nothing else.
 class GeneratedShot : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { Film({}); }
+  static void SetUpTestSuite() {
+    if (!still_) {
+      Film({});
+      still_ = std::move(own_);
+    }
+    folder_ = still_->path();
+  }
   /// @param command  what differs from the test's shot
   static void Film(synth::ShotCommand command) {
     own_ = std::make_unique<TestingFolder>();
@@ -138,7 +145,8 @@ class GeneratedShot : public ::testing::Test {
     return composite::PsnrWithin(mine, truth, box);
   }
 
-  static inline std::unique_ptr<TestingFolder> own_;
+  static inline std::unique_ptr<TestingFolder> still_;  ///< of the camera that stands still
+  static inline std::unique_ptr<TestingFolder> own_;    ///< of another shot, of one suite
   static inline fs::path folder_;
 };
 

@@ -33,9 +33,9 @@ bool OnDark(int x, int y) {
 TestRing MakeTestRing() {
   TestRing ring;
   const Image8 wall = MakeTestWall(kRingWidth, kRingHeight, TestWall::kDark);
+  const Image8 clay = MakeTestPhoto(0, 3 * kRingWidth, 3 * kRingHeight, TestWall::kDark)
+                          .image;  // the middle is entirely clay
   for (int i = 0; i < kRingViews; ++i) {
-    const Image8 clay = MakeTestPhoto(0, 3 * kRingWidth, 3 * kRingHeight, TestWall::kDark)
-                            .image;  // the middle is entirely clay
     Image8 image = wall, truth(kRingWidth, kRingHeight, 1, 0), mask(kRingWidth, kRingHeight, 1, 0);
     for (int y = 0; y < kRingHeight; ++y)
       for (int x = 0; x < kRingWidth; ++x) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -27,24 +28,31 @@ constexpr int kFrames = 3;
 
 class Video3d : public ::testing::Test, public TestingFolder {
  protected:
-  Video3d() {
-    fs::create_directories(folder_ / "frames");
+  /// Films the ball, once for all tests; each has a copy of its own.
+  static void SetUpTestSuite() {
+    filmed_ = std::make_unique<TestingFolder>();
+    fs::create_directories(filmed_->path() / "frames");
     for (int f = 0; f < kFrames; ++f) {
       Mesh frame = world_.mesh;
       frame.points = world_.Points(f);
-      WriteMesh(folder_ / "frames" / FrameFileName(f), frame);
+      WriteMesh(filmed_->path() / "frames" / FrameFileName(f), frame);
     }
     for (const View& view : world_.views)
       for (int f = 0; f < kFrames; ++f) WriteFilmed(view, f);
+  }
+  static void TearDownTestSuite() { filmed_.reset(); }
+  Video3d() {
+    fs::copy(filmed_->path(), folder_, fs::copy_options::recursive);
     WriteCalibration(world_.views);
   }
 
-  void WriteFilmed(const View& view, int f) const {
+  static void WriteFilmed(const View& view, int f) {
     const std::string number = std::to_string(f) + ".png";
-    fs::create_directories(folder_ / "shot" / view.name);
-    fs::create_directories(folder_ / "shot/masks" / view.name);
-    WriteImage(folder_ / "shot" / view.name / number, world_.Picture(view, f));
-    WriteImage(folder_ / "shot/masks" / view.name / number, world_.Mask(view, f));
+    const fs::path shot = filmed_->path() / "shot";
+    fs::create_directories(shot / view.name);
+    fs::create_directories(shot / "masks" / view.name);
+    WriteImage(shot / view.name / number, world_.Picture(view, f));
+    WriteImage(shot / "masks" / view.name / number, world_.Mask(view, f));
   }
   void WriteCalibration(const std::vector<View>& views) const {
     WriteFile(folder_ / "rig.yml", OpenCvYaml(views));
@@ -64,7 +72,8 @@ class Video3d : public ::testing::Test, public TestingFolder {
   }
   bool Says(const std::string& words) const { return log_.find(words) != std::string::npos; }
 
-  BallWorld world_{5, 96};
+  static inline const BallWorld world_{5, 96};
+  static inline std::unique_ptr<TestingFolder> filmed_;
   std::string log_;
 };
 

@@ -70,8 +70,14 @@ Turned MakeTurned() {
   return set;
 }
 
+/// Drawn once.
+const Turned& TurnedMat() {
+  static const Turned set = MakeTurned();
+  return set;
+}
+
 TEST(CamerasOverTurningPrint, AreRightWhereEveryMatchIsAtAWrongTurn) {
-  const Turned set = MakeTurned();
+  const Turned& set = TurnedMat();
   SetThreadCount(1);
   const auto found = CamerasOverTurningPrint(set.Set(), set.pictures, set.regions);
   SetThreadCount(4);
@@ -101,7 +107,7 @@ TEST(CamerasOverTurningPrint, AreRightWhereEveryMatchIsAtAWrongTurn) {
 }
 
 TEST(CamerasOverTurningPrint, NoneWithoutTripods) {
-  Turned set = MakeTurned();
+  Turned set = TurnedMat();
   set.pairs.clear();
   EXPECT_FALSE(CamerasOverTurningPrint(set.Set(), set.pictures, set.regions));
 }

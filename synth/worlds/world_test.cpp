@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/numbers/parallel.h"
@@ -24,9 +25,17 @@ WorldOptions Coarse(std::uint64_t seed, const std::string& texture = "rich") {
   return options;
 }
 
+/// A coarse world that is made once and only read.
+const World& Made(std::uint64_t seed) {
+  static std::map<std::uint64_t, World> worlds;
+  const auto found = worlds.find(seed);
+  return found != worlds.end() ? found->second
+                               : worlds.emplace(seed, MakeWorld(Coarse(seed))).first->second;
+}
+
 TEST(MakeWorld, EveryCharacterIsOneClosedBodyStandingOnTheTable) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const World world = MakeWorld(Coarse(seed));
+    const World& world = Made(seed);
     const ClosedReport report = CheckClosed(world.rest);
     EXPECT_TRUE(report.closed()) << "seed " << seed;
     EXPECT_EQ(report.components, 1) << "seed " << seed;
@@ -37,7 +46,7 @@ TEST(MakeWorld, EveryCharacterIsOneClosedBodyStandingOnTheTable) {
 
 TEST(MakeWorld, SurfaceHasTheSolidsVolume) {
   // Independent of the mesher: counts points of a fine grid inside the solid.
-  const World world = MakeWorld(Coarse(1));
+  const World& world = Made(1);
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
   constexpr double kStep = 0.0025;
@@ -54,7 +63,7 @@ TEST(MakeWorld, SurfaceHasTheSolidsVolume) {
 TEST(MakeWorld, CharacterHasNoMirrorTwin) {
   // The character and its mirror image must differ by far more than reconstruction errors;
   // otherwise left and right could be confused.
-  const World world = MakeWorld(Coarse(1));
+  const World& world = Made(1);
   double worst = 0;
   for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 5) {
     Vector3d mirrored = world.rest.points.row(i);
@@ -65,7 +74,7 @@ TEST(MakeWorld, CharacterHasNoMirrorTwin) {
 }
 
 TEST(MakeWorld, WeakTextureHasAnEighthOfTheGrain) {
-  const World rich = MakeWorld(Coarse(1)), weak = MakeWorld(Coarse(1, "weak"));
+  const World &rich = Made(1), weak = MakeWorld(Coarse(1, "weak"));
   const auto contrast = [](const World& world) {
     double sum = 0, squares = 0;
     constexpr int kCount = 4000;
@@ -82,7 +91,7 @@ TEST(MakeWorld, WeakTextureHasAnEighthOfTheGrain) {
 
 TEST(MakeWorld, LandmarksAreDistinctPointsNearTheirFeature) {
   for (const std::uint64_t seed : {1, 4}) {
-    const World world = MakeWorld(Coarse(seed));
+    const World& world = Made(seed);
     std::set<int> vertices;
     std::set<std::string> names;
     for (const TruthLandmark& landmark : world.landmarks) {
@@ -117,7 +126,7 @@ TEST(MakeWorld, SameBitsAtOneAndManyThreads) {
 
 TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
   for (const std::uint64_t seed : {1, 4, 6}) {
-    const World world = MakeWorld(Coarse(seed));
+    const World& world = Made(seed);
     const Pose& hip = world.PoseNamed("hip");
     const Mesh seen = SeenSurface(world, hip);
     EXPECT_TRUE(CheckClosed(seen).closed()) << "seed " << seed;
@@ -133,7 +142,7 @@ TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
 TEST(MakeWorld, HandOnHipLeavesAWindowThatAPhotographShows) {
   // A line of sight from the front through the arm's loop: free in the hip pose, with the arm on
   // three sides of it.
-  const World world = MakeWorld(Coarse(1));
+  const World& world = Made(1);
   const Mesh seen = SeenSurface(world, world.PoseNamed("hip"));
   const RayScene scene(seen.points, seen.faces);
   const auto blocked = [&](double x, double z) {
@@ -174,11 +183,11 @@ TEST(MakeWorld, BadOptionsThrow) {
   options = {};
   options.spacing_m = 0.1;
   EXPECT_THROW(MakeWorld(options), InputError);
-  EXPECT_THROW(MakeWorld(Coarse(1)).PoseNamed("jump"), UsageError);
+  EXPECT_THROW(Made(1).PoseNamed("jump"), UsageError);
 }
 
 TEST(TruthSurface, VertexOfAPoseIsTheMappedMaterialPoint) {
-  const World world = MakeWorld(Coarse(1));
+  const World& world = Made(1);
   const Pose& bent = world.PoseNamed("bent");
   const Mesh surface = TruthSurface(world, bent);
   EXPECT_EQ(surface.faces, world.rest.faces);
@@ -187,7 +196,7 @@ TEST(TruthSurface, VertexOfAPoseIsTheMappedMaterialPoint) {
 }
 
 TEST(TruthSurface, PosesStayClosedAndRaiseTheArm) {
-  const World world = MakeWorld(Coarse(1));
+  const World& world = Made(1);
   int finger = -1;
   for (std::size_t i = 0; i < world.landmarks.size(); ++i)
     if (world.landmarks[i].name == "left_finger") finger = static_cast<int>(i);
