@@ -136,6 +136,10 @@ TEST_F(CaptureProgram, MaskThatWasPaintedOverAnotherPhotographIsNamedAndNotUsed)
   WritePhotos(8);
   const fs::path photo = photos / "p13.jpg", masks = root / "painted", mask = masks / "p13.jpg.png";
   fs::create_directories(masks);
+  for (int i = 0; i < 8; ++i)
+    if (i != 3)
+      WriteImage(masks / ("p" + std::to_string(10 + i) + ".jpg.png"),
+                 MakeTestPhoto(i, 180, 120, TestWall::kDark).truth);
   WriteImage(mask, Image8(180, 120, 1, 255));
   const auto is_used = [&] {
     const Outcome outcome = Run("--masks " + masks.string());

@@ -45,7 +45,7 @@ TEST_F(LeftOut, TheOthersAreAsIfItWereNotThere) {
 
 TEST_F(LeftOut, ANameOfNoneIsTold) {
   WritePhotos(8);
-  const Outcome outcome = Run("--leave_out p1l.jpg");
+  const Outcome outcome = RunMasked("--leave_out p1l.jpg");
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.output, HasSubstr("leave_out names photographs that are not there: p1l.jpg"));
 }

@@ -54,12 +54,12 @@ TEST_F(CaptureProgram, SixteenBitsStayWhereAPhotographIsTurnedOrMadeSmaller) {
   turned.orientation = 3;
   WriteImage(photos / "q.tif", DeepPhoto(6), 92, &turned);
   WriteImage(photos / "r.png", DeepPhoto(7));
-  ASSERT_EQ(Run().code, 0);
+  ASSERT_EQ(RunMasked().code, 0);
   EXPECT_EQ(ReadFile(images / "r.png"), ReadFile(photos / "r.png"));
   const Image16 upright = ReadAsStored(images / "q.tif").sixteen;
   EXPECT_EQ(upright.data, Oriented(DeepPhoto(6), 3).data);
   EXPECT_EQ(ReadImageInfo(images / "q.tif").orientation, 1);
-  ASSERT_EQ(Run("--max_size 90").code, 0);
+  ASSERT_EQ(RunMasked("--max_size 90").code, 0);
   const Image16 half = ReadAsStored(images / "r.png").sixteen, whole = DeepPhoto(7);
   ASSERT_EQ(half.width, 90);
   for (int c = 0; c < 3; ++c)
@@ -175,7 +175,7 @@ TEST_F(CaptureProgram, RawFilesAreDeveloped) {
 TEST_F(CaptureProgram, OfARawAndJpegPairTakesTheJpegSilently) {
   WritePhotos(8);
   for (int i = 0; i < 8; ++i) WriteFile(photos / ("p" + std::to_string(10 + i) + ".CR2"), "x");
-  ASSERT_EQ(Run().code, 0);
+  ASSERT_EQ(RunMasked().code, 0);
   EXPECT_THAT(Report(), ::testing::Not(HasSubstr("no photographs")));
   EXPECT_EQ(ReadImageSet(images).images.size(), 8u);
 }
@@ -198,7 +198,7 @@ TEST_F(CaptureProgram, PhotographsOfASessionKeepTheirAngleTiltAndFlip) {
   WriteFile(photos / "shoot.json", SideFileOf8(false));
   fs::create_directories(photos / "stacks");
   WriteFile(photos / "stacks/r1_a045_f1.jpg", "never read");
-  ASSERT_EQ(Run().code, 0);
+  ASSERT_EQ(RunMasked().code, 0);
   EXPECT_THAT(Report(), ::testing::Not(HasSubstr("no photographs")));
   const ImageSet set = ReadImageSet(images);
   ASSERT_EQ(set.images.size(), 8u);
@@ -217,7 +217,7 @@ TEST_F(CaptureProgram, AppliesTheWhiteBalanceOfTheSession) {
     WriteImage(photos / name, MakeTestPhoto(i, 180, 120, TestWall::kDark).image, 95);
   }
   WriteFile(photos / "shoot.json", SideFileOf8(true));
-  ASSERT_EQ(Run().code, 0);
+  ASSERT_EQ(RunMasked().code, 0);
   const Image8 was = ReadImage(photos / "r1_a000.jpg", 3),
                is = ReadImage(images / "r1_a000.jpg", 3);
   EXPECT_LT(MeanDifference(is, shoot::WithGains(was, {0.7, 1, 1.3})), 2);  // JPEG once more

@@ -42,7 +42,8 @@ class FitProgram : public ::testing::Test {
     Make("cleanup", "--surface " + f + "/world/truth/rest/surface.ply --faces 5000 --clean " + f +
                         "/clean.ply");
     Make("unwrap", "--clean " + f + "/clean.ply --unwrapped " + f + "/template.obj");
-    Make("capture", "--photos " + f + "/world/photos/rest --images " + f + "/rest");
+    Make("capture", "--photos " + f + "/world/photos/rest --masks " + f +
+                        "/world/truth/rest/masks --images " + f + "/rest");
     Make("capture",
          "--photos " + f + "/world/photos/limbs --images " + f + "/limbs --min_images 2");
     Make("bake", "--mesh " + f + "/template.obj --images " + f + "/rest --model " + f +
@@ -209,7 +210,8 @@ fs::path OtherRig(const fs::path& rig, const fs::path& other) {
 }
 
 TEST_F(FitProgram, FindsCamerasThatAreNoneOfTheRigs) {
-  ASSERT_EQ(Fit(folder / "limbs", OtherRig(Rig(), folder / "other_rig")), 0) << Log();
+  ASSERT_EQ(Fit(folder / "limbs", OtherRig(Rig(), folder / "other_rig"), "--max_size 320"), 0)
+      << Log();
   EXPECT_EQ(Measured()["rig"], false);
   EXPECT_EQ(Measured()["images_placed"], 6);
   EXPECT_GT(Measured()["iou_mean"], 0.95);
@@ -219,12 +221,12 @@ TEST_F(FitProgram, FindsCamerasThatAreNoneOfTheRigs) {
 TEST_F(FitProgram, PhotographsOfAnotherCharacterAreRefused) {
   const std::string f = folder.string();
   Make("synth", "photos --output " + f +
-                    "/stranger --poses bent --views 3 --width 640 --spacing "
-                    "0.005 --seed 9");
-  Make("capture",
-       "--photos " + f + "/stranger/photos/bent --images " + f + "/strangers --min_images 2");
+                    "/stranger --poses bent --views 3 --width 320 --spacing "
+                    "0.01 --seed 9");
+  Make("capture", "--photos " + f + "/stranger/photos/bent --masks " + f +
+                      "/stranger/truth/bent/masks --images " + f + "/strangers --min_images 2");
   fs::remove(folder / "fitted.obj");
-  EXPECT_EQ(Fit(folder / "strangers", Rig()), 3);
+  EXPECT_EQ(Fit(folder / "strangers", Rig(), "--max_size 320"), 3);
   EXPECT_THAT(Log(), HasSubstr("check that they show the same character as the template"));
   EXPECT_FALSE(fs::exists(folder / "fitted.obj"));
 }
@@ -233,9 +235,9 @@ TEST_F(FitProgram, PhotographsOfAnotherSizeAreNamed) {
   const std::string f = folder.string();
   Make("synth", "photos --output " + f +
                     "/square --poses limbs --few limbs=3 --views 20 --width "
-                    "300 --height 300 --spacing 0.005 --seed 5 --pose-seed 5");
-  Make("capture",
-       "--photos " + f + "/square/photos/limbs --images " + f + "/squares --min_images 2");
+                    "300 --height 300 --spacing 0.01 --seed 5 --pose-seed 5");
+  Make("capture", "--photos " + f + "/square/photos/limbs --masks " + f +
+                      "/square/truth/limbs/masks --images " + f + "/squares --min_images 2");
   EXPECT_EQ(Fit(folder / "squares", Rig()), 3);
   EXPECT_THAT(Log(), HasSubstr("300 x 300"));
   EXPECT_THAT(Log(), HasSubstr("photograph all poses with one camera"));

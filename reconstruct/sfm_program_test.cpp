@@ -65,10 +65,11 @@ class SfmProgram : public ::testing::Test, public TestingFolder {
     const std::string folder = ring_->path().string();
     return Run("", "keypose-synth",
                "photos --output " + folder +
-                   " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
+                   " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.006")
                    .code == 0 &&
            Run("", "keypose-capture",
-               "--photos " + folder + "/photos/rest --images " + folder + "/images")
+               "--photos " + folder + "/photos/rest --masks " + folder +
+                   "/truth/rest/masks --images " + folder + "/images")
                    .code == 0;
   }
 
@@ -155,7 +156,7 @@ TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
 TEST_F(SfmProgram, PhotographsOfTwoCamerasInTurnComeOutTrueWithALensEach) {
   if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
   const auto shoot = [&](const std::string& name, const std::string& flags) {
-    const std::string shape = "photos --poses rest --views 20 --elevations 25 --spacing 0.004 ";
+    const std::string shape = "photos --poses rest --views 20 --elevations 25 --spacing 0.006 ";
     return Run("", "keypose-synth", shape + "--output " + (root / name).string() + " " + flags);
   };
   ASSERT_EQ(shoot("a", "--width 800").code, 0);
@@ -165,15 +166,17 @@ TEST_F(SfmProgram, PhotographsOfTwoCamerasInTurnComeOutTrueWithALensEach) {
   for (std::size_t i = 1; i < truth.views.size(); i += 3) {
     const fs::path photograph = fs::path("photos/rest") / truth.views[i].name;
     ASSERT_EQ(other.views[i].name, truth.views[i].name);
-    fs::copy_file(root / "b" / photograph, root / "a" / photograph,
-                  fs::copy_options::overwrite_existing);
+    const fs::path mask = "truth/rest/masks/" + truth.views[i].name + ".png";
+    for (const fs::path& file : {photograph, mask})
+      fs::copy_file(root / "b" / file, root / "a" / file, fs::copy_options::overwrite_existing);
     truth.views[i] = other.views[i];
   }
-  ASSERT_EQ(Run("", "keypose-capture",
-                "--photos " + (root / "a/photos/rest").string() + " --images " +
-                    (root / "images").string())
-                .code,
-            0);
+  ASSERT_EQ(
+      Run("", "keypose-capture",
+          "--photos " + (root / "a/photos/rest").string() + " --masks " +
+              (root / "a/truth/rest/masks").string() + " --images " + (root / "images").string())
+          .code,
+      0);
   const Outcome outcome = Sfm("", "model");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   const Scene found = ReadColmapModel(root / "model");
@@ -200,7 +203,7 @@ TEST_F(SfmProgram, AnglesOfASessionPlaceARingWithGapsThatNamesAloneDoNot) {
   // So small that features alone do not do.
   ASSERT_EQ(Run("", "keypose-synth",
                 "photos --output " + root.string() +
-                    " --poses rest --views 20 --elevations 25 --width 240 --spacing 0.004")
+                    " --poses rest --views 20 --elevations 25 --width 240 --spacing 0.006")
                 .code,
             0);
   ShootSession("--camera simulated:" + root.string() + " --rings 25 --angles 20",

@@ -45,7 +45,7 @@ class ImageFolders : public ::testing::Test {
     const RunResult made =
         RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
                     "--views", std::to_string(kViews), "--elevations", "25", "--width", "560",
-                    "--height", "420", "--spacing", "0.004"},
+                    "--height", "420", "--spacing", "0.006"},
                    world_->path());
     ASSERT_EQ(made.exit_code, kOk) << made.output;
   }

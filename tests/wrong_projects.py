@@ -37,7 +37,7 @@ class Bench:
         self.keypose, self.work = programs / 'keypose', work
         world = work / 'world'
         made = subprocess.run([programs / 'keypose-synth', 'photos', '--output', world, '--poses', 'rest,bent', '--views', '10', '--width', '320', '--height',
-                               '240', '--spacing', '0.004'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                               '240', '--spacing', '0.008'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert made.returncode == 0, made.stdout
         self.project = work / 'project'
         for pose in ('rest', 'bent'):

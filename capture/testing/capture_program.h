@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "capture/testing/test_images.h"
@@ -43,6 +44,22 @@ class CaptureProgram : public testing::Test, public TestingFolder {
                                 log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
+  }
+  /// With a true mask for each JPEG in the folder: for what is not about finding the figure, which
+  /// then need not be found.
+  Outcome RunMasked(const std::string& more = "", const std::string& first = "") const {
+    const fs::path masks = root / "true_masks";
+    fs::create_directories(masks);
+    std::set<fs::path> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(photos))
+      if (entry.path().extension() == ".jpg" && !entry.is_symlink()) names.insert(entry.path());
+    int index = 0;
+    for (const fs::path& name : names) {
+      const ImageInfo info = ReadImageInfo(name);
+      WriteImage(masks / (name.filename().string() + ".png"),
+                 MakeTestPhoto(index++, info.width, info.height, TestWall::kDark).truth);
+    }
+    return Run("--masks " + masks.string() + " " + more, first);
   }
   std::string Report() const { return ReadFile(root / "report.json"); }
 

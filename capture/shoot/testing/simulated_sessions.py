@@ -38,7 +38,7 @@ def setUpModule():
             "--width",
             "160",
             "--spacing",
-            "0.004",
+            "0.01",
         ],
         check=True,
         stdout=subprocess.DEVNULL,
