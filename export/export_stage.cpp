@@ -222,7 +222,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "14";
+  spec.version = "15";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.title = "Export";
   spec.inputs = {

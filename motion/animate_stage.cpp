@@ -34,7 +34,7 @@ constexpr double kGroundShare = 0.1;  // of the frames whose lowest vertices lie
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "animate";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Moves a rigged mesh by a motion clip: a template for transfer.";
   spec.title = "Motion of a clip";
   spec.inputs = {
@@ -81,7 +81,7 @@ std::vector<double> MomentsOf(const MotionClip& clip, const AnimateOptions& opti
   std::vector<double> moments;
   for (int k = 0;; ++k) {
     const double at = options.from + k / options.fps;
-    if (at > end + 1e-9) break;
+    if (at > end + kSameMoment * clip.frame_time_s) break;
     const double moment = std::min(at / clip.frame_time_s, clip.frame_count() - 1.0),
                  whole = std::round(moment);
     moments.push_back(std::abs(moment - whole) < kSameMoment ? whole : moment);

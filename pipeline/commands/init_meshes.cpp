@@ -141,9 +141,10 @@ std::string Told(const Scan& scan, bool textured, bool look_given) {
   return fmt::format("{} vertices, {} faces, {}, {}", mesh.points.rows(), faces, size, look);
 }
 
-/// A file that was cut off has its vertices before its faces.
+/// An OBJ that was cut off has its vertices before its faces; other formats count both.
 void WarnOfLooseVertices(const GivenMesh& mesh) {
   const Mesh& read = mesh.scan.mesh;
+  if (MeshKindOf(mesh.file) != MeshKind::kObj) return;
   std::vector<char> used(static_cast<std::size_t>(read.points.rows()), 0);
   for (Eigen::Index f = 0; f < read.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) used[static_cast<std::size_t>(read.faces(f, k))] = 1;

@@ -222,6 +222,13 @@ void Note(std::vector<std::string>* notes, const std::string& note) {
   if (notes) notes->push_back(note);
 }
 
+/// Programs write 1 / 30 as 0.0333333; the last of 10,000 frames would begin too early.
+double AtWholeRate(double frame_time_s) {
+  constexpr double kRounding_s = 6e-7;  // of six decimals
+  const double whole = 1 / std::round(1 / frame_time_s);
+  return std::abs(whole - frame_time_s) < kRounding_s ? whole : frame_time_s;
+}
+
 void ReadMotion(Words& words, const std::string& name, BvhFile* file,
                 std::vector<std::string>* notes) {
   words.Expect("MOTION");
@@ -233,6 +240,7 @@ void ReadMotion(Words& words, const std::string& name, BvhFile* file,
   if (file->clip.frame_time_s > 1)
     Note(notes, fmt::format("{}: a frame lasts {} s; is that a rate? A BVH file has 1 / rate here",
                             name, file->clip.frame_time_s));
+  if (file->clip.frame_time_s < 0.5) file->clip.frame_time_s = AtWholeRate(file->clip.frame_time_s);
   const std::size_t channels = file->columns.size();
   if (channels == 0) words.Fail("its joints have no channels");
   while (!words.Peek().empty()) {
