@@ -291,7 +291,8 @@ void AddDamage(CLI::App& app, DamageFlags& c) {
   damage
       ->add_option(
           "--kind", c.kind,
-          "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif")
+          "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif, "
+          "hand, tool, thumb")
       ->required();
   damage->add_option("--names", c.names, "names of the files to damage; default: all")
       ->delimiter(',');

@@ -7,10 +7,12 @@
 #include "core/io/pictures/image_io.h"
 #include "core/io/text/files.h"
 #include "core/pictures/image_turns.h"
+#include "core/pictures/srgb.h"
 #include "core/values/errors.h"
 #include "core/values/exif_focal.h"
 #include "core/values/image.h"
 #include "synth/photographs/sensor.h"
+#include "synth/worlds/hand.h"
 
 namespace keypose::synth {
 namespace {
@@ -22,7 +24,9 @@ const std::pair<const char*, DamageKind> kWords[] = {
     {"no-image", DamageKind::kNoImage},  {"blur", DamageKind::kBlur},
     {"dark", DamageKind::kDark},         {"drop", DamageKind::kDrop},
     {"rotate", DamageKind::kRotate},     {"upside-down", DamageKind::kUpsideDown},
-    {"resize", DamageKind::kResize},     {"strip-exif", DamageKind::kStripExif}};
+    {"resize", DamageKind::kResize},     {"strip-exif", DamageKind::kStripExif},
+    {"hand", DamageKind::kHand},         {"tool", DamageKind::kTool},
+    {"thumb", DamageKind::kThumb}};
 
 ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
   ExifToWrite exif;
@@ -41,6 +45,23 @@ Image8 Blurred(const Image8& image, double sigma, double gain) {
   for (std::size_t i = 0; i < image.data.size(); ++i)
     linear.data[i] = static_cast<float>(gain * std::pow(image.data[i] / 255.0, 2.2));
   return Develop(std::move(linear), {sigma, 0, 1, 5});
+}
+
+/// @param name  of the file: decides where it reaches in
+Image8 Covered(const Image8& image, DamageKind kind, const std::string& name) {
+  ImageF linear(image.width, image.height, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    linear.data[i] = static_cast<float>(LinearFromSrgb(image.data[i] / 255.0));
+  std::uint64_t seed = 0;
+  for (const char c : name) seed = (seed * 31 + static_cast<unsigned char>(c)) % 1000003;
+  Image8 nowhere(image.width, image.height, 1, 0);
+  if (kind == DamageKind::kHand)
+    HoldHand(linear, nowhere, seed);
+  else if (kind == DamageKind::kTool)
+    HoldTool(linear, nowhere, seed);
+  else
+    HoldThumb(linear, seed);
+  return Develop(std::move(linear), {0, 0, 0, 5});
 }
 
 // Rotates by 90 degrees to the left; EXIF orientation 6 (rotate right to view) undoes this.
@@ -92,6 +113,11 @@ void Spoil(const fs::path& path, DamageKind kind) {
       return;
     case DamageKind::kUpsideDown:
       WriteImage(path, TurnedOver(image), kQuality, &upright);
+      return;
+    case DamageKind::kHand:
+    case DamageKind::kTool:
+    case DamageKind::kThumb:
+      WriteImage(path, Covered(image, kind, path.filename().string()), kQuality, &upright);
       return;
     case DamageKind::kResize:
       WriteImage(path, Resized(image, image.width * 4 / 5, image.height * 4 / 5), kQuality,

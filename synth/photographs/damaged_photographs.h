@@ -18,6 +18,9 @@ enum class DamageKind {
   kUpsideDown,  ///< rotated by 180 degrees, without an EXIF orientation
   kResize,      ///< 80 % of the size
   kStripExif,   ///< no camera, no focal length
+  kHand,        ///< a hand covers the middle
+  kTool,        ///< a modelling tool reaches across the middle
+  kThumb,       ///< a thumb before the lens
 };
 
 /// @throws UsageError  unknown word; lists the known ones

@@ -52,6 +52,29 @@ TEST_F(SynthFiles, BlurTakesTheEdgesAway) {
   EXPECT_LT(roughness(ReadImage(Spoilt(DamageKind::kBlur, "IMG_0001.jpg"), 3)), 0.5 * sharp);
 }
 
+/// Share of the pixels that a damage changes by more than noise and compression do.
+double ShareDrawnOver(const Image8& before, const Image8& after) {
+  double changed = 0;
+  for (std::size_t i = 1; i < before.data.size(); i += 3)
+    changed += std::abs(before.data[i] - after.data[i]) > 12;
+  return 3 * changed / static_cast<double>(before.data.size());
+}
+
+TEST_F(SynthFiles, HandToolAndThumbCoverAPartAndLeaveTheRest) {
+  const Image8 original = ReadImage(folder_ / "photos/rest/IMG_0003.jpg", 3);
+  const auto share = [&](DamageKind kind) {
+    return ShareDrawnOver(original, ReadImage(Spoilt(kind, "IMG_0003.jpg"), 3));
+  };
+  const double hand = share(DamageKind::kHand), tool = share(DamageKind::kTool),
+               thumb = share(DamageKind::kThumb);
+  EXPECT_GT(hand, 0.05);
+  EXPECT_LT(hand, 0.35);
+  EXPECT_GT(tool, 0.01);
+  EXPECT_LT(tool, 0.08) << "a strip 0.04 to 0.06 of the height wide";
+  EXPECT_GT(thumb, 0.02);
+  EXPECT_LT(thumb, 0.3);
+}
+
 TEST_F(SynthFiles, UnknownDamageAndUnknownPhotographThrow) {
   EXPECT_THROW(DamageKindNamed("melt"), UsageError);
   EXPECT_THROW(

@@ -99,6 +99,29 @@ Eigen::Vector4d SkinAt(const std::vector<HandLimb>& limbs, const Vector2d& p, do
   return {color[0], color[1], color[2], 1};
 }
 
+/// Paints limbs over a picture.
+/// @param color_at  colour and coverage at a point
+template <class ColorAt>
+void PaintOver(ImageF& linear, Image8& mask, const ColorAt& color_at) {
+  const auto row = [&](std::int64_t line) {
+    const int y = static_cast<int>(line);
+    for (int x = 0; x < linear.width; ++x) {
+      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+      for (int j = 0; j < kSubpixels; ++j)
+        for (int i = 0; i < kSubpixels; ++i)
+          sum += color_at(Vector2d(x + (i + 0.5) / kSubpixels, y + (j + 0.5) / kSubpixels));
+      const double covered = sum[3] / (kSubpixels * kSubpixels);
+      if (covered <= 0) continue;
+      float* pixel = linear.at(x, y);
+      for (int c = 0; c < 3; ++c)
+        pixel[c] =
+            static_cast<float>((1 - covered) * pixel[c] + sum[c] / (kSubpixels * kSubpixels));
+      if (covered >= 0.5) *mask.at(x, y) = 0;
+    }
+  };
+  ParallelFor(linear.height, row, 16);
+}
+
 }  // namespace
 
 void HoldHand(ImageF& linear, Image8& mask, std::uint64_t seed) {
@@ -110,24 +133,54 @@ void HoldHand(ImageF& linear, Image8& mask, std::uint64_t seed) {
   const Vector2d reach = Turned(Vector2d(from_left ? 1 : -1, 0), random.Uniform(-0.35, 0.35));
   const std::vector<HandLimb> limbs =
       LimbsOf(goal, reach, unit, std::hypot(linear.width, linear.height));
-  const auto row = [&](std::int64_t line) {
-    const int y = static_cast<int>(line);
-    for (int x = 0; x < linear.width; ++x) {
-      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-      for (int j = 0; j < kSubpixels; ++j)
-        for (int i = 0; i < kSubpixels; ++i)
-          sum += SkinAt(limbs, {x + (i + 0.5) / kSubpixels, y + (j + 0.5) / kSubpixels}, unit,
-                        static_cast<std::uint32_t>(seed));
-      const double covered = sum[3] / (kSubpixels * kSubpixels);
-      if (covered <= 0) continue;
-      float* pixel = linear.at(x, y);
-      for (int c = 0; c < 3; ++c)
-        pixel[c] =
-            static_cast<float>((1 - covered) * pixel[c] + sum[c] / (kSubpixels * kSubpixels));
-      if (covered >= 0.5) *mask.at(x, y) = 0;
-    }
-  };
-  ParallelFor(linear.height, row, 16);
+  PaintOver(linear, mask, [&](const Vector2d& p) {
+    return SkinAt(limbs, p, unit, static_cast<std::uint32_t>(seed));
+  });
+}
+
+void HoldTool(ImageF& linear, Image8& mask, std::uint64_t seed) {
+  Random random(seed * 137 + 31);
+  const Vector3d wood(0.30, 0.17, 0.07), steel(0.36, 0.38, 0.42);
+  const bool from_left = random.Uniform() < 0.5;
+  const double unit = linear.height, height = random.Uniform(0.3, 0.7),
+               share = random.Uniform(0.5, 0.8), radius = random.Uniform(0.02, 0.03) * unit;
+  const Vector2d goal = Goal(mask, from_left, height, share);
+  const Vector2d reach = Turned(Vector2d(from_left ? 1 : -1, 0), random.Uniform(-0.5, 0.5));
+  const Vector2d neck = goal - 0.14 * unit * reach;
+  const double length = std::hypot(linear.width, linear.height);
+  const HandLimb tip{neck, goal, 0.7 * radius, 0.35 * radius},
+      handle{neck - length * reach, neck, radius, radius};
+  PaintOver(linear, mask, [&](const Vector2d& p) -> Eigen::Vector4d {
+    const double of_handle = handle.Height(p), of_tip = tip.Height(p);
+    if (of_handle <= 0 && of_tip <= 0) return Eigen::Vector4d::Zero();
+    const bool is_handle = of_handle > of_tip;
+    const double round = is_handle ? of_handle / radius : of_tip / (0.7 * radius);
+    const Vector3d color = (0.45 + 0.6 * round) * (is_handle ? wood : steel);
+    return {color[0], color[1], color[2], 1};
+  });
+}
+
+void HoldThumb(ImageF& linear, std::uint64_t seed) {
+  Random random(seed * 139 + 37);
+  const double unit = linear.height, far = std::hypot(linear.width, linear.height);
+  const int side = static_cast<int>(random.Uniform() * 6) % 6;  // corners, then left, right
+  const Vector2d starts[] = {{0, 0},          {1.0 * linear.width, 0},
+                             {0, unit},       {1.0 * linear.width, unit},
+                             {0, 0.5 * unit}, {1.0 * linear.width, 0.5 * unit}};
+  const Vector2d start = starts[side], middle(0.5 * linear.width, 0.5 * unit);
+  const Vector2d reach = Turned((middle - start).normalized(), random.Uniform(-0.2, 0.2));
+  const double radius = random.Uniform(0.15, 0.25) * unit, soft = 0.05 * unit;
+  const Vector2d tip = start + random.Uniform(0.2, 0.45) * unit * reach;
+  const Vector2d round = tip - radius * reach, away = start - far * reach;
+  Image8 nothing(linear.width, linear.height, 1, 0);
+  PaintOver(linear, nothing, [&](const Vector2d& p) -> Eigen::Vector4d {
+    const Vector2d along = round - away;
+    const double t = std::clamp((p - away).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    const double inside = (radius - (p - away - t * along).norm()) / soft;
+    const double s = std::clamp(0.5 + 0.5 * inside, 0.0, 1.0), covered = s * s * (3 - 2 * s);
+    const Vector3d color = covered * (0.5 + 0.2 * std::clamp(0.2 * inside, 0.0, 1.0)) * kSkin;
+    return {color[0], color[1], color[2], covered};
+  });
 }
 
 }  // namespace keypose::synth
