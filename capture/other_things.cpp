@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "capture/board/print_seen.h"
 #include "capture/pictures/strangers.h"
 #include "core/values/errors.h"
 #include "core/values/figure_strokes.h"
@@ -43,8 +44,9 @@ NameList NamesOf(const PhotographImport& import, const Members& members) {
 /// said something of are one thing, with the largest.
 std::vector<Members> ThingsIn(const Members& members, const std::vector<Image8>& pictures,
                               const std::vector<ColourSketch>& sketches,
-                              const std::vector<char>& said, Progress* progress) {
-  const auto groups = ThingsShown(pictures, sketches, progress);
+                              const std::vector<Image8>& prints, const std::vector<char>& said,
+                              Progress* progress) {
+  const auto groups = ThingsShown(pictures, sketches, prints, progress);
   std::vector<Members> things;
   for (const auto& group : groups) {
     Members thing;
@@ -126,15 +128,17 @@ void KeepMarked(const std::vector<char>& kept, PhotographImport* import) {
 /// The photographs of one placement that show another thing than most of it.
 Members OthersIn(StageContext& stage, const PhotographImport& import, const Members& members,
                  const std::vector<char>& said, const CaptureOptions& options) {
-  std::vector<Image8> pictures;
+  std::vector<Image8> pictures, prints;
   std::vector<ColourSketch> sketches;
   for (const std::size_t i : members) {
     pictures.push_back(import.small[i]);
-    sketches.push_back(SketchOf(pictures.back()));
+    prints.push_back(PrintSeen(import.boards[i]));
+    sketches.push_back(SketchOf(pictures.back(), prints.back()));
   }
   TellOfDoubles(stage, import, members, pictures, sketches);
   if (members.size() < kFewestOfAPlacement) return {};
-  const std::vector<Members> things = ThingsIn(members, pictures, sketches, said, stage.progress());
+  const std::vector<Members> things =
+      ThingsIn(members, pictures, sketches, prints, said, stage.progress());
   if (kOneOf * things[0].size() < (kOneOf - 1) * members.size()) {
     if (options.KeepsOtherThings()) return {};
     RefuseMixed(import, things, members.size());

@@ -198,6 +198,7 @@ std::vector<ImageTie> PairsToMatch(const std::vector<std::vector<int>>& groups,
 
 /// Previews of those photographs that are in pairs; the others stay empty.
 std::vector<Preview> PreviewsFor(const std::vector<Image8>& pictures,
+                                 const std::vector<Image8>& prints,
                                  const std::vector<ImageTie>& pairs) {
   std::vector<char> wanted(pictures.size(), 0);
   for (const ImageTie& pair : pairs)
@@ -205,9 +206,11 @@ std::vector<Preview> PreviewsFor(const std::vector<Image8>& pictures,
         1;
   std::vector<Preview> previews(pictures.size());
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    if (wanted[i])
-      previews[i] = {Grey(pictures[i]),
-                     ImageOf(MiddleOf(cv::Size(pictures[i].width, pictures[i].height)))};
+    if (wanted[i]) {
+      cv::Mat middle = MiddleOf(cv::Size(pictures[i].width, pictures[i].height));
+      if (!prints.empty() && !prints[i].empty()) middle.setTo(0, MatOf(prints[i]));
+      previews[i] = {Grey(pictures[i]), ImageOf(middle)};
+    }
   return previews;
 }
 
@@ -223,13 +226,20 @@ double DifferenceOf(const cv::Mat& first, const cv::Mat& second) {
 
 }  // namespace
 
-ColourSketch SketchOf(const Image8& picture) {
+ColourSketch SketchOf(const Image8& picture, const Image8& print) {
   const Image8 small = WorkingImage(picture, kSketch_px);
   cv::Mat lab;
   cv::cvtColor(MatOf(small), lab, cv::COLOR_RGB2Lab);
   ColourSketch sketch;
-  sketch.middle = SharesIn(lab, MiddleOf(lab.size()));
-  sketch.border = SharesIn(lab, BorderOf(lab.size()));
+  cv::Mat middle = MiddleOf(lab.size()), border = BorderOf(lab.size());
+  if (!print.empty()) {
+    const Image8 reduced = WorkingImage(print, kSketch_px);
+    const cv::Mat shows = MatOf(reduced) > 127;
+    middle.setTo(0, shows);
+    border.setTo(0, shows);
+  }
+  sketch.middle = SharesIn(lab, middle);
+  sketch.border = SharesIn(lab, border);
   ForBoth(sketch.middle, sketch.border, [&](int colour, float in, float around) {
     if (in <= around) return;
     sketch.own.emplace_back(colour, in - around);
@@ -249,6 +259,7 @@ double Unlikeness(const ColourSketch& first, const ColourSketch& second) {
 
 std::vector<std::vector<std::size_t>> ThingsShown(const std::vector<Image8>& pictures,
                                                   const std::vector<ColourSketch>& sketches,
+                                                  const std::vector<Image8>& prints,
                                                   Progress* progress) {
   std::vector<std::vector<int>> groups;
   if (!pictures.empty()) {
@@ -258,8 +269,8 @@ std::vector<std::vector<std::size_t>> ThingsShown(const std::vector<Image8>& pic
     groups = JoinedImages(count, links);
     if (groups.size() > 1) {
       const std::vector<ImageTie> pairs = PairsToMatch(groups, distances);
-      const std::vector<ImageTie> ties =
-          SharedPlaces(PreviewsFor(pictures, pairs), pairs, StrangerTuning::kStill_px, progress);
+      const std::vector<ImageTie> ties = SharedPlaces(PreviewsFor(pictures, prints, pairs), pairs,
+                                                      StrangerTuning::kStill_px, progress);
       links.insert(links.end(), ties.begin(), ties.end());
       groups = JoinedImages(count, links);
     }

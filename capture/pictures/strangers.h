@@ -24,7 +24,9 @@ struct ColourSketch {
 /// Colours in CIE Lab, 10 x 16 x 16 of them, each pixel shared out among its eight nearest, of the
 /// picture at 96 pixels.
 /// @param picture  RGB
-ColourSketch SketchOf(const Image8& picture);
+/// @param print    255 where a known print shows, such as a board that all figures stand on, which
+/// does not count; empty: nowhere
+ColourSketch SketchOf(const Image8& picture, const Image8& print = {});
 
 /// How unlike two pictures are by colour: the larger of two distances of distributions (1 minus
 /// what they share), each over what different things have at least: of the middles (0.56), and of
@@ -38,10 +40,12 @@ double Unlikeness(const ColourSketch& first, const ColourSketch& second);
 /// one rigid scene, so that neither another lamp nor another side makes a second thing of it.
 /// Sets whose neighbours are far apart are judged by their own chain.
 /// @param pictures  RGB, some 500 px
+/// @param prints    as in SketchOf, one per picture; features on them tie nothing together
 /// Same result for any thread count.
 /// Cost: some ms per photograph, and 1 ms for each pair of which one is not like most.
 std::vector<std::vector<std::size_t>> ThingsShown(const std::vector<Image8>& pictures,
                                                   const std::vector<ColourSketch>& sketches,
+                                                  const std::vector<Image8>& prints = {},
                                                   Progress* progress = nullptr);
 
 /// Pairs of one view, such as a photograph that was saved a second time: they differ by less than

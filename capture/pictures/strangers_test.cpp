@@ -116,6 +116,43 @@ TEST(ThingsShown, SharedPlacesOutweighOtherColoursUnlessTheyStandStill) {
   EXPECT_EQ(Things(still).size(), 2U);
 }
 
+/// A chequered board before a grey wall, with a ball on it, and where the board's print shows.
+struct OnBoard {
+  Image8 image{kWidth, kHeight, 3, 120}, print{kWidth, kHeight, 1, 0};
+};
+
+OnBoard BallOnBoard(int turn, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+  OnBoard photo;
+  for (int y = 20; y < 100; ++y)
+    for (int x = 30; x < 150; ++x) {
+      const int fx = x - 90, fy = y - 60;
+      const bool ball = fx * fx + fy * fy < 15 * 15;
+      const std::uint8_t ink = ((x + turn) / 6 + y / 6) % 2 ? 30 : 220;
+      const std::uint8_t colour[3] = {ball ? red : ink, ball ? green : ink, ball ? blue : ink};
+      std::copy_n(colour, 3, photo.image.at(x, y));
+      *photo.print.at(x, y) = ball ? 0 : 255;
+    }
+  return photo;
+}
+
+TEST(ThingsShown, OnABoardTheFiguresAreComparedAndNotTheirPrint) {
+  std::vector<Image8> pictures, prints;
+  std::vector<ColourSketch> with, without;
+  for (int i = 0; i < 9; ++i) {
+    const OnBoard photo = i == 4 ? BallOnBoard(i, 40, 60, 190) : BallOnBoard(i, 190, 60, 40);
+    pictures.push_back(photo.image);
+    prints.push_back(photo.print);
+    with.push_back(SketchOf(photo.image));
+    without.push_back(SketchOf(photo.image, photo.print));
+  }
+  EXPECT_LT(Unlikeness(with[3], with[4]), 1) << "most of both is one board";
+  EXPECT_GT(Unlikeness(without[3], without[4]), 1);
+  EXPECT_LT(Unlikeness(without[3], without[5]), 0.1);
+  const auto things = ThingsShown(pictures, without, prints);
+  ASSERT_EQ(things.size(), 2U);
+  EXPECT_EQ(things[1], std::vector<std::size_t>{4});
+}
+
 TEST(SameViews, ViewWithOtherNoiseIsThereTwiceAndNeighboursAreNot) {
   std::vector<Image8> pictures = Ring(10, TestWall::kDark);
   pictures.push_back(pictures[3]);
