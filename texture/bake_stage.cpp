@@ -25,7 +25,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "12";
+  spec.version = "11";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
   spec.title = "Textures";
@@ -165,12 +165,12 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
                  "; it was left out of the texture. It shows something else, or its camera is "
                  "wrong: shoot it again, or delete it");
     } else if (!c.hidden.empty()) {
-      hidden.push_back({{"name", name}, {"share", c.hidden_share}, {"told", c.told_share}});
+      hidden.push_back({{"name", name}, {"share", c.hidden_share}});
       if (!c.told) continue;
       stage.Warn("something lies before the figure in " + name +
-                 " (a hand, a tool): " + PercentHalfUp(c.told_share) +
-                 " of what it shows has colours that the figure has neither there nor nearby in "
-                 "the other photographs, and was left out of the texture; "
+                 " (a hand, a tool, a lamp's mirror image): " + PercentHalfUp(c.hidden_share) +
+                 " of what it shows has other colours than the other photographs show there, and "
+                 "was left out of the texture; "
                  "look at it, and shoot it again without");
     }
   }

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <queue>
 
 #include "core/numbers/parallel.h"
 #include "core/numbers/statistics.h"
@@ -32,8 +32,6 @@ struct Show {
   Vector3d hue;  // unit
   double brightness;  // logarithm
   double hue_off = 0, brightness_off = 0;
-  Vector3d usual_hue = Vector3d::Zero();  // of all views at the point
-  double usual_brightness = 0;
 };
 using Shows = std::vector<std::vector<Show>>;  // one list per point
 
@@ -50,8 +48,6 @@ void CompareToMedian(std::vector<Show>& list) {
   for (Show& s : list) {
     s.hue_off = std::acos(std::clamp(s.hue.dot(hue), -1.0, 1.0));
     s.brightness_off = s.brightness - brightness;
-    s.usual_hue = hue;
-    s.usual_brightness = brightness;
   }
 }
 
@@ -118,140 +114,64 @@ struct Blocks {
   }
 };
 
-/// What the squares of a picture hold.
-struct BlockCounts {
-  std::vector<int> places, contrary;
-  std::vector<int> foreign;  // contrary, and no place nearby has the colour either
-  std::vector<char> beside;  // the figure fills less than half of it
-};
-
-bool IsContrary(const BlockCounts& counts, const std::vector<int>& against, std::size_t b) {
-  return counts.places[b] >= kLeastInBlock &&
-         against[b] >= ConsensusTuning::kContraryBlock * counts.places[b];
-}
-
-/// Calls body(square) for a square and those around it.
-template <class Body>
-void ForAround(const Blocks& blocks, int b, const Body& body) {
-  const int x = b % blocks.width, y = b / blocks.width;
-  for (int v = std::max(0, y - 1); v <= std::min(blocks.height - 1, y + 1); ++v)
-    for (int u = std::max(0, x - 1); u <= std::min(blocks.width - 1, x + 1); ++u)
-      body(v * blocks.width + u);
-}
-
-/// Connected squares that are contrary.
-std::vector<std::vector<int>> PartsOf(const Blocks& blocks, const BlockCounts& counts) {
-  std::vector<char> seen(counts.places.size(), 0);
-  std::vector<std::vector<int>> parts;
-  for (std::size_t start = 0; start < seen.size(); ++start) {
-    if (seen[start] || !IsContrary(counts, counts.contrary, start)) continue;
+/// Connected squares that contain enough of the view's points, grown by one square on all sides.
+Image8 Believed(const Blocks& blocks, const std::vector<char>& contrary,
+                const std::vector<int>& places, double least, double* held) {
+  std::vector<char> seen(contrary.size(), 0);
+  Image8 hidden(blocks.width, blocks.height, 1, 0);
+  *held = 0;
+  for (std::size_t start = 0; start < contrary.size(); ++start) {
+    if (!contrary[start] || seen[start]) continue;
     std::vector<int> part{static_cast<int>(start)};
     seen[start] = 1;
-    for (std::size_t k = 0; k < part.size(); ++k)
-      ForAround(blocks, part[k], [&](int next) {
-        const auto at = static_cast<std::size_t>(next);
-        if (seen[at] || !IsContrary(counts, counts.contrary, at)) return;
-        seen[at] = 1;
-        part.push_back(next);
-      });
-    parts.push_back(std::move(part));
-  }
-  return parts;
-}
-
-/// Whether a part is a thing before the figure. Nothing floats there: it reaches in from beside the
-/// figure. And its colours are its own, where a surface that lies a little elsewhere than thought
-/// shows colours that the figure has nearby.
-bool ReachesIn(const Blocks& blocks, const BlockCounts& counts, const std::vector<int>& part,
-               double least) {
-  double own = 0;
-  bool from_beside = false;
-  for (const int b : part) {
-    const auto at = static_cast<std::size_t>(b);
-    if (IsContrary(counts, counts.foreign, at)) own += counts.places[at];
-    ForAround(blocks, b,
-              [&](int next) { from_beside |= counts.beside[static_cast<std::size_t>(next)] != 0; });
-  }
-  return from_beside && own >= least;
-}
-
-/// Marks the samples of a view whose colour the figure should have within this many pixels.
-std::vector<char> KnownNearby(const std::vector<const Show*>& of_view,
-                              const std::vector<char>& contrary, const Blocks& blocks,
-                              const ViewColors& light, double constant) {
-  using Tuning = ConsensusTuning;
-  const double reach = blocks.side / 2;
-  std::vector<std::vector<const Show*>> in(static_cast<std::size_t>(blocks.width) * blocks.height);
-  for (const Show* s : of_view) in[static_cast<std::size_t>(blocks.At(s->pixel))].push_back(s);
-  std::vector<char> known(of_view.size(), 0);
-  for (std::size_t i = 0; i < of_view.size(); ++i) {
-    if (!contrary[i]) continue;
-    const Show& s = *of_view[i];
-    ForAround(blocks, blocks.At(s.pixel), [&](int b) {
-      if (known[i]) return;
-      for (const Show* other : in[static_cast<std::size_t>(b)]) {
-        if ((other->pixel - s.pixel).squaredNorm() > reach * reach) continue;
-        const double hue = std::acos(std::clamp(s.hue.dot(other->usual_hue), -1.0, 1.0)),
-                     lit = s.brightness - other->usual_brightness - constant -
-                           light.light.dot(other->normal);
-        if (std::hypot(hue / Tuning::kHue, lit / Tuning::kBrightness) > 1) continue;
-        known[i] = 1;
-        return;
-      }
-    });
-  }
-  return known;
-}
-
-/// Squares of which the figure fills less than half.
-std::vector<char> Beside(const BakeView& view, const Blocks& blocks) {
-  std::vector<int> rays(static_cast<std::size_t>(blocks.width) * blocks.height, 0), good(rays);
-  for (int y = 0; y < view.rays_high(); ++y)
-    for (int x = 0; x < view.rays_wide(); ++x) {
-      const auto b = static_cast<std::size_t>(blocks.At(view.RayPixel(x, y)));
-      ++rays[b];
-      good[b] += view.RayIsGood(x, y);
+    double count = 0;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const int x = part[k] % blocks.width, y = part[k] / blocks.width;
+      count += places[part[k]];
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (x + dx < 0 || y + dy < 0 || x + dx >= blocks.width || y + dy >= blocks.height)
+            continue;
+          const int next = (y + dy) * blocks.width + x + dx;
+          if (!contrary[next] || seen[next]) continue;
+          seen[next] = 1;
+          part.push_back(next);
+        }
     }
-  std::vector<char> beside(rays.size());
-  for (std::size_t b = 0; b < rays.size(); ++b) beside[b] = 2 * good[b] < std::max(1, rays[b]);
-  return beside;
+    if (count < least) continue;
+    *held += count;
+    for (const int b : part)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int x = b % blocks.width + dx, y = b / blocks.width + dy;
+          if (x >= 0 && y >= 0 && x < blocks.width && y < blocks.height) *hidden.at(x, y) = 255;
+        }
+  }
+  return *held > 0 ? hidden : Image8();
 }
 
 void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view,
-                const std::vector<char>& contrary, double constant, ViewColors* out) {
+                const std::vector<char>& contrary, ViewColors* out) {
   using Tuning = ConsensusTuning;
   const Camera& camera = view.view().camera;
   const double side = Tuning::kBlock * std::max(camera.width, camera.height);
   const Blocks blocks{side, static_cast<int>(camera.width / side) + 1,
                       static_cast<int>(camera.height / side) + 1};
-  BlockCounts counts{
-      std::vector<int>(static_cast<std::size_t>(blocks.width) * blocks.height, 0), {}, {}, {}};
-  counts.foreign = counts.contrary = counts.places;
-  const std::vector<char> known = KnownNearby(of_view, contrary, blocks, *out, constant);
+  std::vector<int> all(static_cast<std::size_t>(blocks.width) * blocks.height, 0), against(all);
   for (std::size_t i = 0; i < of_view.size(); ++i) {
-    const auto b = static_cast<std::size_t>(blocks.At(of_view[i]->pixel));
-    ++counts.places[b];
-    counts.contrary[b] += contrary[i];
-    counts.foreign[b] += contrary[i] && !known[i];
+    const int b = blocks.At(of_view[i]->pixel);
+    ++all[b];
+    against[b] += contrary[i];
   }
-  counts.beside = Beside(view, blocks);
-  const auto all = static_cast<double>(of_view.size());
-  Image8 hidden(blocks.width, blocks.height, 1, 0);
-  double held = 0, told = 0;
-  for (const std::vector<int>& part : PartsOf(blocks, counts)) {
-    double count = 0;
-    for (const int b : part) count += counts.places[static_cast<std::size_t>(b)];
-    if (count < Tuning::kLeastHidden * all) continue;
-    held += count;
-    if (ReachesIn(blocks, counts, part, Tuning::kLeastHidden * all)) told += count;
-    for (const int b : part)
-      ForAround(blocks, b, [&](int near) { hidden.data[static_cast<std::size_t>(near)] = 255; });
-  }
-  if (held > 0) out->hidden = std::move(hidden);
+  std::vector<char> bad(all.size(), 0);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    bad[b] = all[b] >= kLeastInBlock && against[b] >= Tuning::kContraryBlock * all[b];
+  double held = 0;
+  out->hidden =
+      Believed(blocks, bad, all, Tuning::kLeastHidden * static_cast<double>(of_view.size()), &held);
   out->block_px = side;
-  out->hidden_share = held / all;
-  out->told = told >= Tuning::kToldHidden * all;
-  out->told_share = told / all;
+  out->hidden_share = held / static_cast<double>(of_view.size());
+  out->told = !out->hidden.empty() && out->hidden_share >= Tuning::kToldHidden;
 }
 
 /// The centre of the closest half of the values: the majority's value, if a minority lies on one
@@ -319,8 +239,7 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
     const auto against = std::count(contrary[v].begin(), contrary[v].end(), 1);
     colors[v].contrary = static_cast<double>(against) / colors[v].places;
     colors[v].distrusted = colors[v].contrary > Tuning::kMostContrary;
-    if (!colors[v].distrusted)
-      FindHidden(views[v], of_view[v], contrary[v], constants[v], &colors[v]);
+    if (!colors[v].distrusted) FindHidden(views[v], of_view[v], contrary[v], &colors[v]);
   }
   return colors;
 }

@@ -27,7 +27,7 @@ struct ConsensusTuning {
   KEYPOSE_TUNED(double, kContraryBlock, 0.6);
   /// least share of a view's points in connected hidden squares; smaller regions are ignored
   KEYPOSE_TUNED(double, kLeastHidden, 0.012);
-  /// least share of what reaches in from beside for a warning: less is as often lit fur as a hand
+  /// least such share for a warning: smaller regions are as often a highlight or lit fur as a hand
   KEYPOSE_TUNED(double, kToldHidden, 0.02);
   /// share of outlier points above which an entire view is left out
   KEYPOSE_TUNED(double, kMostContrary, 0.4);
@@ -46,9 +46,7 @@ struct ViewColors {
                   ///< nowhere
   double block_px = 0;      ///< side of a square
   double hidden_share = 0;  ///< share of its points that are hidden
-  double told_share = 0;    ///< share of its points before which a thing lies: hidden parts that
-                            ///< reach in from beside the figure, in colours that it has not nearby
-  bool told = false;        ///< that share is large enough for a warning
+  bool told = false;        ///< the hidden part is large enough for a warning
   /// gradient of log brightness with respect to the normal's components to the right and down
   Eigen::Vector2d light = Eigen::Vector2d::Zero();
   bool other_light = false;  ///< its lamp is elsewhere than in most views
