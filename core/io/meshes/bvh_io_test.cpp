@@ -33,6 +33,19 @@ TEST(Bvh, ChannelsTurnInTheirOrder) {
   EXPECT_LT((second[2].translation - Eigen::Vector3d(0, -2, -1)).norm(), 1e-12);
 }
 
+TEST(Bvh, ARoundedFrameTimeIsThatOfItsRate) {
+  const auto read = [](const std::string& time) {
+    std::string text = kClip;
+    const std::size_t at = text.find("0.04");
+    return ParseBvh(text.replace(at, 4, time), "clip.bvh").frame_time_s;
+  };
+  EXPECT_EQ(read("0.0333333"), 1.0 / 30);
+  EXPECT_EQ(read("0.033333"), 1.0 / 30);
+  EXPECT_EQ(read("0.0083333"), 1.0 / 120);
+  EXPECT_EQ(read("0.0333667"), 0.0333667) << "29.97 pictures a second";
+  EXPECT_EQ(read("0.5"), 0.5);
+}
+
 TEST(Bvh, WrittenClipReadsTheSame) {
   const MotionClip clip = ParseBvh(kClip, "clip.bvh");
   const MotionClip again = ParseBvh(BvhText(clip), "again");

@@ -41,6 +41,13 @@ std::vector<std::string> LibraryNames(const std::string& line) {
   return names;
 }
 
+/// As Mari, Blender, Maya and Houdini write what stands for the tile's number.
+bool IsUdim(const std::string& file) {
+  for (const char* mark : {"<UDIM>", "<udim>", "<UVTILE>", "%(UDIM)d", "_MAPID_"})
+    if (file.find(mark) != std::string::npos) return true;
+  return false;
+}
+
 class ObjLookReader {
  public:
   ObjLookReader(const fs::path& path, ObjFile obj) : path_(path), obj_(std::move(obj)) {}
@@ -152,8 +159,13 @@ class ObjLookReader {
     fs::path file = FileBeside(material.library, map.file);
     if (file.empty()) file = FileBeside(path_, map.file);
     if (file.empty()) {
-      Warn(fmt::format("it names the texture {}, which is not there: put it beside the mesh",
-                       PrintableName(map.file)));
+      const std::string name = PrintableName(map.file);
+      Warn(IsUdim(map.file)
+               ? fmt::format("its texture {} stands for UDIM tiles, which are not read: bake them "
+                             "into one square and one picture, or give each tile its material",
+                             name)
+               : fmt::format("it names the texture {}, which is not there: put it beside the mesh",
+                             name));
       return -1;
     }
     TexturePage page;

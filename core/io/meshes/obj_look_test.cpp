@@ -42,6 +42,13 @@ TEST_F(ObjLookTest, AClampedTextureIsAPageOfItsOwn) {
   EXPECT_EQ(look.paged.pictures.size(), 1u);
 }
 
+TEST_F(ObjLookTest, TilesOfUdimAreNamed) {
+  const ObjLook look = Look("usemtl a\n" + kFace, "newmtl a\nmap_Kd skin.<UDIM>.png\n");
+  ASSERT_FALSE(look.warnings.empty());
+  EXPECT_NE(look.warnings[0].find("skin.<UDIM>.png stands for UDIM tiles"), std::string::npos)
+      << look.warnings[0];
+}
+
 TEST_F(ObjLookTest, FacesWithoutATextureHaveTheirMaterialsColor) {
   const ObjLook look = Look("usemtl a\n" + kFace + "usemtl b\n" + kFace,
                             "newmtl a\nmap_Kd a.png\nnewmtl b\nKd 1 0 0.5\n");

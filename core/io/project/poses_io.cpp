@@ -18,6 +18,10 @@ namespace {
 /// What a folder without a COLMAP model holds.
 fs::path FileIn(const fs::path& folder) {
   if (fs::exists(folder / "transforms.json")) return folder / "transforms.json";
+  if (fs::exists(folder / "transforms_train.json"))
+    throw InputError(folder.string() +
+                     " has photographs in parts (transforms_train.json and so on): give one of "
+                     "these files, with the photographs of that part");
   fs::path found;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".xml" || !IsMetashape(ReadTextFile(entry.path()))) continue;
@@ -28,7 +32,32 @@ fs::path FileIn(const fs::path& folder) {
   return found;
 }
 
+/// The program whose cameras these are, where it is one that is not read; else empty.
+std::string OtherProgram(const std::string& text) {
+  const std::string head = text.substr(0, 4096);
+  const auto has = [&head](const char* words) { return head.find(words) != std::string::npos; };
+  if (head.starts_with("# Bundle file")) return "Bundler";
+  if (head.starts_with("NVM_V3")) return "VisualSFM (NVM)";
+  if (head.starts_with("#name,") || head.starts_with("#cameras")) return "RealityCapture";
+  if (has("\"sfm_data_version\"")) return "OpenMVG";
+  if (has("\"version\"") && (has("\"featuresFolders\"") || has("\"viewId\""))) return "Meshroom";
+  const std::size_t first = head.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && head[first] == '[' && has("\"cameras\"")) return "OpenSfM";
+  if (has("<BlocksExchange")) return "ContextCapture";
+  return "";
+}
+
+/// @throws InputError  names the program
+void RefuseOthers(const fs::path& path, const std::string& text) {
+  const std::string program = OtherProgram(text);
+  if (!program.empty())
+    throw InputError(path.string() + " has cameras of " + program +
+                     ", which are not read; export a COLMAP model from it, or let COLMAP convert "
+                     "them, and give that folder");
+}
+
 std::vector<LensView> ReadPosesFile(const fs::path& path) {
+  RefuseOthers(path, ReadTextFile(path));
   if (path.extension() == ".json") return ReadTransforms(path);
   if (path.extension() == ".xml") {
     const std::string text = ReadTextFile(path);

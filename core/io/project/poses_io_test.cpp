@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "core/io/testing/damaged_file.h"
 #include "core/testing/folder.h"
 #include "core/values/errors.h"
@@ -69,6 +71,23 @@ TEST_F(PosesIo, FaultsAreInputErrorsThatNameTheFrame) {
           .find("no focal length"),
       std::string::npos);
   EXPECT_THROW(ReadPoses(Put("poses.csv", "a")), InputError);
+}
+
+TEST_F(PosesIo, CamerasOfOtherProgramsAreRefusedByTheirNames) {
+  const std::vector<std::array<std::string, 3>> files{
+      {"reconstruction.json", R"([{"cameras": {}, "shots": {}}])", "OpenSfM"},
+      {"bundle.out", "# Bundle file v0.3\n1 0\n", "Bundler"},
+      {"a.nvm", "NVM_V3\n\n1\n", "VisualSFM"},
+      {"a.csv", "#name,x,y,alt,heading,pitch,roll\n", "RealityCapture"},
+      {"cameras.sfm", R"({"version": ["1"], "featuresFolders": [""], "views": []})", "Meshroom"},
+      {"sfm_data.json", R"({"sfm_data_version": "0.3", "views": []})", "OpenMVG"}};
+  for (const auto& [name, text, program] : files) try {
+      ReadPoses(Put(name, text));
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("has cameras of " + program), std::string::npos)
+          << error.what();
+    }
 }
 
 }  // namespace keypose::poses_io_test
