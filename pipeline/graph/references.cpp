@@ -52,8 +52,9 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
-      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id,
-                                port.name, step->info->stage));
+      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'{}",
+                                step->id, port.name, step->info->stage,
+                                it != rule.inputs.end() ? WhyNone(it->second) : ""));
     if (result.flows.size() > 1 && !port.repeatable)
       Refuse(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id,
                                 port.name, result.flows.size()));
@@ -122,6 +123,19 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
     add(of);
   }
   return flows;
+}
+
+/// Which steps of an `either` are switched off.
+std::string References::WhyNone(const InputRule& rule) const {
+  std::string why;
+  if (!rule.either) return why;
+  for (const Setting& reference : rule.for_others) {
+    const StepRule* step =
+        file_.FindStep(reference.text.substr(0, reference.text.find_first_of(".@")));
+    if (step && !step->enabled)
+      why += fmt::format("; '{}' is switched off at {}", step->name, step->where.Text());
+  }
+  return why;
 }
 
 /// Whether the step that it names exists for this pose; of words, whether they give anything.

@@ -36,6 +36,7 @@ class References {
                                   const Step& step) const;
   const PoseRule* PoseOf(const Setting& reference, const Step& step) const;
   void AddWarnings(const StepRule& rule, Step* step) const;
+  std::string WhyNone(const InputRule& rule) const;
   bool Exists(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
   void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;

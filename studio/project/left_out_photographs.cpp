@@ -106,8 +106,11 @@ void LeaveOut(Snapshot& snapshot, const std::string& pose, const std::vector<std
 }
 
 json AgainJson(Snapshot& snapshot, const std::string& pose) {
+  return AgainAfter(snapshot, ReadingStep(snapshot, pose));
+}
+
+json AgainAfter(Snapshot& snapshot, const Step* step) {
   json again = {{"step", ""}, {"follow", json::array()}, {"seconds", 0.0}, {"made", false}};
-  const Step* step = ReadingStep(snapshot, pose);
   if (!step) return again;
   double seconds = 0;
   bool made = false;

@@ -32,5 +32,7 @@ void LeaveOut(Snapshot& snapshot, const std::string& pose, const std::vector<std
 /// What runs again when a pose's photographs change: {"step", "follow": ids, "seconds": of the last
 /// runs, "made": whether anything was made yet}.
 nlohmann::json AgainJson(Snapshot& snapshot, const std::string& pose);
+/// The same of a step and those after it; null: nothing runs again.
+nlohmann::json AgainAfter(Snapshot& snapshot, const pipeline::Step* step);
 
 }  // namespace keypose::studio

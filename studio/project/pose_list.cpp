@@ -76,6 +76,7 @@ std::vector<std::pair<std::string, fs::path>> PlacesOf(const Snapshot& snapshot,
   add("masks", fs::path("masks") / pose, false);
   for (const char* ending : {".json", ".pp"})
     add("landmarks", fs::path("landmarks") / (pose + ending), true);
+  add("mending", fs::path("mending") / (pose + ".json"), true);
   std::erase_if(places, [&](const auto& place) {
     std::error_code error;
     return !fs::exists(snapshot.project() / place.second, error);

@@ -26,8 +26,11 @@ struct ShownOutput {
   const char* rule;
   const char* port;
 };
-constexpr ShownOutput kShownMeshes[] = {
-    {"fit", "fitted"}, {"register", "registered"}, {"unwrap", "unwrapped"}, {"cleanup", "clean"}};
+constexpr ShownOutput kShownMeshes[] = {{"fit", "fitted"},
+                                        {"register", "registered"},
+                                        {"unwrap", "unwrapped"},
+                                        {"mend", "mended"},
+                                        {"cleanup", "clean"}};
 constexpr ShownOutput kShownTextures[] = {{"complete", "completed"}, {"bake", "texture"}};
 
 bool IsPictureName(const fs::path& name) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/io/text/files.h"
+#include "core/values/file_names.h"
 #include "pipeline/disk/project_paths.h"
 #include "pipeline/graph/sources.h"
 
@@ -30,6 +31,21 @@ constexpr KindRow kKinds[] = {
 const KindRow& RowOf(MeshKind kind) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds),
                        [&](const KindRow& row) { return row.kind == kind; });
+}
+
+/// A file of the project that pipeline.yaml names for a pose by a word; nothing: none is there.
+std::optional<fs::path> GivenFile(const Snapshot& snapshot, const std::string& pose,
+                                  const char* word) {
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  const pipeline::Setting* given = rule ? rule->Given(word) : nullptr;
+  if (!given) return std::nullopt;
+  const fs::path& project = snapshot.project();
+  const std::string written = pipeline::WithHome(given->text);
+  const fs::path path = project / pipeline::OnDisk(pipeline::RealDisk(), project, written);
+  std::error_code error;
+  const bool usable = fs::is_regular_file(path, error) &&
+                      IsWithin(fs::weakly_canonical(path), fs::canonical(project));
+  return usable ? std::optional(path) : std::nullopt;
 }
 
 }  // namespace
@@ -84,8 +100,13 @@ std::optional<fs::path> Snapshot::ResultPath(const std::string& rule, const std:
 }
 
 std::optional<fs::path> Snapshot::MeshPath(const std::string& pose, MeshKind kind) {
+  // Meshes of the same faces are animated as they are: nothing is made of them.
+  if (kind == MeshKind::kMesh && !FindStep("unwrap", graph().template_pose))
+    return GivenFile(*this, pose, "mesh");
   if (kind == MeshKind::kMesh && IsTemplate(pose)) return ResultPath("unwrap", pose, "unwrapped");
   if (kind == MeshKind::kMesh && IsFitted(pose)) return ResultPath("fit", pose, "fitted");
+  if (kind == MeshKind::kClean)
+    if (auto mended = ResultPath("mend", pose, "mended")) return mended;
   return ResultPath(RowOf(kind).rule, pose, RowOf(kind).port);
 }
 
@@ -95,7 +116,8 @@ std::optional<fs::path> Snapshot::CamerasPath(const std::string& pose) {
 
 std::optional<fs::path> Snapshot::TexturePath(const std::string& pose) {
   if (auto completed = ResultPath("complete", pose, "completed")) return completed;
-  return ResultPath("bake", pose, "texture");
+  if (FindStep("bake", pose)) return ResultPath("bake", pose, "texture");
+  return GivenFile(*this, pose, "texture");
 }
 
 std::optional<fs::path> Snapshot::ConfidencePath(const std::string& pose) {

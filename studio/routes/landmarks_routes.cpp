@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/values/errors.h"
+#include "pipeline/run/opened_project.h"
+#include "studio/project/mirrored_picks.h"
 #include "studio/project/page_timeline.h"
 #include "studio/project/photo_picks.h"
 #include "studio/project/picks.h"
@@ -58,6 +60,10 @@ void LandmarksRoutes::AddFits(RouteTable& table) {
   table.Get("/api/landmarks/advice", [this](const Question& question) {
     return JsonAnswer(
         project_.With([&](Snapshot& now) { return AdviceJson(now, question.Need("pose")); }));
+  });
+  table.Get("/api/landmarks/mirrored", [this](const Question& question) {
+    return JsonAnswer(project_.With(
+        [&](Snapshot& now) { return MirroredPicksJson(now, question.Need("pose")); }));
   });
   table.Get("/api/landmarks/fit", [this](const Question& question) {
     return JsonAnswer(

@@ -8,6 +8,7 @@
 #include "studio/routes/landmarks_routes.h"
 #include "studio/routes/marks_routes.h"
 #include "studio/routes/masks_routes.h"
+#include "studio/routes/mending_routes.h"
 #include "studio/routes/motion_routes.h"
 #include "studio/routes/new_project_routes.h"
 #include "studio/routes/poses_routes.h"
@@ -36,7 +37,7 @@ std::vector<std::unique_ptr<PageRoutes>> Make(SharedProject& project) {
 
 std::vector<std::unique_ptr<PageRoutes>> AllPages(SharedProject& project) {
   return Make<ArmatureRoutes, CamerasRoutes, ExportRoutes, FigureRoutes, FilmsRoutes,
-              LandmarksRoutes, MarksRoutes, MasksRoutes, MotionRoutes, NewProjectRoutes,
+              LandmarksRoutes, MarksRoutes, MasksRoutes, MendingRoutes, MotionRoutes, NewProjectRoutes,
               PosesRoutes, ReviewRoutes, RunRoutes, ShootRoutes, ShotRoutes, StateRoutes,
               TakeRoutes, TimelineRoutes, UpkeepRoutes, UploadRoutes>(project);
 }

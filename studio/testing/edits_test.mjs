@@ -2,7 +2,10 @@
 // mask whose photograph is shot again.
 //
 //   node edits_test.mjs BIN_DIR [--pictures DIR] [--keep]
+import { execFileSync } from 'node:child_process';
 import {
+  chmodSync,
+  existsSync,
   mkdirSync,
   readdirSync,
   readFileSync,
@@ -12,9 +15,10 @@ import {
 import { join } from 'node:path';
 
 import { plainPng, readPng } from './png.mjs';
+import { stageScript } from './projects.mjs';
 import { boxOf, check, record, until, withStudio } from './studio_driver.mjs';
 
-const { options, scratch, folder, browser, studio, openPage, walkThrough } = withStudio('edits', 'dance');
+const { bin, options, scratch, folder, browser, studio, openPage, walkThrough } = withStudio('edits', 'dance');
 let page;
 
 const pipeline = () => readFileSync(join(folder, 'pipeline.yaml'), 'utf8');
@@ -194,6 +198,113 @@ async function shotAgain() {
   browser.faults = browser.faults.filter((fault) => !/404 for GET \S+api\/mask/.test(fault));
 }
 
+/** Where the view looks from at first: the middle of the bite. */
+const kBite = [0.35, -0.9, 0.28].map((one) => one / Math.hypot(0.35, 0.9, 0.28));
+const kBiteWide = 0.3;
+
+/** A ball of radius 1, bitten 0.25 deep, as OBJ; and the ball's radius at each of its vertices. */
+function bittenBall(rows = 80) {
+  const lines = ['v 0 0 1', 'v 0 0 -1'];
+  const columns = 2 * rows;
+  for (let row = 1; row < rows; ++row)
+    for (let column = 0; column < columns; ++column) {
+      const [down, round] = [(Math.PI * row) / rows, (2 * Math.PI * column) / columns];
+      const p = [Math.sin(down) * Math.cos(round), Math.sin(down) * Math.sin(round), Math.cos(down)];
+      const away = Math.hypot(...p.map((one, k) => one - kBite[k])) / kBiteWide;
+      const radius = away < 1 ? 1 - 0.25 * Math.sqrt(1 - away * away) : 1;
+      lines.push(`v ${p.map((one) => (radius * one).toFixed(6)).join(' ')}`);
+    }
+  const at = (row, column) => 3 + (row - 1) * columns + (column % columns);
+  for (let column = 0; column < columns; ++column) {
+    lines.push(`f 1 ${at(1, column)} ${at(1, column + 1)}`);
+    for (let row = 1; row < rows - 1; ++row) {
+      const [a, b] = [at(row, column), at(row, column + 1)];
+      const [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+      lines.push(`f ${a} ${c} ${d}`, `f ${a} ${d} ${b}`);
+    }
+    lines.push(`f 2 ${at(rows - 1, column + 1)} ${at(rows - 1, column)}`);
+  }
+  return lines.join('\n') + '\n';
+}
+
+/** A mesh that a stage of the test's own makes, and whose bite is to be filled. */
+function bittenProject() {
+  const tools = join(folder, 'tools');
+  mkdirSync(tools);
+  writeFileSync(join(folder, 'ball.obj'), bittenBall());
+  const done = `cp "$here/../ball.obj" "$to"\necho '{"schema": 1, "measurements": {}}' > "$report"\n`;
+  writeFileSync(join(tools, 'cleanup'), stageScript('cleanup', 'clean', done));
+  chmodSync(join(tools, 'cleanup'), 0o755);
+  const described = {
+    schema: 1, stage: 'cleanup', version: '1', summary: 'copies',
+    inputs: [
+      { name: 'surface', kind: 'file' },
+      { name: 'images', kind: 'folder', optional: true },
+      { name: 'model', kind: 'folder', optional: true },
+    ],
+    outputs: [{ name: 'clean', kind: 'file', file: 'clean.ply' }], options: [],
+  };
+  writeFileSync(join(tools, 'cleanup.json'), JSON.stringify(described));
+  const off = 'capture sfm masks dense mesh refine unwrap bake complete export report';
+  writeFileSync(
+    join(folder, 'pipeline.yaml'),
+    'name: ball\nposes: {rest: photos/rest}\ntemplate: rest\nsteps:\n' +
+      off.split(' ').map((step) => `  ${step}: {enabled: false}\n`).join('') +
+      '  cleanup: {program: tools/cleanup, inputs: {surface: ./ball.obj, images: null, model: null}}\n',
+  );
+}
+
+/** How far a mesh of the ball is from it at most, over all vertices. */
+function mostOffBall(file) {
+  const mended = join(scratch, 'mended.obj');
+  const words = ['mend', '--mesh', join(folder, 'ball.obj'), '--strokes', file, '--mended', mended];
+  execFileSync(join(bin, 'keypose'), words, { stdio: 'pipe' });
+  const vertices = readFileSync(mended, 'utf8').split('\n').filter((line) => line.startsWith('v '));
+  const off = vertices.map((line) => Math.abs(Math.hypot(...line.split(' ').slice(1, 4).map(Number)) - 1));
+  return Math.max(...off);
+}
+
+/** A bitten place is filled by the brush; taken back, done again, pulled, taken out. */
+async function bittenMesh() {
+  bittenProject();
+  execFileSync(join(bin, 'keypose'), ['run', '-C', folder], { stdio: 'pipe' });
+  const file = join(folder, 'mending/rest.json');
+  const strokes = () => (existsSync(file) ? JSON.parse(readFileSync(file, 'utf8')).strokes : []);
+  await page.goto(`http://127.0.0.1:${studio.port}/#/poses/rest/mend`);
+  const canvas = page.locator('.view canvas');
+  await page.getByText('Drag on the figure to mend it').waitFor();
+  const box = await boxOf(canvas);
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.keyboard.press('3');
+  await page.getByRole('slider', { name: 'Radius' }).fill('0.11');
+  await record(page, 'mend_before', options.pictures);
+  await page.mouse.move(x - 5, y);
+  await page.mouse.down();
+  for (const [right, down] of [[0, 0], [5, 0], [0, 5], [0, -5]])
+    await page.mouse.move(x + right, y + down);
+  await page.mouse.up();
+  await until('the stroke is written', () => strokes().length === 1);
+  check(strokes()[0].tool === 'fill', 'not filled');
+  await until('the page knows the step', () => page.getByText('The next run mends the mesh').isVisible());
+  await record(page, 'mend_filled', options.pictures);
+  check(mostOffBall(file) < 0.01, `the bite is still ${mostOffBall(file)} deep of 0.25`);
+  await page.getByRole('button', { name: 'Moved', exact: true }).click();
+  await record(page, 'mend_moved', options.pictures);
+  await page.keyboard.press('Control+z');
+  await until('taken back', () => !existsSync(file));
+  await page.keyboard.press('Control+Shift+z');
+  await until('done again', () => strokes().length === 1);
+  await page.keyboard.press('2');
+  await page.mouse.click(x, y - 90);
+  await until('a dab is a stroke', () => strokes().length === 2);
+  const dab = strokes()[1];
+  check(dab.tool === 'pull' && dab.places.length === 1, `not one place: ${JSON.stringify(dab)}`);
+  await page.getByRole('button', { name: 'Take out stroke 2, Pull out' }).click();
+  await until('taken out', () => strokes().length === 1);
+  execFileSync(join(bin, 'keypose'), ['run', '-C', folder], { stdio: 'pipe' });
+  await page.getByText('A change makes again what comes after the mesh').waitFor();
+}
+
 await walkThrough([
   ['a project of two poses', begin],
   ['a page that is closed at once', closedAtOnce],
@@ -201,4 +312,5 @@ await walkThrough([
   ['a sound', sound],
   ['a mask by lasso and fill', lassoAndFill],
   ['a photograph that is shot again', shotAgain],
+  ['a bitten mesh', bittenMesh],
 ]);

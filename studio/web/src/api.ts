@@ -159,6 +159,28 @@ export interface Photograph {
   left_out: boolean
 }
 
+/** A path of the brush that mends a mesh. */
+export interface MendStroke {
+  tool: 'smooth' | 'pull' | 'fill'
+  /** in the mesh's unit */
+  radius: number
+  /** 0 to 1; of pull from -1, into the figure */
+  strength: number
+  places: { face: number; barycentric: [number, number, number] }[]
+  /** why it does not lie on the mesh any more, or '' */
+  fault: string
+}
+
+/** See studio/project/mending.h. */
+export interface Mending {
+  revision: string
+  problem: string
+  /** changes when the mesh under the strokes does */
+  mesh: string
+  strokes: MendStroke[]
+  again: Again
+}
+
 /** What runs again when a pose's photographs change. */
 export interface Again {
   /** '': nothing reads them */
@@ -292,6 +314,13 @@ export interface Suggestion {
   source: Pick
   target: Pick
   confidence: number
+}
+/** A landmark of one half of the template, on its other half; see studio/project/mirrored_picks.h. */
+export interface Mirrored {
+  of: string
+  source: Omit<Pick, 'name'>
+  target: Omit<Pick, 'name'> | null
+  off: number
 }
 export interface Advice {
   /** a vertex of the template where one more landmark would help */
@@ -546,6 +575,19 @@ export const api = {
   /** A file below out/. `version`: one that was made anew has another address. */
   resultUrl: (path: string, version = '') =>
     `/results/${path.split('/').map(encodeURIComponent).join('/')}?${q({ version })}`,
+  mending: (pose: string) => get<Mending>(`/api/mending?${q({ pose })}`),
+  saveMending: (pose: string, strokes: readonly MendStroke[], revision: string) =>
+    send<{ revision: string }>('PUT', `/api/mending?${q({ pose })}`, { revision, strokes }),
+  meshToMend: async (pose: string) => (await ask(`/api/mending/mesh?${q({ pose })}`)).arrayBuffer(),
+  /** float32: three a vertex, then two a stroke: vertices that it moved, and how far. */
+  draftMending: async (pose: string, strokes: readonly MendStroke[]) => {
+    const answer = await ask(`/api/mending/draft?${q({ pose })}`, {
+      method: 'POST',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify({ strokes }),
+    })
+    return answer.arrayBuffer()
+  },
   cameras: (pose: string) => get<CameraView[]>(`/api/cameras?${q({ pose })}`),
 
   /** See view/mesh_data.ts for the bytes. */
@@ -573,6 +615,8 @@ export const api = {
     send<Picks>('POST', `/api/landmarks/import?${q({ pose })}`, { name, text }),
   exportPicksUrl: (pose: string, format: 'pp' | 'wrap' | 'json') =>
     `/api/landmarks/export?${q({ pose, format })}`,
+  mirroredPicks: (pose: string) =>
+    get<{ misfit: number; mirrored: Mirrored[] }>(`/api/landmarks/mirrored?${q({ pose })}`),
   suggest: (pose: string, count: number) =>
     send<{ pairs: Suggestion[]; why_none: string }>('POST', '/api/landmarks/suggest', {
       pose,

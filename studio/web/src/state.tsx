@@ -7,6 +7,7 @@ import { api, ApiError, events, wasMoved } from './api'
 import type { Project, Steps, StudioEvent } from './api'
 import { afterLine, kNoRun } from './run_lines'
 import type { Running } from './run_lines'
+import { frontOf, shownFront } from './view/front'
 
 interface Notice {
   id: number
@@ -87,6 +88,7 @@ export function StudioState({ children }: { children: ComponentChildren }) {
     try {
       const [one, two] = await Promise.all([api.project(), api.steps()])
       setProject(one)
+      shownFront.degrees = frontOf(two)
       setSteps(two)
       setRunning((old) => (two.running ? (old ?? kNoRun) : null))
       setVersion((old) => old + 1)

@@ -27,14 +27,14 @@ const pose = (more: Partial<Pose>): Pose => ({
 })
 
 test('a pose of photographs has all there is to see; the template is fitted to nothing', () => {
-  assert.deepEqual(tabsOf(pose({})), ['photographs', 'figure', '3d', 'fit', 'wipe'])
-  assert.deepEqual(tabsOf(pose({ template: true })), ['photographs', 'figure', '3d', 'wipe'])
+  assert.deepEqual(tabsOf(pose({})), ['photographs', 'figure', '3d', 'mend', 'fit', 'wipe'])
+  assert.deepEqual(tabsOf(pose({ template: true })), ['photographs', 'figure', '3d', 'mend', 'wipe'])
 })
 
 test('a pose whose mesh was made elsewhere has no photographs to show', () => {
   const given = pose({ mesh: 'meshes/rest.obj', photographs: 0 })
-  assert.deepEqual(tabsOf(given), ['3d', 'fit'])
-  assert.deepEqual(tabsOf({ ...given, template: true }), ['3d'])
+  assert.deepEqual(tabsOf(given), ['3d', 'mend', 'fit'])
+  assert.deepEqual(tabsOf({ ...given, template: true }), ['3d', 'mend'])
   assert.equal(isFromMesh({ ...given, photographs: 3 }), false)
 })
 

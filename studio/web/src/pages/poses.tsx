@@ -17,6 +17,7 @@ import { FitView } from './poses/fit_view'
 import { nextByKey } from './poses/keys'
 import { resultsOf, useLoaded } from './poses/load'
 import { MaskBrush } from './poses/mask_brush'
+import { MendView } from './poses/mend_view'
 import { PoseSide } from './poses/pose_side'
 import { PoseView } from './poses/pose_view'
 import './poses/poses.css'
@@ -32,6 +33,7 @@ const kTabWords: Record<Tab, string> = {
   photographs: 'Photographs',
   figure: 'Figure',
   '3d': '3D',
+  mend: 'Mend',
   fit: 'Fit',
   wipe: 'Wipe',
 }
@@ -162,6 +164,7 @@ function PosePage(props: {
             />
           )}
           {tab === '3d' && <PoseView pose={pose} results={results} />}
+          {tab === 'mend' && <MendView pose={pose} />}
           {tab === 'fit' && <FitView pose={pose} results={results} />}
           {tab === 'wipe' && (
             <Wipe

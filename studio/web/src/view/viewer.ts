@@ -20,6 +20,7 @@ import { drawnByProcessor } from './detail'
 import { frustumsOf, ghostOf } from './extras'
 import { Markers } from './markers'
 import type { Marker, Screen } from './markers'
+import { shownFront, turnedToFront } from './front'
 import { boxOf } from './mesh_data'
 import type { MeshData } from './mesh_data'
 import { Pace } from './pace'
@@ -32,6 +33,10 @@ import type { Turn } from './turn'
 
 export type { Hit, Look, Marker, Turn }
 
+/** Where a view begins: a little beside the figure's front, and above it. */
+const fromTheFront = (): Turn =>
+  turnedToFront({ direction: [0.35, -0.9, 0.28], distance: 1.75 }, shownFront.degrees)
+
 export class Viewer {
   private readonly renderer: WebGLRenderer
   private readonly scene = new Scene()
@@ -39,6 +44,8 @@ export class Viewer {
   private readonly controls: OrbitControls
   private readonly extras = new Group()
   private readonly markers = new Markers()
+  private readonly sky = new HemisphereLight('#ffffff', '#8a8378', 1.6)
+  private readonly key_light = new DirectionalLight('#ffffff', 1.7)
   private readonly resizes: ResizeObserver
   private shown: Surface | null = null
   private readonly pictures: Pictures = { texture: null, confidence: null }
@@ -76,10 +83,9 @@ export class Viewer {
     canvas.setAttribute('aria-label', '3D view: arrow keys turn it, plus and minus zoom')
     host.append(canvas)
     this.camera.up.set(0, 0, 1)
-    this.scene.add(new HemisphereLight('#ffffff', '#8a8378', 1.6), this.extras, this.markers.group)
-    const key = new DirectionalLight('#ffffff', 1.7)
-    key.position.set(-1, -1.5, 2)
-    this.camera.add(key)
+    this.scene.add(this.sky, this.extras, this.markers.group)
+    this.key_light.position.set(-1, -1.5, 2)
+    this.camera.add(this.key_light)
     this.scene.add(this.camera)
     this.controls = new OrbitControls(this.camera, canvas)
     this.controls.enableDamping = false
@@ -121,7 +127,7 @@ export class Viewer {
   show(data: MeshData, look: Look, keep_turn = false, box = boxOf(data.positions)): void {
     const first = this.shown === null
     // Read before the middle and the size change, as it is relative to them.
-    const turn: Turn = first ? { direction: [0.35, -0.9, 0.28], distance: 1.75 } : this.turn()
+    const turn: Turn = first ? fromTheFront() : this.turn()
     this.clear()
     this.shown = new Surface(data, look, this.pictures)
     this.scene.add(this.shown.object)
@@ -132,6 +138,14 @@ export class Viewer {
       this.camera.far = this.size * 50
       this.setTurn(turn)
     }
+    this.draw()
+  }
+
+  /** Light from the side, which shows dents and bumps. */
+  rake(): void {
+    this.sky.intensity = 0.7
+    this.key_light.intensity = 2.6
+    this.key_light.position.set(-2, 1.6, 0.9)
     this.draw()
   }
 
@@ -272,7 +286,7 @@ export class Viewer {
     this.camera.fov = 35
     this.camera.clearViewOffset()
     this.camera.updateProjectionMatrix()
-    this.setTurn({ direction: [0.35, -0.9, 0.28], distance: 1.75 })
+    this.setTurn(fromTheFront())
   }
 
   setMarkers(markers: Marker[]): void {

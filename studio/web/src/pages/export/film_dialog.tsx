@@ -7,6 +7,7 @@ import { api, ApiError } from '../../api'
 import type { Step } from '../../api'
 import { useStudio } from '../../state'
 import { parseMesh } from '../../view/mesh_data'
+import { shownFront } from '../../view/front'
 import { ViewerStage } from '../../view/stage'
 import type { Viewer } from '../../view/viewer'
 import { useLoaded, useSize } from '../poses/load'
@@ -116,7 +117,7 @@ function Preview({ values, set }: Editing) {
     if (!viewer || !data) return
     viewer.lookThrough(
       filmCamera(data.positions, {
-        azimuth: azimuthOf(values),
+        azimuth: azimuthOf(values) + shownFront.degrees,
         elevation: Number(values.video_elevation),
         fov: Number(values.video_fov),
         width,

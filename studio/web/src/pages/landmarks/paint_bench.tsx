@@ -4,6 +4,7 @@ import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/ho
 
 import type { Pose } from '../../api'
 import { useStudio } from '../../state'
+import { useBrushRing } from '../../view/brush_ring'
 import { kScaleGradient } from '../../view/colors'
 import type { MeshData } from '../../view/mesh_data'
 import type { Hit, Viewer } from '../../view/viewer'
@@ -15,7 +16,7 @@ import type { PaintFiles } from './paint_files'
 import { connected, kFactors, kStiffness, levelOf, neighboursOf, regionLayer } from './painting'
 import type { Painting } from './painting'
 import { UndoButtons } from './pair_list'
-import { hitInMiddle, kWhole, SurfaceStage, useSurface } from './surface'
+import { hitInMiddle, SurfaceStage, useSurface, wholeView } from './surface'
 
 const kSmallest = 0.01
 const kLargest = 0.2
@@ -63,35 +64,6 @@ function useValues(viewer: Viewer | null, data: MeshData | null, levels: () => F
       viewer.showValues(latest.current(), kClay)
     })
   }
-}
-
-/** A ring of the brush's size that goes with the pointer. */
-function useRing(viewer: Viewer | null, radius: number) {
-  const ring = useRef<HTMLDivElement>(null)
-  useEffect(() => {
-    const canvas = viewer?.element
-    if (!viewer || !canvas) return
-    const follow = (event: PointerEvent) => {
-      const hit = viewer.hitAt(event.clientX, event.clientY)
-      const box = canvas.getBoundingClientRect()
-      const shape = ring.current?.style
-      if (!shape) return
-      shape.display = hit ? 'block' : 'none'
-      if (!hit) return
-      const size_px = 2 * viewer.pixelsOf(radius, hit.place)
-      shape.width = shape.height = `${size_px}px`
-      shape.left = `${event.clientX - box.left - size_px / 2}px`
-      shape.top = `${event.clientY - box.top - size_px / 2}px`
-    }
-    const leave = () => ring.current && (ring.current.style.display = 'none')
-    canvas.addEventListener('pointermove', follow)
-    canvas.addEventListener('pointerleave', leave)
-    return () => {
-      canvas.removeEventListener('pointermove', follow)
-      canvas.removeEventListener('pointerleave', leave)
-    }
-  }, [viewer, radius])
-  return ring
 }
 
 function NewRegion(props: { taken: string[]; add: (name: string) => void }) {
@@ -237,7 +209,7 @@ export function PaintBench(props: { template: Pose; modes: ComponentChildren }) 
   refresh.current = useValues(viewer, data, () => levelsOf(painting, target, regions, vertices))
   useEffect(() => refresh.current(), [viewer, data, target, painting, regions.length])
   const neighbours = useMemo(() => data && neighboursOf(data.indices, data.vertices), [data])
-  const ring = useRing(viewer, radius)
+  const ring = useBrushRing(viewer, radius)
   const main = useRef<HTMLElement>(null)
 
   const onStiffness = target === kStiffness
@@ -298,7 +270,7 @@ export function PaintBench(props: { template: Pose; modes: ComponentChildren }) 
     ArrowUp: () => step(-1),
     ArrowDown: () => step(1),
     ' ': dabInMiddle,
-    h: () => viewer?.setTurn(kWhole),
+    h: () => viewer?.setTurn(wholeView()),
     'ctrl+z': () => travel(painting.undo()),
     'ctrl+shift+z': () => travel(painting.redo()),
     'ctrl+y': () => travel(painting.redo()),
@@ -365,7 +337,7 @@ export function PaintBench(props: { template: Pose; modes: ComponentChildren }) 
           <span class="small soft">template, {what}</span>
         </div>
         <SurfaceStage surface={surface} label={`${props.template.name}: 3D view to paint on`}>
-          <div class="lm-ring" ref={ring} aria-hidden="true" />
+          <div class="brush-ring" ref={ring} aria-hidden="true" />
           {onStiffness && data && <StiffnessLegend />}
         </SurfaceStage>
         <div class="lm-foot">

@@ -20,7 +20,7 @@ import type { PhotoPicking } from './photo_picking'
 import { PhotoSide } from './photo_side'
 import { facing } from './linked_turn'
 import { picksOf } from './pick_history'
-import { hitInMiddle, kWhole, normalOf, SurfaceStage, useSurface } from './surface'
+import { hitInMiddle, normalOf, SurfaceStage, useSurface, wholeView } from './surface'
 import type { Surface } from './surface'
 
 const kKeys: [string, string][] = [
@@ -212,7 +212,7 @@ export function PhotoBench(props: {
     if (at >= 0 && at < names.length) show(names[at])
   }
   const whole = () => {
-    surface.viewer?.setTurn(kWhole)
+    surface.viewer?.setTurn(wholeView())
     if (photograph) setLook({ scale: 1, x: photograph.width / 2, y: photograph.height / 2 })
   }
   const pickInMiddle = (event: KeyboardEvent) => {

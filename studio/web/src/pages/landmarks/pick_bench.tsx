@@ -21,7 +21,7 @@ import { usePickFiles, usePicking } from './picking'
 import type { Picking } from './picking'
 import { picksOf } from './pick_history'
 import { useAdvice, useLinkedTurns, useMarkers } from './pick_views'
-import { hitInMiddle, kWhole, SurfaceStage, useSurface } from './surface'
+import { hitInMiddle, SurfaceStage, useSurface, wholeView } from './surface'
 
 const kKeys: [string, string][] = [
   ['↑ ↓', 'through the lists (in a view: turn it)'],
@@ -36,6 +36,7 @@ const kKeys: [string, string][] = [
   ['T', 'turn together or apart'],
   ['P', 'plain or textured'],
   ['S', 'suggest'],
+  ['M', 'mirror to the other half of the figure'],
   ['Ctrl Enter', 'lay the net on the pose'],
   ['Ctrl Z', 'undo; with Shift: redo'],
 ]
@@ -126,7 +127,7 @@ function usePickKeys(
     ArrowDown: () => picking.step(1),
     n: picking.next,
     f: picking.focus,
-    h: () => kSides.forEach((side) => surfaces[side].viewer?.setTurn(kWhole)),
+    h: () => kSides.forEach((side) => surfaces[side].viewer?.setTurn(wholeView())),
     Enter: () => (suggested ? picking.decide(true) : rename()),
     F2: rename,
     Backspace: refuse,
@@ -136,6 +137,7 @@ function usePickKeys(
     t: () => looks.setTogether(!looks.together),
     p: () => looks.setPlain(!looks.plain),
     s: () => press('suggest'),
+    m: () => press('mirror'),
     'ctrl+Enter': () => press('register'),
     'ctrl+z': picking.undo,
     'ctrl+shift+z': picking.redo,
@@ -164,6 +166,14 @@ function NextPair({ picking, surfaces }: { picking: Picking; surfaces: Surfaces 
         onClick={() => void picking.suggest()}
       >
         {picking.searching ? 'Looking…' : 'Suggest'}
+      </button>
+      <button
+        data-action="mirror"
+        disabled={picking.searching || !surfaces.template.data || !surfaces.pose.data}
+        title="Puts the landmarks of one half of a symmetric figure on its other half (M)"
+        onClick={() => void picking.mirror()}
+      >
+        Mirror
       </button>
     </div>
   )

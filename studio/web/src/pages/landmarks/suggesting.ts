@@ -6,6 +6,7 @@ import { useStudio } from '../../state'
 import { count } from '../../words'
 import type { Item } from './markers'
 import type { PickFiles } from './pick_files'
+import { withMirrored } from './mirroring'
 import { withAccepted, withRefused, withSuggestions } from './pick_history'
 
 /** What the server found; `why_none` says why there is nothing, and what to do. */
@@ -51,6 +52,24 @@ export function useSuggestions(
       setSearching(false)
     }
   }
+  const mirror = async () => {
+    setSearching(true)
+    try {
+      await files.save()
+      const { mirrored } = await api.mirroredPicks(pose)
+      const made = withMirrored(files.history.now, template, pose, mirrored)
+      const all = made.suggested + made.open
+      if (all === 0) return tell('Each landmark has its partner on the other half already.')
+      files.change(`mirror ${count(all, 'landmark')}`, made.sheet)
+      const first = made.suggested > 0 ? made.sheet.suggestions.get(pose)?.[0] : undefined
+      if (first) choice.setChosen(`suggestion:${first.name}`)
+      else tell(`${count(all, 'landmark')} mirrored on ${template}; now click their places on ${pose}.`)
+    } catch (error) {
+      complain(error)
+    } finally {
+      setSearching(false)
+    }
+  }
   const decide = (take: boolean, item: Item | null = choice.item) => {
     if (item?.kind !== 'suggestion') return
     const { suggestion } = item
@@ -68,5 +87,5 @@ export function useSuggestions(
   }
   const refuseAll = () =>
     files.change('refuse all suggestions', withSuggestions(sheet, pose, []))
-  return { searching, whyNone, suggest, decide, acceptAbove, refuseAll }
+  return { searching, whyNone, suggest, mirror, decide, acceptAbove, refuseAll }
 }

@@ -6,11 +6,13 @@ import { api } from '../../api'
 import type { Pose, Steps } from '../../api'
 import { parseMesh } from '../../view/mesh_data'
 import type { MeshData } from '../../view/mesh_data'
+import { shownFront, turnedToFront } from '../../view/front'
 import { ViewerStage } from '../../view/stage'
 import type { Turn, Viewer } from '../../view/viewer'
 
 /** The whole figure from a little above, as large as a tall view allows. */
-export const kWhole: Turn = { direction: [0.35, -0.9, 0.28], distance: 1.62 }
+export const wholeView = (): Turn =>
+  turnedToFront({ direction: [0.35, -0.9, 0.28], distance: 1.62 }, shownFront.degrees)
 
 /** Meshes by address and version: to change the page's mode must not load them again. */
 const kept = new Map<string, Promise<MeshData>>()
@@ -98,7 +100,7 @@ export function useMeshSurface(mesh: ShownMesh, plain: boolean): Surface {
     if (!viewer || !data) return
     viewer.show(data, 'plain')
     // Another pose is then seen from where the last one was.
-    if (fresh.current !== viewer) viewer.setTurn(kWhole)
+    if (fresh.current !== viewer) viewer.setTurn(wholeView())
     fresh.current = viewer
     if (textured) viewer.loadTexture(mesh.texture).catch(() => undefined)
   }, [viewer, data, textured, mesh.texture])

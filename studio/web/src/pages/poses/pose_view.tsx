@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks'
 import { api } from '../../api'
 import type { CameraView, Pose } from '../../api'
 import { useStudio } from '../../state'
+import { azimuthOf, frontOf, frontStep } from '../../view/front'
 import { parseMesh } from '../../view/mesh_data'
 import type { MeshData } from '../../view/mesh_data'
 import { ViewerStage } from '../../view/stage'
@@ -93,6 +94,7 @@ export function PoseView({ pose, results }: { pose: Pose; results: string }) {
           </div>
         )}
         <div class="row end">
+          <FrontButton viewer={viewer} />
           <button
             aria-pressed={framed && cameras.length > 0}
             disabled={cameras.length === 0}
@@ -114,6 +116,35 @@ export function PoseView({ pose, results }: { pose: Pose; results: string }) {
         {cameras.length > 0 && <CameraList cameras={cameras} current={through} choose={lookFrom} />}
       </div>
     </>
+  )
+}
+
+/** Says once which side is the figure's front, for the film, other programs and all views. */
+function FrontButton({ viewer }: { viewer: Viewer | null }) {
+  const { project, steps, tell, complain, reload } = useStudio()
+  const step = frontStep(steps)
+  if (!step) return null
+  const say = async () => {
+    if (!viewer) return
+    const value = String(azimuthOf(viewer.turn().direction))
+    try {
+      const { revision } = project
+      await api.setOption({ step, pose: '', option: 'front', value, revision })
+      tell('This side is the front: of the film, in other programs, and where views begin.')
+      await reload()
+    } catch (error) {
+      complain(error)
+    }
+  }
+  const now = frontOf(steps)
+  const words = now === 0 ? 'the side of the first photograph' : `${now}° from the first photograph`
+  return (
+    <button
+      title={`Turn the figure to face you, then press. So far: ${words}`}
+      onClick={() => void say()}
+    >
+      This is the front
+    </button>
   )
 }
 

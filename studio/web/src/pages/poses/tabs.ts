@@ -1,8 +1,8 @@
 // What there is to see of a pose.
 import type { Pose } from '../../api'
 
-export type Tab = 'photographs' | 'figure' | '3d' | 'fit' | 'wipe'
-export const kTabs: Tab[] = ['photographs', 'figure', '3d', 'fit', 'wipe']
+export type Tab = 'photographs' | 'figure' | '3d' | 'mend' | 'fit' | 'wipe'
+export const kTabs: Tab[] = ['photographs', 'figure', '3d', 'mend', 'fit', 'wipe']
 
 /** Whether a pose has a mesh from elsewhere in place of photographs. */
 export function isFromMesh(pose: Pose): boolean {
