@@ -42,7 +42,7 @@ void AddBelow(const fs::path& folder, int depth, Sha256& all) {
 /// Whether the project keeps its own results, or what is looked at closer, in a folder of this
 /// name.
 bool IsKnownFolder(const std::string& name) {
-  static const std::set<std::string> kKnown = {"out", "photos", "masks", "landmarks"};
+  static const std::set<std::string> kKnown = {"out", "photos", "masks", "landmarks", "mending"};
   return name.starts_with(".") || kKnown.contains(name);
 }
 
@@ -92,7 +92,7 @@ std::string ProjectWatch::Look() const {
   Sha256 all;
   for (const char* file : {"pipeline.yaml", "stiffness.json", "regions.json", ".keypose/out.json"})
     all.Add(StampOf(project_ / file));
-  for (const char* folder : {"photos", "masks", "landmarks", ".keypose/steps"})
+  for (const char* folder : {"photos", "masks", "landmarks", "mending", ".keypose/steps"})
     AddBelow(project_ / folder, kDepth, all);
   AddOthers(project_, all);
   return all.Hex();

@@ -287,6 +287,7 @@ async function bittenMesh() {
   check(strokes()[0].tool === 'fill', 'not filled');
   await until('the page knows the step', () => page.getByText('The next run mends the mesh').isVisible());
   await record(page, 'mend_filled', options.pictures);
+  await page.getByRole('button', { name: 'Run', exact: true }).waitFor();
   check(mostOffBall(file) < 0.01, `the bite is still ${mostOffBall(file)} deep of 0.25`);
   await page.getByRole('button', { name: 'Moved', exact: true }).click();
   await record(page, 'mend_moved', options.pictures);

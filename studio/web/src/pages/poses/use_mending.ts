@@ -27,7 +27,7 @@ export interface MendDesk {
 }
 
 export function useMending(pose: string): MendDesk {
-  const { version, tell, complain } = useStudio()
+  const { version, reload, tell, complain } = useStudio()
   const [mending, setMending] = useState<Mending | null>(null)
   const [before, setBefore] = useState<MeshData | null>(null)
   const [draft, setDraft] = useState<MendDraft | null>(null)
@@ -38,8 +38,12 @@ export function useMending(pose: string): MendDesk {
   const drafted = useRef<{ strokes: readonly MendStroke[]; mesh: MeshData } | null>(null)
   const strokes = useMemo(() => {
     const store = {
-      save: async (list: readonly MendStroke[], revision: string) =>
-        (await api.saveMending(pose, list, revision)).revision,
+      save: async (list: readonly MendStroke[], revision: string) => {
+        const now = await api.saveMending(pose, list, revision)
+        // With the first stroke there is a step more, and the next run has something to do.
+        void reload()
+        return now.revision
+      },
       read: async () => {
         const now = await api.mending(pose)
         setMending(now)
@@ -47,7 +51,7 @@ export function useMending(pose: string): MendDesk {
       },
     }
     return new ClickFile<MendStroke>(store, () => drawAgain((old) => old + 1), tell, 'strokes')
-  }, [pose, tell])
+  }, [pose, tell, reload])
   useEffect(() => {
     let current = true
     const asked = strokes.moment
