@@ -34,6 +34,13 @@ void ExportOptions::Describe(OptionVisitor& visit) {
         {.help = "unit of the frames; what is exported is in metres",
          .unit = "",
          .choices = {"m", "cm", "mm"}});
+  visit("front", front,
+        {"side of the figure that other programs and the film get as its front, counter-clockwise "
+         "seen from above; 0: the side of the first photograph (-y)",
+         "deg",
+         0,
+         360,
+         {}});
   visit("poses", poses,
         {"names of the keys' poses in order, separated by commas, one per texture in `textures`",
          ""});
@@ -64,14 +71,13 @@ void ExportOptions::Describe(OptionVisitor& visit) {
 void ExportOptions::DescribeFilm(OptionVisitor& visit) {
   visit("video_width", format.film.width, {"of the film; even", "px", 64, 7680, {}});
   visit("video_height", format.film.height, {"of the film; even", "px", 64, 4320, {}});
-  visit(
-      "video_azimuth", format.film.azimuth_deg,
-      {"azimuth of the film's camera, counter-clockwise seen from above; 0: the side of the first "
-       "photograph (-y); -1: the direction in the front half that shows most motion",
-       "deg",
-       -1,
-       360,
-       {}});
+  visit("video_azimuth", format.film.azimuth_deg,
+        {"azimuth of the film's camera, counter-clockwise seen from above; 0: the front; -1: the "
+         "direction in the front half that shows most motion",
+         "deg",
+         -1,
+         360,
+         {}});
   visit("video_elevation", format.film.elevation_deg,
         {"height of the film's camera above the horizon", "deg", 0, 80, {}});
   visit("video_fov", format.film.fov_deg,

@@ -17,6 +17,7 @@ struct ExportOptions {
   PlaybackOptions playback;
   std::string up = "z";    // axis that points up in the frames
   std::string unit = "m";  // of the frames
+  double front = 0;  // deg, counter-clockwise seen from above, from the first photograph's side
   std::string poses;
   double sound_at = 0;  // s on the film's time
   FormatOptions format;

@@ -198,8 +198,10 @@ ExportOptions WithSound(keypose::StageContext& stage, const ExportOptions& optio
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   keypose::exporting::PlaybackOptions playback = options.playback;
   playback.fps = RateOf(stage.Input("frames"), options);
-  const Scene scene = keypose::exporting::ReadScene(
-      stage, playback, options.up == "z", MetresOf(options.unit), keypose::NamesIn(options.poses));
+  const keypose::exporting::FramePlacement placement{options.up == "z", MetresOf(options.unit),
+                                                     options.front};
+  const Scene scene =
+      keypose::exporting::ReadScene(stage, playback, placement, keypose::NamesIn(options.poses));
   WarnOfSize(stage, scene);
   const ExportOptions heard = WithSound(stage, options, scene);
   const fs::path out = stage.Output("animation");

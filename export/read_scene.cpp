@@ -1,9 +1,11 @@
 #include "export/read_scene.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 #include "core/io/meshes/mesh_io.h"
@@ -217,18 +219,30 @@ std::vector<KeyMark> MarkKeys(const FrameNotes& notes, const std::vector<std::st
   return marks;
 }
 
+/// Turns the figure so that its front lies where that of a figure with front 0 does.
+void TurnToFront(const FramePlacement& placement, std::vector<Mesh>& frames) {
+  const Eigen::Vector3d up = placement.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  const double angle = -placement.front_deg * std::numbers::pi / 180;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, up).toRotationMatrix();
+  for (Mesh& frame : frames) {
+    frame.points = (frame.points * turn.transpose()).eval();
+    if (frame.normals.rows() > 0) frame.normals = (frame.normals * turn.transpose()).eval();
+  }
+}
+
 }  // namespace
 
-Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up, double metres,
-                const std::vector<std::string>& poses) {
+Scene ReadScene(StageContext& stage, const PlaybackOptions& playback,
+                const FramePlacement& placement, const std::vector<std::string>& poses) {
   const fs::path folder = stage.Input("frames");
   SubProgress reading(stage.progress(), 0, kReadingShare);
   Scene scene;
   scene.playback = playback;
-  scene.z_up = z_up;
+  scene.z_up = placement.z_up;
   ReadFrames(folder, scene, &reading);
-  if (metres != 1)
-    for (Mesh& frame : scene.frames) frame.points *= metres;
+  if (placement.metres != 1)
+    for (Mesh& frame : scene.frames) frame.points *= placement.metres;
+  if (placement.front_deg != 0) TurnToFront(placement, scene.frames);
   if (stage.Has("layout")) TakeLayout(stage.Input("layout"), scene);
   scene.net = NetOf(scene.frames[0], {});
   if (stage.Has("polygons")) TakePolygons(stage, scene);

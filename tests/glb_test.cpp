@@ -113,6 +113,20 @@ bool HasValidator() {
   return HasProgram("node") && fs::exists(SourceFolder() + "/node_modules/gltf-validator");
 }
 
+TEST_F(ExportedGlb, IsTurnedSoThatTheFrontLooksToTheFilm) {
+  const auto points = [&] { return ReadMesh(animation_ / "obj/frame_0005.obj").points; };
+  ASSERT_EQ(Export({"--formats", "obj"}).exit_code, 0);
+  const PointsX3 plain = points();
+  // The tube bends to +x, which is 90 degrees from -y.
+  ASSERT_EQ(Export({"--formats", "obj", "--front", "90"}).exit_code, 0);
+  const PointsX3 turned = points();
+  ASSERT_EQ(turned.rows(), plain.rows());
+  // y is up in OBJ, and the film looks from z.
+  EXPECT_LT((turned.col(2) - plain.col(0)).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_LT((turned.col(0) + plain.col(2)).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_EQ(turned.col(1), plain.col(1));
+}
+
 TEST_F(ExportedGlb, PlaysAtTheRateOfItsFramesUnlessAnotherIsGiven) {
   const auto has_rate = [&](const std::string& rate) {
     return ReadFile(animation_ / "animation.json").find("\"fps\": " + rate + ",") !=
