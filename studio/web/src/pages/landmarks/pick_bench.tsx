@@ -146,7 +146,8 @@ function usePickKeys(
 }
 
 /** The name that the next pair gets, and the search for suggestions. */
-function NextPair({ picking, surfaces }: { picking: Picking; surfaces: Surfaces }) {
+function NextPair(props: { picking: Picking; surfaces: Surfaces; mirrors: boolean }) {
+  const { picking, surfaces } = props
   return (
     <div class="row lm-name-row">
       <label class="lm-next">
@@ -167,14 +168,16 @@ function NextPair({ picking, surfaces }: { picking: Picking; surfaces: Surfaces 
       >
         {picking.searching ? 'Looking…' : 'Suggest'}
       </button>
-      <button
-        data-action="mirror"
-        disabled={picking.searching || !surfaces.template.data || !surfaces.pose.data}
-        title="Puts the landmarks of one half of a symmetric figure on its other half (M)"
-        onClick={() => void picking.mirror()}
-      >
-        Mirror
-      </button>
+      {props.mirrors && (
+        <button
+          data-action="mirror"
+          disabled={picking.searching || !surfaces.template.data || !surfaces.pose.data}
+          title="Puts the landmarks of one half of a symmetric figure on its other half (M)"
+          onClick={() => void picking.mirror()}
+        >
+          Mirror
+        </button>
+      )}
     </div>
   )
 }
@@ -259,6 +262,7 @@ export function PickBench(props: {
     <PairBench
       title="Landmarks"
       {...{ surfaces, picking, advice, looks }}
+      mirrors
       top={props.modes}
       card={(pairs) => <FitCard pose={pose.name} pairs={pairs} save={() => files.save()} />}
     >
@@ -293,6 +297,8 @@ export function PairBench(props: {
   picking: Picking
   advice: Advice[]
   looks: Looks
+  /** whether picks of one half can be put on the other */
+  mirrors?: boolean
   /** above the lists */
   top: ComponentChildren
   /** below them, told how many pairs are whole */
@@ -318,7 +324,7 @@ export function PairBench(props: {
       <h1 class="hidden">{props.title}</h1>
       <div class="side lm-side">
         {props.top}
-        <NextPair picking={picking} surfaces={surfaces} />
+        <NextPair picking={picking} surfaces={surfaces} mirrors={props.mirrors ?? false} />
         {picking.whyNone && (
           <p class="warn small lm-none" role="alert">
             {sentence(picking.whyNone)}

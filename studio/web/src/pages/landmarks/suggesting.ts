@@ -1,6 +1,7 @@
 // Suggestions: asked for, then accepted or refused one by one.
 import { useState } from 'preact/hooks'
 
+import { api } from '../../api'
 import type { Suggestion } from '../../api'
 import { useStudio } from '../../state'
 import { count } from '../../words'
@@ -29,7 +30,7 @@ export function useSuggestions(
   choice: Choice,
   find: () => Promise<Found>,
 ) {
-  const { complain } = useStudio()
+  const { tell, complain } = useStudio()
   const [searching, setSearching] = useState(false)
   const [whyNone, setWhyNone] = useState('')
   const sheet = files.history.now
