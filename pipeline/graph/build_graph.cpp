@@ -201,7 +201,7 @@ class GraphBuilder {
   void LoadStages() {
     std::vector<fs::path> programs;
     for (const StepRule& rule : file_.steps) {
-      if (rule.enabled && (MayExist(rule, Given()) || IsGivenOptions(rule)))
+      if (rule.enabled && (MayExist(rule, Given(), file_.poses) || IsGivenOptions(rule)))
         programs.push_back(program_of_[rule.name] = ProgramOf(rule, places_, disk_));
     }
     catalog_.Load(programs);

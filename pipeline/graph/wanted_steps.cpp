@@ -26,12 +26,15 @@ void RequireWord(const StepRule& rule, const Setting& reference, const Sources& 
 
 }  // namespace
 
-bool MayExist(const StepRule& rule, const Sources& sources) {
+bool MayExist(const StepRule& rule, const Sources& sources, const std::vector<PoseRule>& poses) {
   return std::all_of(rule.when.begin(), rule.when.end(), [&](const Setting& reference) {
     if (!reference.text.starts_with("$")) return true;
     const std::string word = reference.text.substr(1);
-    const bool of_project = sources.Knows(word) && !sources.IsOfPose(word);
-    return !of_project || sources.Gives(word, nullptr);
+    // What is no word is told of where the steps are made.
+    if (!sources.Knows(word)) return true;
+    if (!sources.IsOfPose(word)) return sources.Gives(word, nullptr);
+    return std::any_of(poses.begin(), poses.end(),
+                       [&](const PoseRule& pose) { return sources.Gives(word, &pose); });
   });
 }
 

@@ -5,8 +5,8 @@
 
 namespace keypose::pipeline {
 
-/// Whether the project gives what the step exists for, or some pose or shot may give it.
-bool MayExist(const StepRule& rule, const Sources& sources);
+/// Whether the project, or one of its poses or shots, gives what the step exists for.
+bool MayExist(const StepRule& rule, const Sources& sources, const std::vector<PoseRule>& poses);
 
 /// Whether the project, or this pose or shot of it, gives what the step exists for.
 /// @param pose  null: the step is of the animation or the project
