@@ -19,6 +19,7 @@
 #include "capture/pictures/working_image.h"
 #include "capture/said_figure.h"
 #include "capture/segmentation/masking.h"
+#include "core/io/pictures/blurred_images.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_set.h"
 #include "core/io/pictures/other_thing_notes.h"
@@ -229,11 +230,9 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
         all, [&](const Written& w) { return !is_black(w) && w.quality.crispness < crispness; });
   };
   const auto unusable = blurred_below(options.min_sharpness);
-  // Of sharp photographs of one figure the least crisp has 0.89 of the median (three real sets).
-  constexpr double kOfMedian = 0.75;
   const auto blurred =
       options.min_sharpness > 0
-          ? blurred_below(std::max(options.min_sharpness, kOfMedian * MedianCrispness(all)))
+          ? blurred_below(std::max(options.min_sharpness, kBlurredOfMedian * MedianCrispness(all)))
           : unusable;
   const auto limit =
       static_cast<std::size_t>(options.max_bad_share * static_cast<double>(all.size()));

@@ -2,9 +2,12 @@
 #include <algorithm>
 #include <atomic>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "core/io/meshes/mesh_io.h"
+#include "core/io/pictures/blurred_images.h"
 #include "core/io/pictures/image_io.h"
 #include "core/io/pictures/image_levels.h"
 #include "core/io/pictures/image_set.h"
@@ -145,7 +148,9 @@ std::string Names(const std::vector<std::string>& names) {
 }
 
 /// Warns of photographs whose colours are outliers.
-void ReportColors(StageContext& stage, const Scene& scene, const std::vector<ViewColors>& colors) {
+/// @param blurred  photographs that are known to be: their edges have other colours
+void ReportColors(StageContext& stage, const Scene& scene, const std::vector<ViewColors>& colors,
+                  const std::set<std::string>& blurred) {
   nlohmann::json distrusted = nlohmann::json::array(), hidden = nlohmann::json::array(),
                  views = nlohmann::json::object();
   std::vector<std::string> other_light;
@@ -166,7 +171,7 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
                  "wrong: shoot it again, or delete it");
     } else if (!c.hidden.empty()) {
       hidden.push_back({{"name", name}, {"share", c.hidden_share}});
-      if (!c.told) continue;
+      if (!c.told || blurred.contains(name)) continue;
       stage.Warn("something lies before the figure in " + name +
                  " (a hand, a tool, a lamp's mirror image): " + PercentHalfUp(c.hidden_share) +
                  " of what it shows has other colours than the other photographs show there, and "
@@ -246,7 +251,7 @@ void RunPhotographs(StageContext& stage, const Mesh& mesh, const BakeOptions& op
   const BakeResult result = Bake(mesh, scene.views, load, options, stage.progress());
   ReportTexels(stage, result);
   ReportQuality(stage, scene, result, options.leave_out);
-  ReportColors(stage, scene, result.colors);
+  ReportColors(stage, scene, result.colors, BlurredImages(images));
   const bool png = stage.Output("texture").extension() == ".png";
   Write(stage, result, options.bits == 0 && deep && png ? 16 : options.bits);
 }
