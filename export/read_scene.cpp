@@ -79,7 +79,7 @@ EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
   EncodedImage out;
   out.name = path.stem().string();
   const std::string format = ReadImageInfo(path).format;
-  const Image8 pixels = ReadTexture(path);  // checks that the file is complete
+  const Image8 pixels = keypose::ReadTexture(path);  // checks that the file is complete
   if (format == "png" || format == "jpeg") {
     out.mime_type = "image/" + format;
     out.bytes = ReadFile(path);
@@ -121,9 +121,9 @@ void ReadFrameTextures(const fs::path& folder, const fs::path& scratch, Scene& s
   const std::vector<fs::path> paths = NumberedTextures(folder, SizeOf(scene.frames));
   for (const fs::path& path : paths) scene.frame_texture_names.push_back(path.filename().string());
   scene.textures.push_back(ReadTexture(paths[0], scratch));
-  scene.texture_pixels.push_back(ReadTexture(paths[0]));
+  scene.texture_pixels.push_back(keypose::ReadTexture(paths[0]));
   scene.poses.push_back("");
-  scene.texture_of_frame = [paths](int frame) { return ReadTexture(paths[frame]); };
+  scene.texture_of_frame = [paths](int frame) { return keypose::ReadTexture(paths[frame]); };
 }
 
 /// Textures with equal content are one. @return index of the texture, per key
@@ -144,7 +144,7 @@ std::vector<int> ReadTextures(StageContext& stage, const std::vector<std::string
     if (same != scene.textures.end()) continue;
     scene.poses.push_back(i < poses.size() ? poses[i] : "key-" + std::to_string(i));
     scene.textures.push_back(std::move(image));
-    scene.texture_pixels.push_back(ReadTexture(paths[i]));
+    scene.texture_pixels.push_back(keypose::ReadTexture(paths[i]));
   }
   return of_key;
 }

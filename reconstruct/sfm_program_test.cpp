@@ -285,6 +285,27 @@ TEST_F(SfmProgramFull, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
   EXPECT_THAT(strict.output, HasSubstr("at least 1.00 is required"));
 }
 
+// Some 130 points a view, which let the pixels become 1.9 times as high as wide: fy 1733, fx 933.
+TEST_F(SfmProgramFull, PixelsStaySquareWhereFewPointsHoldTheLens) {
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  const std::string folder = root.string();
+  ASSERT_EQ(Run("", "keypose-synth",
+                "photos --output " + folder +
+                    " --poses rest --views 20 --elevations 25 --width 480 --spacing 0.006")
+                .code,
+            0);
+  ASSERT_EQ(Run("", "keypose-capture",
+                "--photos " + folder + "/photos/rest --images " + folder + "/images")
+                .code,
+            0);
+  ASSERT_EQ(Sfm("", "model").code, 0);
+  constexpr double kTrue = 800;  // 60 mm of 36 at 480 pixels
+  for (const View& view : ReadColmapModel(root / "model").views) {
+    EXPECT_NEAR(view.camera.fy / view.camera.fx, 1, 1e-3);
+    EXPECT_NEAR(view.camera.fx, kTrue, 0.02 * kTrue);
+  }
+}
+
 TEST_F(SfmProgram, BoardGivesCamerasInMetresOfAFigureWithoutTexture) {
   if (!fs::exists(BinFolder() + "/keypose-synth") || !fs::exists(BinFolder() + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";

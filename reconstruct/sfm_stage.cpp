@@ -226,7 +226,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "17",
+    .version = "18",
     .summary =
         "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .title = "Cameras",

@@ -1,6 +1,7 @@
 #include "reconstruct/sfm/strategies.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -27,6 +28,21 @@ struct FewPointsTuning {
 
 constexpr std::size_t kFocalsOfWhole = 3;
 
+/// Whether a camera's pixels are far from square, as no camera's are. A ring at one height lets the
+/// focal lengths drift apart where few points hold them.
+bool HasOddPixels(const Scene& scene) {
+  constexpr double kMost = 0.02;
+  return std::any_of(scene.views.begin(), scene.views.end(), [](const View& view) {
+    return std::abs(view.camera.fy / view.camera.fx - 1) > kMost;
+  });
+}
+
+Scene WithSquarePixels(Scene scene) {
+  for (View& view : scene.views)
+    view.camera.fx = view.camera.fy = std::sqrt(view.camera.fx * view.camera.fy);
+  return scene;
+}
+
 /// The model after another adjustment with a robust loss. Known poses stay fixed; models without
 /// observations of points and boards stay unchanged.
 PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& options,
@@ -34,8 +50,15 @@ PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& opti
   if (model.fixed || (model.observations.empty() && model.bodies.observations.empty()))
     return model;
   const PointSet some = SpreadPoints(model.scene, model.observations, options.adjusted_points);
-  BundleResult result = AdjustBundle(some.scene, some.observations, BundleFor(model, options),
-                                     stage.progress(), model.bodies);
+  BundleOptions bundle = BundleFor(model, options);
+  BundleResult result =
+      AdjustBundle(some.scene, some.observations, bundle, stage.progress(), model.bodies);
+  if (HasOddPixels(result.scene)) {
+    bundle.keep_aspect = true;
+    result = AdjustBundle(WithSquarePixels(some.scene), some.observations, bundle, stage.progress(),
+                          model.bodies);
+    measurements.Add("square_pixels", true);
+  }
   measurements.Add("colmap_reprojection_error_px", result.before_px);
   measurements.Add("refined_reprojection_error_px", result.after_px);
   measurements.Add("observations_dropped", result.dropped);
