@@ -62,9 +62,11 @@ std::string PlainPng(std::string_view png, const std::string& name, bool with_pr
   constexpr int kGreyWithAlpha = 4, kColorWithAlpha = 6;
   constexpr std::size_t kColorType = 25;
   std::string kept(png.substr(0, 8)), profile;
-  bool alpha = false;
+  bool alpha = false, srgb = false;
+  ForChunks(png, [&](std::string_view type, std::string_view) { srgb |= type == "sRGB"; });
   ForChunks(png, [&](std::string_view type, std::string_view bytes) {
-    const bool tells_color = type == "iCCP" || type == "gAMA" || type == "cHRM";
+    // Beside the chunk sRGB these say the same again.
+    const bool tells_color = type == "iCCP" || (!srgb && (type == "gAMA" || type == "cHRM"));
     if (type == "eXIf" || (tells_color && !with_profile)) return;
     alpha |= type == "tRNS";
     if (type == "iCCP") profile = bytes;
