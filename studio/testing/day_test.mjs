@@ -106,11 +106,13 @@ async function mendAMask() {
   await tile(name).click();
   const surface = page.getByRole('application', { name: new RegExp(`^${name} with its mask`) });
   const box = await boxOf(surface);
-  await button('Add').or(page.getByRole('button', { name: /^Add/ })).first().click();
-  await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.55 * box.height);
+  await page.getByRole('button', { name: /^Add/ }).click();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press('[');
+  // Over the edge of the right hand.
+  await page.mouse.move(box.x + 0.72 * box.width, box.y + 0.49 * box.height);
   await page.mouse.down();
   for (let i = 0; i <= 6; ++i)
-    await page.mouse.move(box.x + 0.5 * box.width, box.y + (0.55 + 0.01 * i) * box.height);
+    await page.mouse.move(box.x + (0.72 + 0.001 * i) * box.width, box.y + (0.49 + 0.01 * i) * box.height);
   await page.mouse.up();
   await page.getByText('Strokes not saved yet.').waitFor();
   await record(page, 'day_mask', options.pictures);
