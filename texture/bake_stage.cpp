@@ -28,7 +28,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "11";
+  spec.version = "12";
   spec.summary =
       "Paints a pose's photographs, or the colours of its scan, into the texture of its mesh.";
   spec.title = "Textures";

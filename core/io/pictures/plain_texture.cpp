@@ -59,7 +59,7 @@ std::string PlainJpeg(std::string_view jpeg, bool with_profile) {
 }
 
 std::string PlainPng(std::string_view png, const std::string& name, bool with_profile) {
-  constexpr int kGreyWithAlpha = 4, kColorWithAlpha = 6;
+  constexpr int kGrey = 0, kGreyWithAlpha = 4, kColorWithAlpha = 6;
   constexpr std::size_t kColorType = 25;
   std::string kept(png.substr(0, 8)), profile;
   bool alpha = false, srgb = false;
@@ -75,6 +75,7 @@ std::string PlainPng(std::string_view png, const std::string& name, bool with_pr
   if (png.size() < kPngHead) return std::string(png);
   const int color_type = png[kColorType];
   if (!alpha && color_type != kGreyWithAlpha && color_type != kColorWithAlpha) return kept;
+  if (color_type == kGrey || color_type == kGreyWithAlpha) profile.clear();  // not one of RGB
   return PngBytes(DecodePicture(kept, name)).insert(kPngHead, profile);
 }
 
